@@ -1,0 +1,72 @@
+"""The one exception of the language: what is wrong, where, and what would have been right.
+
+Read next: `lexer`, where the first of them are raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+
+class Place(NamedTuple):
+    """A stretch of program text. Lines count from 1, columns from 0 (as in Python's `ast`)."""
+
+    file: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+class ScenicError(Exception):
+    """A program that cannot be read, compiled or sampled.
+
+    `kind` is one of `syntax`, `name`, `type`, `value`, `specifier`, `random-control-flow`, `rejection`,
+    `budget`, `import`, `unsupported`. `str()` gives `file:line:column: message (hint)`, then the source line with
+    the culprit underlined; columns are printed from 1.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        message: str,
+        place: Place | None = None,
+        *,
+        hint: str = "",
+        source_line: str = "",
+        notes: Iterable[str] = (),
+    ) -> None:
+        super().__init__(message)
+        self.kind = kind
+        self.message = message
+        self.place = place
+        self.hint = hint
+        self.source_line = source_line
+        self.notes = tuple(notes)
+
+    @property
+    def line(self) -> int | None:
+        """Line of the culprit, from 1."""
+        return self.place.line if self.place else None
+
+    @property
+    def column(self) -> int | None:
+        """Column of the culprit, from 1."""
+        return self.place.column + 1 if self.place else None
+
+    def __str__(self) -> str:
+        head = self.message + (f" ({self.hint})" if self.hint else "")
+        if self.place is None:
+            return "\n".join([head, *self.notes])
+        lines = [f"{self.place.file}:{self.line}:{self.column}: {head}"]
+        if self.source_line:
+            lines += self._underlined(self.place)
+        return "\n".join([*lines, *self.notes])
+
+    def _underlined(self, place: Place) -> list[str]:
+        text = self.source_line.rstrip("\n")
+        end = place.end_column if place.end_line == place.line else len(text)
+        # Tabs stay tabs in the margin, so that the carets stand under the text whatever the tab width.
+        margin = "".join(c if c == "\t" else " " for c in text[: place.column])
+        return ["    " + text, "    " + margin + "^" * max(1, end - place.column)]
