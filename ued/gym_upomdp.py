@@ -1,0 +1,221 @@
+"""Any Gymnasium environment as a UPOMDP: the user says what θ means, and how it is put into the environment.
+
+`UPOMDPWrapper` does it for one environment and stays a valid Gymnasium environment; `GymUPOMDP` steps N of those and
+is what methods train on. Read next: `rollout`.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+import gymnasium
+import numpy as np
+
+from ued.upomdp import UPOMDP, Draw, check_theta
+
+Apply = Callable[[gymnasium.Env, dict[str, Any]], object]
+Range = tuple[float, float]
+
+
+class Parameter(NamedTuple):
+    """One free parameter: θ = -1 means `low`, θ = 1 means `high`, linearly between."""
+
+    name: str
+    low: float
+    high: float
+
+
+class ThetaProgram(Protocol):
+    """What a `scenic_lite.Program` offers here: columns, validity, and values in its own units."""
+
+    @property
+    def draws(self) -> tuple[Draw, ...]: ...
+    def valid(self, theta: np.ndarray) -> np.ndarray: ...
+    def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
+
+
+class ThetaMap:
+    """What θ means: D columns, which rows are valid, and what values they stand for.
+
+    `theta` is the number of dimensions (values are θ itself, named `theta[0]`, ...), a mapping from name to
+    (low, high), or a program whose random values are the columns.
+    """
+
+    def __init__(self, theta: int | Mapping[str, Range] | ThetaProgram) -> None:
+        self.program = None
+        if isinstance(theta, int):
+            if theta < 0:
+                raise ValueError(f"theta_dim must be 0 or more, got {theta}")
+            self.draws: tuple[Draw, ...] = tuple(Parameter(f"theta[{i}]", -1.0, 1.0) for i in range(theta))
+        elif isinstance(theta, Mapping):
+            self.draws = tuple(self._parameter(name, bounds) for name, bounds in theta.items())
+        else:
+            self.program = theta
+            self.draws = theta.draws
+
+    @staticmethod
+    def _parameter(name: str, bounds: Range) -> Parameter:
+        low, high = map(float, bounds)
+        if not (math.isfinite(low) and math.isfinite(high)):
+            raise ValueError(f"the range of {name!r} must be two finite numbers, got {bounds}")
+        return Parameter(name, low, high)
+
+    def valid(self, theta: np.ndarray) -> np.ndarray:
+        """Say which rows of θ `[n, D]` can be played: bool `[n]`."""
+        return np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
+
+    def values(self, row: np.ndarray) -> dict[str, Any]:
+        """Give one row of θ `[D]` in the environment's units."""
+        if self.program is not None:
+            return self.program.describe(row)
+        return {d.name: d.low + (x + 1) / 2 * (d.high - d.low) for d, x in zip(self.draws, row.tolist(), strict=True)}
+
+
+class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
+    """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
+
+    `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset.
+    A reset without θ draws one at random, so a stock trainer sees domain randomisation.
+    """
+
+    def __init__(self, env: gymnasium.Env, apply: Apply, theta: int | Mapping[str, Range] | ThetaProgram) -> None:
+        gymnasium.utils.RecordConstructorArgs.__init__(self, apply=apply, theta=theta)
+        gymnasium.Wrapper.__init__(self, env)
+        self.apply = apply
+        self.theta_map = ThetaMap(theta)
+        self.draws = self.theta_map.draws
+        self.theta_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.draws),), np.float64)
+        self.theta = np.zeros(len(self.draws))
+        self._streams = np.random.default_rng()
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start an episode on `options["theta"]` `[D]`, or on a random θ. `info["theta"]` says which.
+
+        Raises `ued.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that the
+        program rejects.
+        """
+        if seed is not None:
+            self._streams = np.random.default_rng(seed)
+        options = dict(options or {})
+        if "theta" in options:
+            theta = check_theta(options.pop("theta"), len(self.draws), rows=1)
+            if not self.theta_map.valid(theta)[0]:
+                raise ValueError(f"theta {theta[0].tolist()} describes no valid level")
+            self.theta = theta[0]
+        else:
+            self.theta = self._random_theta()
+        return self._restart(seed, options)
+
+    def reset_random(self) -> Any:
+        """Draw θ at random and reset; gives the observation."""
+        return self.reset()[0]
+
+    def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
+        """Set θ `[D]` and reset."""
+        return self.reset(options={"theta": theta})
+
+    def reset_agent(self) -> Any:
+        """Start a new episode with the same θ; gives the observation."""
+        return self._restart(None, {})[0]
+
+    def _random_theta(self) -> np.ndarray:
+        for _ in range(4096):
+            theta = self._streams.uniform(-1.0, 1.0, (1, len(self.draws)))
+            if self.theta_map.valid(theta)[0]:
+                return theta[0]
+        raise ValueError("no valid theta found in 4096 draws")
+
+    def _restart(self, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        self.apply(self.env, self.theta_map.values(self.theta))
+        observation, info = self.env.reset(seed=seed, options=options or None)
+        return observation, {**info, "theta": self.theta.copy()}
+
+
+class GymUPOMDP(UPOMDP):
+    """N copies of any Gymnasium environment, each with its own level.
+
+    Args:
+        make_env: makes one environment; called `num_envs` times.
+        apply: `apply(env, values)` puts one level's values into an environment, before each of its resets.
+        theta: number of dimensions, mapping from name to (low, high), or a program.
+        num_envs: N. They are stepped one after the other in this process.
+    """
+
+    def __init__(
+        self,
+        make_env: Callable[[], gymnasium.Env],
+        apply: Apply,
+        theta: int | Mapping[str, Range] | ThetaProgram,
+        num_envs: int = 1,
+    ) -> None:
+        self.make_env, self.apply, self.theta_map = make_env, apply, ThetaMap(theta)
+        self.envs = [make_env() for _ in range(num_envs)]
+        first = self.envs[0]
+        super().__init__(num_envs, first.observation_space, first.action_space, self.theta_map.draws)
+        shape, dtype = self.single_observation_space.shape, self.single_observation_space.dtype
+        if shape is None or dtype is None:
+            raise ValueError(
+                f"observations must be arrays, got the space {self.single_observation_space}; "
+                "wrap the environment, for example with gymnasium.wrappers.FlattenObservation"
+            )
+        self._observations = np.zeros((num_envs, *shape), dtype)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        return self.theta_map.valid(check_theta(theta, self.theta_dim))
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        return [self.theta_map.values(row) for row in check_theta(theta, self.theta_dim)]
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        for level, index in zip(levels, where.tolist(), strict=True):
+            self._restart(index, level["theta"], seed=int(level["seed"] % 2**31))
+        return self._observations.copy()
+
+    def _restart(self, index: int, theta: np.ndarray, seed: int | None = None) -> None:
+        env = self.envs[index]
+        self.apply(env, self.theta_map.values(theta))
+        self._observations[index] = env.reset(seed=seed)[0]
+
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        rewards = np.zeros(self.num_envs)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        final = np.zeros_like(self._observations)
+        actions = gymnasium.vector.utils.iterate(self.action_space, actions)
+        for i, (env, action) in enumerate(zip(self.envs, actions, strict=True)):
+            self._observations[i], rewards[i], terminated[i], truncated[i], _ = env.step(action)
+            if terminated[i] or truncated[i]:
+                final[i] = self._observations[i]
+                self._restart(i, self.levels["theta"][i])
+        info = {"final_obs": final, "_final_obs": terminated | truncated}
+        return self._observations.copy(), rewards, terminated, truncated, info
+
+    def get_state(self) -> dict[str, Any]:
+        """Give everything that changes; the environments themselves are Python objects, copied deeply."""
+        return {
+            "levels": self.levels.copy(),
+            "observations": self._observations.copy(),
+            "np_random": self.np_random.bit_generator.state,
+            "envs": copy.deepcopy(self.envs),
+        }
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self.levels[:] = state["levels"]
+        self._observations[:] = state["observations"]
+        self.np_random.bit_generator.state = state["np_random"]
+        self.envs = copy.deepcopy(state["envs"])
+        return self._observations.copy()
+
+    def copy(self) -> GymUPOMDP:
+        twin = GymUPOMDP(self.make_env, self.apply, self.theta_map.program or self._ranges(), self.num_envs)
+        twin.set_state(self.get_state())
+        return twin
+
+    def _ranges(self) -> dict[str, Range]:
+        return {draw.name: (draw.low, draw.high) for draw in self.draws}
+
+    def close_extras(self, **kwargs: Any) -> None:
+        for env in self.envs:
+            env.close()

@@ -1,0 +1,227 @@
+"""The seam between environments and methods: an under-specified POMDP as a Gymnasium vector environment.
+
+A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that somebody else sets. Here θ is a row of
+[-1, 1]^D, a *level* is a row (program, seed, θ), and N environments play N levels at a time. Which level comes next is
+the business of the method that trains on it, so an environment repeats its level until told otherwise.
+
+Letters: `N` environments, `D` dimensions of θ. Read next: `rollout`, which plays levels, or `gym_upomdp`, which makes a
+UPOMDP of any Gymnasium environment.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box
+from gymnasium.vector import AutoresetMode, VectorEnv
+
+MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
+
+
+class Draw(Protocol):
+    """What is known of one column of θ. `scenic_lite.Draw` is one; so is `gym_upomdp.Parameter`."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def low(self) -> float: ...
+    @property
+    def high(self) -> float: ...
+
+
+class ThetaError(ValueError):
+    """A θ that is no θ: wrong shape, not a number, or outside [-1, 1]. The message says which row and column."""
+
+
+def level_dtype(dim: int) -> np.dtype:
+    """Give the record of one level: `program` (index of the program), `seed` (of the episode's stream), `theta` [D]."""
+    return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
+
+
+def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
+    """Give θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
+    try:
+        array = np.asarray(theta, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ThetaError(f"theta must be an array of numbers of shape [N, {dim}], got {theta!r}") from error
+    if array.ndim == 1:
+        array = array[None]
+    if array.ndim != 2 or array.shape[1] != dim or (rows is not None and array.shape[0] != rows):
+        wanted = f"[{'N' if rows is None else rows}, {dim}]"
+        raise ThetaError(f"theta must have shape {wanted}, got {list(np.shape(theta))}")
+    outside = ~((array >= -1.0) & (array <= 1.0))  # catches NaN too
+    if outside.any():
+        row, column = np.argwhere(outside)[0]
+        raise ThetaError(f"theta[{row}, {column}] is {array[row, column]:g}; every entry must be a number in [-1, 1]")
+    return array
+
+
+class UPOMDP(VectorEnv):
+    """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
+
+    Subclasses call `__init__` and give `_start`, `_step`, and where they can `valid`, `describe`, `get_state`,
+    `set_state`. Episodes that end start again in the same step (`AutoresetMode.SAME_STEP`): `info["final_obs"]` holds
+    the last observations of those that ended, dense `[N, ...]`, and `info["_final_obs"]` `[N]` says which rows count.
+
+    Attributes:
+        draws: what the D columns of θ are: name, low, high, and for a program the place in its text.
+        theta_space: `Box(-1, 1, (D,))`.
+        levels: the levels being played, `[N]` of `level_dtype(D)`.
+        next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
+            next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
+    """
+
+    metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int,
+        observation_space: gymnasium.Space,
+        action_space: gymnasium.Space,
+        draws: Sequence[Draw],
+    ) -> None:
+        if num_envs < 1:
+            raise ValueError(f"num_envs must be at least 1, got {num_envs}")
+        self.num_envs = num_envs
+        self.single_observation_space = observation_space
+        self.single_action_space = action_space
+        self.observation_space = gymnasium.vector.utils.batch_space(observation_space, num_envs)
+        self.action_space = gymnasium.vector.utils.batch_space(action_space, num_envs)
+        self.draws = tuple(draws)
+        self.theta_dim = len(self.draws)
+        self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
+        self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
+        self.next_levels: Callable[[int], np.ndarray] | None = None
+
+    # ------------------------------------------------------------ what a subclass gives
+
+    @abstractmethod
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
+        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; give all `[N, ...]` observations."""
+
+    @abstractmethod
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Step all, restart ended ones on their own level; give obs, reward, terminated, truncated `[N]`, info."""
+
+    def valid(self, theta: Any) -> np.ndarray:
+        """Say for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
+        return np.ones(len(check_theta(theta, self.theta_dim)), bool)
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        """Give each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
+        rows = check_theta(theta, self.theta_dim)
+        low = np.array([draw.low for draw in self.draws])
+        high = np.array([draw.high for draw in self.draws])
+        values = low + (rows + 1) / 2 * (high - low)
+        names = [draw.name for draw in self.draws]
+        return [dict(zip(names, map(float, row), strict=True)) for row in values]
+
+    def get_state(self) -> dict[str, Any]:
+        """Give everything that changes, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
+        raise NotImplementedError(f"{type(self).__name__} cannot give its state")
+
+    def set_state(self, state: dict[str, Any]) -> Any:
+        """Take back what `get_state` gave; give the observations `[N, ...]` of that moment."""
+        raise NotImplementedError(f"{type(self).__name__} cannot take a state")
+
+    def copy(self) -> UPOMDP:
+        """Give a second, independent UPOMDP of the same kind in the same state."""
+        raise NotImplementedError(f"{type(self).__name__} cannot be copied")
+
+    # ------------------------------------------------------------ levels
+
+    def make_levels(self, theta: Any) -> np.ndarray:
+        """Give levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
+        theta = check_theta(theta, self.theta_dim)
+        levels = np.zeros(len(theta), level_dtype(self.theta_dim))
+        levels["theta"] = theta
+        levels["seed"] = self.np_random.integers(0, 2**63, len(theta), dtype=np.uint64)
+        return levels
+
+    def sample_levels(self, count: int) -> np.ndarray:
+        """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
+        return self.make_levels(self.sample_theta(count))
+
+    def sample_theta(self, count: int) -> np.ndarray:
+        """Draw valid θ uniformly by rejection: `[count, D]`. Raises `ThetaError` after MAX_TRIES draws a row."""
+        theta = self.np_random.uniform(-1.0, 1.0, (count, self.theta_dim))
+        wrong = np.flatnonzero(~self.valid(theta)) if count else np.empty(0, int)
+        for _ in range(MAX_TRIES):
+            if not len(wrong):
+                return theta
+            theta[wrong] = self.np_random.uniform(-1.0, 1.0, (len(wrong), self.theta_dim))
+            wrong = wrong[~self.valid(theta[wrong])]
+        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
+
+    def reset_to_levels(self, levels: np.ndarray, where: np.ndarray | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
+
+        An invalid level is replaced by a random valid one, never silently: `info["replaced"]` `[k]` says which,
+        `info["levels"]` `[k]` what is played instead. Gives the observations of all N environments.
+        Raises `ThetaError` for a θ that is none, `ValueError` for a wrong number of levels.
+        """
+        chosen = np.arange(self.num_envs) if where is None else np.flatnonzero(where)
+        if levels.dtype != self.levels.dtype:
+            raise ValueError(f"levels must be records of {self.levels.dtype}, got {levels.dtype}; see make_levels")
+        if levels.shape != chosen.shape:
+            raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
+        check_theta(levels["theta"], self.theta_dim)
+        levels = levels.copy()
+        replaced = ~self.valid(levels["theta"])
+        if replaced.any():
+            levels[replaced] = self.sample_levels(int(replaced.sum()))
+        self.levels[chosen] = levels
+        return self._start(levels, chosen), {"levels": levels, "replaced": replaced}
+
+    # ------------------------------------------------------------ Gymnasium's names
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start new episodes on random valid levels, or on `options["theta"]` `[N, D]`.
+
+        `options["reset_mask"]` (bool `[N]`) restricts it to some environments. `seed` seeds the stream from which
+        levels and their seeds are drawn.
+        """
+        if isinstance(seed, list):  # one stream serves all environments, so a list is hashed into it
+            self._np_random = np.random.default_rng([s for s in seed if s is not None])
+        elif seed is not None:
+            super().reset(seed=seed)
+        options = options or {}
+        where = options.get("reset_mask")
+        count = self.num_envs if where is None else int(np.sum(where))
+        if "theta" in options:
+            levels = self.make_levels(check_theta(options["theta"], self.theta_dim, rows=count))
+        else:
+            levels = self.sample_levels(count)
+        return self.reset_to_levels(levels, where)
+
+    def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Step all environments; an ended one is already at the start of its next episode (see the class)."""
+        observations, rewards, terminated, truncated, info = self._step(actions)
+        if self.next_levels is not None:
+            ended = terminated | truncated
+            count = int(np.count_nonzero(ended))
+            if count:
+                observations, _ = self.reset_to_levels(self.next_levels(count), ended)
+        return observations, rewards, terminated, truncated, info
+
+    # ------------------------------------------------------------ PAIRED's and the thesis's names
+
+    def reset_random(self) -> Any:
+        """Draw all environment parameters at random and reset (thesis, section 4.2); gives observations."""
+        return self.reset()[0]
+
+    def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
+        """Set the environment parameters to θ `[N, D]` and reset (thesis, section 4.2)."""
+        return self.reset(options={"theta": theta})
+
+    def reset_agent(self) -> Any:
+        """Start a new episode on the same levels: same θ, the next stretch of the random stream."""
+        levels = self.levels.copy()
+        levels["seed"] = self.np_random.integers(0, 2**63, self.num_envs, dtype=np.uint64)
+        return self.reset_to_levels(levels)[0]
