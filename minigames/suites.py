@@ -1,0 +1,57 @@
+"""The minigames, as literal tuples: a training program and the scenes on which its students are tested.
+
+Read next: the `.scenic` files, each a page at most.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+
+
+class Minigame(NamedTuple):
+    """A named training program with its test scenes.
+
+    `name` is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs, from easy to hard.
+    """
+
+    name: str
+    program: Path
+    tests: tuple[tuple[str, Path], ...]
+    description: str
+
+
+ONE_V_ONE_TESTS = (
+    ("easy", HERE / "one_v_one" / "test_easy.scenic"),
+    ("medium", HERE / "one_v_one" / "test_medium.scenic"),
+    ("hard", HERE / "one_v_one" / "test_hard.scenic"),
+)
+
+MINIGAMES: dict[str, Minigame] = {
+    game.name: game
+    for game in (
+        Minigame(
+            "1v1Restricted",
+            HERE / "one_v_one" / "restricted.scenic",
+            ONE_V_ONE_TESTS,
+            "a striker in front of goal, a keeper between him and it",
+        ),
+        Minigame(
+            "1v1Free",
+            HERE / "one_v_one" / "free.scenic",
+            (*ONE_V_ONE_TESTS, ("restricted", HERE / "one_v_one" / "restricted.scenic")),
+            "a striker and a keeper, anywhere on the right half",
+        ),
+        Minigame(
+            "ChoosePassing",
+            HERE / "choose_passing" / "train.scenic",
+            (
+                ("top blocked", HERE / "choose_passing" / "test_top.scenic"),
+                ("bottom blocked", HERE / "choose_passing" / "test_bottom.scenic"),
+            ),
+            "the way to goal is closed, one of two mates is free",
+        ),
+    )
+}
