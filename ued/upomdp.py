@@ -101,7 +101,7 @@ class UPOMDP(VectorEnv):
 
     @abstractmethod
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; give all `[N, ...]` observations."""
+        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; give all observations."""
 
     @abstractmethod
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
