@@ -1,0 +1,98 @@
+"""One football match as a stock Gymnasium environment: a batch of one.
+
+Read next: `vector_env`, which does the work.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING
+from envs.football.render import frame
+from envs.football.vector_env import FootballConfig, FootballVectorEnv
+from scenic_lite import Program
+
+ENDINGS = {RUNNING: "", GOAL: "goal", OUT_OF_PLAY: "out of play", POSSESSION: "possession change", DURATION: "duration"}
+
+
+class FootballEnv(gymnasium.Env):
+    """One match. Each `reset` draws a new level, or takes `options={"theta": θ}` with θ `[D]` in [-1, 1].
+
+    Args:
+        program: a compiled program, the path of one, or its text.
+        observation: "features" (`[F]` float32) or "raw" (Google Research Football's dict).
+        rewards: "scoring" or "scoring,checkpoints".
+        render_mode: None or "rgb_array".
+        dialect: of a program given as text or path, 2 or 3.
+
+    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs).
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
+
+    def __init__(
+        self,
+        program: Program | str | Path,
+        observation: str = "features",
+        rewards: str = "scoring",
+        render_mode: str | None = None,
+        dialect: int = 2,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
+        self.render_mode = render_mode
+        self.batch = FootballVectorEnv(program, 1, config=FootballConfig(observation, rewards, dialect))
+        self.observation_space = self.batch.single_observation_space
+        self.action_space = self.batch.single_action_space
+        self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
+        super().reset(seed=seed)
+        options = options or {}
+        if "theta" in options:
+            observations, info = self.batch.reset(seed=seed, options={"theta": [options["theta"]]})
+        else:
+            observations, info = self.batch.reset(seed=seed)
+        return self._first(observations), {"theta": info["levels"]["theta"][0], "replaced": bool(info["replaced"][0])}
+
+    def step(self, action: int) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Play 0.1 s."""
+        observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
+        over = bool(terminated[0] or truncated[0])
+        seen = self._first(info["final_obs"] if over else observations)
+        return (
+            seen,
+            float(rewards[0]),
+            bool(terminated[0]),
+            bool(truncated[0]),
+            {"ended": ENDINGS[int(info["ended"][0])]},
+        )
+
+    def reset_random(self) -> Any:
+        """Draw all environment parameters at random and reset (thesis, section 4.2); gives the observation."""
+        return self.reset()[0]
+
+    def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
+        """Set the environment parameters to θ `[D]` and reset (thesis, section 4.2)."""
+        return self.reset(options={"theta": theta})
+
+    def reset_agent(self) -> Any:
+        """Start a new episode on the same level; gives the observation."""
+        return self._first(self.batch.reset_agent())
+
+    def render(self) -> np.ndarray | None:
+        """Give the match as a picture, uint8 `[height, width, 3]`; None without a render mode."""
+        return frame(self.batch.matches[0]) if self.render_mode else None
+
+    def _first(self, observations: Any) -> Any:
+        """Row 0 of a batch, scalars as the spaces of one match want them."""
+        if isinstance(observations, dict):
+            return {
+                name: values[0].item() if values[0].ndim == 0 else values[0] for name, values in observations.items()
+            }
+        return observations[0]

@@ -1,0 +1,175 @@
+"""Football as a UPOMDP: N matches that a Scenic program describes, each on its own level, stepped as one batch.
+
+Read next: `casting`, how a program becomes a match; `batch`, how matches are stepped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete, Space
+
+from envs.football.batch import Rules, empty_matches, empty_outcome, observe_batch, step_batch
+from envs.football.casting import Casting
+from envs.football.constants import LEFT, NO_FAULT, NUM_ACTIONS
+from envs.football.domain import FOOTBALL
+from envs.football.observation import LIMIT, features_size
+from envs.football.raw import raw_observation, raw_space
+from envs.football.reward import REWARDS
+from scenic_lite import Program, load
+from ued.upomdp import UPOMDP, check_theta
+
+OBSERVATIONS = ("features", "raw")
+
+
+@dataclass(frozen=True)
+class FootballConfig:
+    """Settings of the environment; those of the match are parameters of the program."""
+
+    observation: str = "features"  # or "raw"
+    rewards: str = "scoring"  # or "scoring,checkpoints"
+    dialect: int = 2  # of programs given as text or as a file
+
+    def __post_init__(self) -> None:
+        for name, value, known in (("observation", self.observation, OBSERVATIONS), ("rewards", self.rewards, REWARDS)):
+            if value not in known:
+                raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
+
+
+class FootballVectorEnv(UPOMDP):
+    """N football matches in which the learner moves the left player closest to the ball.
+
+    Args:
+        program: a compiled program, the path of one, or its text.
+        num_envs: N.
+        config: observation and reward.
+
+    Actions are Google Research Football's 19. Observations are `features` `[N, F]` float32 (see `observation`), or
+    the `raw` dict of Google Research Football. A match that ends by a goal, a lost ball or out of play is terminated;
+    one that reaches `game_duration` is truncated. `info["ended"]` `[N]` gives the reason, `constants.RUNNING` to
+    `DURATION`. Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match.
+    """
+
+    def __init__(
+        self,
+        program: Program | str | Path,
+        num_envs: int = 1,
+        *,
+        config: FootballConfig = FootballConfig(),
+    ) -> None:
+        self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
+        self.config = config
+        self.casting = Casting(self.program)
+        self.num_players = self.casting.num_players
+        size = features_size(self.num_players)
+        space: Space = Box(-LIMIT, LIMIT, (size,), np.float32)
+        self._num_left = int((np.asarray(self.casting.lineup.teams) == LEFT).sum())
+        self._is_raw = config.observation == "raw"
+        if self._is_raw:
+            space = raw_space(self._num_left, self.num_players - self._num_left)
+        super().__init__(num_envs, space, Discrete(NUM_ACTIONS), self.program.draws)
+        self._rules = Rules(
+            config.rewards == "scoring,checkpoints", bool(self.casting.config.deterministic), not self._is_raw
+        )
+        self._outcome = empty_outcome(num_envs, size)
+        self._matches, self._starts = empty_matches(num_envs), empty_matches(num_envs)
+        self._started = False
+
+    @property
+    def matches(self) -> np.ndarray:
+        """The matches as they are, MATCH `[N]`; a copy, for looking at."""
+        return self._matches.copy()
+
+    def valid(self, theta: Any) -> np.ndarray:
+        return self.program.valid(check_theta(theta, self.theta_dim))
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
+
+    def sample_theta(self, count: int) -> np.ndarray:
+        """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
+        return self.program.sample(count, self.np_random)[0]
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
+        self._starts[where] = self.casting.starts(levels["theta"], levels["seed"])
+        self._matches[where] = self._starts[where]
+        observe_batch(self._matches, where, self._outcome.observations)
+        self._started = True
+        return self._observations()
+
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        if not self._started:
+            raise RuntimeError("call reset() before step()")
+        out = self._outcome
+        step_batch(self._matches, self._starts, self._checked(actions), out, self._rules)
+        if out.faults.any():
+            self._report_fault()
+        ended = out.terminated | out.truncated
+        final = out.final_observations.copy()
+        if self._is_raw:
+            final = self._observations()
+            self._restart(ended)
+        info = {"final_obs": final, "_final_obs": ended, "ended": out.ended.copy()}
+        return self._observations(), out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
+
+    def _observations(self) -> Any:
+        """The present observations, a copy: `[N, F]`, or a dict of arrays for `raw`."""
+        if self._is_raw:
+            return raw_observation(self._matches[:], self._num_left, self.num_players)
+        return self._outcome.observations.copy()
+
+    def _restart(self, ended: np.ndarray) -> None:
+        """Do for `raw` what the kernel does otherwise: it must not restart before the last observation is taken."""
+        streams = self._matches["random"][ended]
+        self._matches[ended] = self._starts[ended]
+        if not self._rules.deterministic:
+            self._matches["random"][ended] = streams
+
+    def _checked(self, actions: Any) -> np.ndarray:
+        array = np.asarray(actions)
+        if array.shape != (self.num_envs,) or array.dtype.kind not in "iu":
+            raise ValueError(f"actions must be {self.num_envs} whole numbers, got shape {array.shape} of {array.dtype}")
+        if array.min() < 0 or array.max() >= NUM_ACTIONS:
+            wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
+            raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
+        return array.astype(np.int64, copy=False)
+
+    def _report_fault(self) -> None:
+        index = int(np.flatnonzero(self._outcome.faults != NO_FAULT)[0])
+        raise FloatingPointError(
+            f"match {index} of {self.num_envs} reached an impossible state (fault {self._outcome.faults[index]}); "
+            f"its level: {self.levels[index]}"
+        )
+
+    def get_state(self) -> dict[str, Any]:
+        return {
+            "matches": np.asarray(self._matches).copy(),
+            "starts": np.asarray(self._starts).copy(),
+            "levels": self.levels.copy(),
+            "np_random": self.np_random.bit_generator.state,
+        }
+
+    def set_state(self, state: dict[str, Any]) -> Any:
+        self._matches[:], self._starts[:] = state["matches"], state["starts"]
+        self.levels[:] = state["levels"]
+        self.np_random.bit_generator.state = state["np_random"]
+        observe_batch(self._matches, np.arange(self.num_envs), self._outcome.observations)
+        self._started = True
+        return self._observations()
+
+    def copy(self) -> FootballVectorEnv:
+        twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
+        twin.set_state(self.get_state())
+        return twin
+
+
+def make_vec(
+    program: str, num_envs: int = 1, observation: str = "features", rewards: str = "scoring", dialect: int = 2
+) -> FootballVectorEnv:
+    """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects."""
+    env = FootballVectorEnv(program, num_envs, config=FootballConfig(observation, rewards, dialect))
+    env.next_levels = env.sample_levels
+    return env
