@@ -1,0 +1,78 @@
+"""`regista COMMAND ...`, also as `python -m experiments COMMAND ...`.
+
+Each command is a module with a frozen configuration and a `main(argv) -> int`; it is imported when it is called, so
+that `--help` does not wait for torch. Read next: `train`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from experiments.errors import CommandError, UsageError, nearest
+
+COMMANDS = {
+    "train": "train students on a minigame, with a curriculum or without",
+    "evaluate": "play trained runs on test scenes, with intervals",
+    "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
+    "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
+    "benchmark": "measure steps per second of the simulator and of training",
+}
+
+USAGE = """\
+usage: regista COMMAND [flags]
+
+Curriculum learning for reinforcement learning, in football.
+
+commands:
+{commands}
+
+Every command takes --help; --debug shows the whole traceback of an error.
+Begin with: regista compare 1v1Restricted --out demo
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    debug = "--debug" in words
+    words = [word for word in words if word != "--debug"]
+    try:
+        return _dispatch(words)
+    except BrokenPipeError:  # `regista inspect ... | head`
+        sys.stderr.close()
+        return 1
+    except Exception as error:
+        code = _exit_code(error)
+        if debug or code is None:
+            raise
+        print(f"regista: {error}", file=sys.stderr)
+        return code
+
+
+def _dispatch(words: list[str]) -> int:
+    if not words or words[0] in ("--help", "-h", "help"):
+        lines = [f"  {name:<11}{text}" for name, text in COMMANDS.items()]
+        print(USAGE.format(commands="\n".join(lines)), end="")
+        return 0 if words else 2
+    name = words[0]
+    if name not in COMMANDS:
+        kind = "flag" if name.startswith("-") else "command"
+        raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")
+    return import_module(f"experiments.{name}").main(words[1:])
+
+
+def _exit_code(error: Exception) -> int | None:
+    """Give the exit code of an error that is the user's business, None for one that is ours."""
+    if isinstance(error, CommandError):
+        return error.exit_code
+    if isinstance(error, OSError) and error.filename is not None:
+        return 1
+    # Named, not imported: neither the language nor the learning core is loaded for the sake of an error.
+    ours = {"ScenicError", "ThetaError", "CastingError", "CheckpointError"}
+    return 1 if ours & {kind.__name__ for kind in type(error).__mro__} else None
+
+
+if __name__ == "__main__":
+    sys.exit(main())
