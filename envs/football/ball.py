@@ -1,0 +1,149 @@
+"""The ball between two touches: air, ground, spin and the goal frame.
+
+Forces are those of Google Research Football, in the plane of flight (no sideways curve, no lift from spin).
+Read next: `physics`, which calls `advance_ball` a hundred times a second.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import (
+    BALL_RADIUS,
+    DT,
+    GOAL_HALF_WIDTH,
+    GOAL_HEIGHT,
+    HALF_LENGTH,
+    POST_RADIUS,
+)
+from scenic_lite.jit import kernel
+
+GRAVITY = 9.81  # m/s²
+AIR_DRAG = 0.015  # 1/m: deceleration is this times v²
+GROUND_DRAG = 0.04  # 1/m
+GROUND_FRICTION = 1.6  # m/s²
+GRASS = 0.025  # m, height above the ground over which the ground's grip fades out
+BOUNCE, BOUNCE_LOSS = 0.62, 0.06  # vertical speed kept, and lost, m/s
+ROLLING = 0.12  # m/s, slower bounces are not bounces
+GRIP = 0.01  # share of the difference between speed and spin that the ground evens out in a frame
+SPIN_GAIN, SPIN_GAIN_BOUNCE = 0.345, 1.38  # m/s by which spin may approach speed in a frame, at a bounce
+POST_BOUNCE = 0.8  # speed kept
+FRAME_REACH = BALL_RADIUS + POST_RADIUS
+
+
+@kernel
+def advance_ball(ball):
+    """Move the ball on by one frame of 10 ms."""
+    on_ground = ball.vz == 0.0 and ball.z <= BALL_RADIUS
+    if on_ground and ball.vx == 0.0 and ball.vy == 0.0:
+        return
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
+    keep = 1.0 - AIR_DRAG * speed * DT
+    ball.vx *= keep
+    ball.vy *= keep
+    if on_ground:
+        drag_on_ground(ball, 1.0)
+    else:
+        ball.vz = ball.vz * keep - GRAVITY * DT
+        ball.z += ball.vz * DT
+        if ball.z < BALL_RADIUS:
+            bounce(ball)
+        if ball.z < BALL_RADIUS + GRASS:
+            drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7)
+    x, y, z = ball.x, ball.y, ball.z
+    ball.x += ball.vx * DT
+    ball.y += ball.vy * DT
+    if abs(ball.x) > HALF_LENGTH - 1.0 and abs(ball.y) < GOAL_HALF_WIDTH + 1.0:
+        hit_goal_frame(ball, x, y, z)
+
+
+@kernel
+def drag_on_ground(ball, contact):
+    """Slow the ball by the ground's friction and let speed and spin approach each other; contact in [0, 1]."""
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
+    loss = (GROUND_DRAG * speed * speed + GROUND_FRICTION) * contact * DT
+    if loss >= speed:
+        ball.vx, ball.vy, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0
+        return
+    keep = 1.0 - loss / speed
+    ball.vx *= keep
+    ball.vy *= keep
+    even_out(ball, GRIP * contact, SPIN_GAIN * contact)
+
+
+@kernel
+def even_out(ball, share, gain):
+    """Move speed towards spin by a share of their difference, and spin towards speed by at most `gain` m/s."""
+    slip_x, slip_y = ball.spin_x - ball.vx, ball.spin_y - ball.vy
+    if slip_x == 0.0 and slip_y == 0.0:
+        return
+    slip = math.sqrt(slip_x * slip_x + slip_y * slip_y)
+    ball.vx += share * slip_x
+    ball.vy += share * slip_y
+    spin_share = 1.0 - share if gain >= slip else min(gain / slip, 1.0 - share)
+    ball.spin_x -= spin_share * slip_x
+    ball.spin_y -= spin_share * slip_y
+
+
+@kernel
+def bounce(ball):
+    """Reflect the ball off the ground."""
+    impact = abs(ball.vz)
+    ball.z = BALL_RADIUS
+    ball.vz = max(BOUNCE * impact - BOUNCE_LOSS, 0.0)
+    if ball.vz < ROLLING:
+        ball.vz = 0.0
+    even_out(ball, 0.5 * min(max((impact - 0.5) / 12.0, 0.0), 1.0), SPIN_GAIN_BOUNCE)
+
+
+@kernel
+def hit_goal_frame(ball, x, y, z):
+    """Bounce the ball off a post or a crossbar that it met on its way from (x, y, z) to where it is."""
+    goal_x = HALF_LENGTH if ball.x > 0.0 else -HALF_LENGTH
+    post_y = GOAL_HALF_WIDTH if ball.y > 0.0 else -GOAL_HALF_WIDTH
+    if ball.z < GOAL_HEIGHT:
+        share = closest_share(x - goal_x, y - post_y, ball.x - x, ball.y - y)
+        away_x, away_y = x + share * (ball.x - x) - goal_x, y + share * (ball.y - y) - post_y
+        squared = away_x * away_x + away_y * away_y
+        inward = ball.vx * away_x + ball.vy * away_y
+        if squared < FRAME_REACH * FRAME_REACH and inward < 0.0 and squared > 0.0:
+            ball.vx = (ball.vx - 2.0 * inward * away_x / squared) * POST_BOUNCE
+            ball.vy = (ball.vy - 2.0 * inward * away_y / squared) * POST_BOUNCE
+            ball.vz *= POST_BOUNCE
+            ball.x, ball.y = goal_x + away_x, post_y + away_y
+            return
+    if abs(ball.y) < GOAL_HALF_WIDTH:
+        share = closest_share(x - goal_x, z - GOAL_HEIGHT, ball.x - x, ball.z - z)
+        away_x, away_z = x + share * (ball.x - x) - goal_x, z + share * (ball.z - z) - GOAL_HEIGHT
+        squared = away_x * away_x + away_z * away_z
+        inward = ball.vx * away_x + ball.vz * away_z
+        if squared < FRAME_REACH * FRAME_REACH and inward < 0.0 and squared > 0.0:
+            ball.vx = (ball.vx - 2.0 * inward * away_x / squared) * POST_BOUNCE
+            ball.vz = (ball.vz - 2.0 * inward * away_z / squared) * POST_BOUNCE
+            ball.vy *= POST_BOUNCE
+            ball.x, ball.z = goal_x + away_x, max(GOAL_HEIGHT + away_z, BALL_RADIUS)
+
+
+@kernel
+def closest_share(a, b, da, db):
+    """Share in [0, 1] of the way (da, db) from (a, b) at which the origin is closest."""
+    squared = da * da + db * db
+    if squared == 0.0:
+        return 0.0
+    return min(max(-(a * da + b * db) / squared, 0.0), 1.0)
+
+
+@kernel
+def rolled(speed, time):
+    """Distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
+    slowing = GROUND_FRICTION + 0.045 * speed * speed
+    time = min(time, speed / slowing)
+    return speed * time - 0.5 * slowing * time * time
+
+
+@kernel
+def flight_time(speed, distance):
+    """Time in s that a kick of this speed needs for a distance in m under air drag; 9 if it never arrives."""
+    if speed < 1.0:
+        return 9.0
+    return min((math.exp(0.02 * distance) - 1.0) / (0.02 * speed), 9.0)

@@ -1,0 +1,69 @@
+"""The numbers of the game: pitch, ball, bodies, actions and modes, in metres and seconds.
+
+Values are Google Research Football's own, or fitted to measurements of it. Numbers that belong to one chapter
+stand at the head of that chapter's file. Read next: `state`.
+"""
+
+from __future__ import annotations
+
+# Time
+STEP = 0.1  # s, one decision
+FRAMES = 10  # physics frames in a step
+DT = STEP / FRAMES  # s, one physics frame
+
+# Programs' coordinates: x in [-100, 100], y in [-42, 42]
+METRES_PER_X = 0.544
+METRES_PER_Y = 0.836
+
+# Pitch
+HALF_LENGTH = 55.0  # m, from the halfway line to the goal line
+HALF_WIDTH = 36.0  # m, from the middle to the side line
+OUT_MARGIN = 0.17  # m, how far the ball's centre must be beyond a line to be out or in goal
+GOAL_HALF_WIDTH = 3.7  # m
+GOAL_HEIGHT = 2.5  # m
+BOX_DEPTH = 16.4  # m, the penalty box: from the goal line
+BOX_HALF_WIDTH = 20.0  # m
+APRON = 3.0  # m, players may stand this far beyond the lines
+
+# Bodies
+MAX_PLAYERS = 22
+BODY_RADIUS = 0.36  # m
+BALL_RADIUS = 0.11  # m
+POST_RADIUS = 0.07  # m
+
+# Speeds, m/s
+DRIBBLE_SPEED = 3.5
+RUN_SPEED = 5.0
+SPRINT_SPEED = 8.0
+TOP_SPEEDS = (7.75, 7.83, 7.75, 7.78, 7.78, 7.94, 7.77, 7.84, 7.99, 8.0, 8.0)  # by index within the team
+
+# Teams
+LEFT = 0
+RIGHT = 1
+NOBODY = -1  # no player, no team
+
+# Roles
+GK, CB, LB, RB, DM, CM, LM, RM, AM, CF = range(10)
+
+# Actions
+IDLE = 0
+DIRECTION_LEFT, DIRECTION_TOP_LEFT, DIRECTION_TOP, DIRECTION_TOP_RIGHT = 1, 2, 3, 4
+DIRECTION_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_BOTTOM, DIRECTION_BOTTOM_LEFT = 5, 6, 7, 8
+LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT = 9, 10, 11, 12
+SPRINT, RELEASE_DIRECTION, RELEASE_SPRINT, SLIDING, DRIBBLE, RELEASE_DRIBBLE = 13, 14, 15, 16, 17, 18
+BUILTIN_AI = 19  # never a learner's action
+NUM_ACTIONS = 19
+
+_DIAGONAL = 0.7071067811865476
+# Unit vector of each direction action; entry 0 is "no direction".
+DIRECTION_X = (0.0, -1.0, -_DIAGONAL, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL)
+DIRECTION_Y = (0.0, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL, -1.0, -_DIAGONAL)
+
+# Modes of the game
+NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
+
+# What ended an episode
+RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION = range(5)
+
+# Faults: what a kernel found that must not be
+NO_FAULT, NOT_A_NUMBER, BAD_ACTION = range(3)

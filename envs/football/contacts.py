@@ -1,0 +1,221 @@
+"""Meetings of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
+
+Read next: `rules`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import BALL_RADIUS, GK, NOBODY, STEP
+from envs.football.keeper import HOLD_SPREAD, HOLD_STEPS, in_own_box
+from envs.football.possession import lose_ball
+from envs.football.rng import uniform
+from envs.football.vectors import length
+from scenic_lite.jit import kernel
+
+# Traps
+TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
+EASY_SPEED, HARD_SPEED = 12.0, 34.0  # m/s relative: always trapped, never trapped
+HEADER_FROM, HEADER_CHANCE = 0.9, 0.5  # m; above it a trap succeeds this often
+BLOCK_KEEP = 0.35  # share of its speed that a blocked ball keeps
+MISS_WAIT = 0.5  # s
+
+# Tackles
+TACKLE_REACH, SLIDE_REACH = 0.85, 1.15  # m from the body to the ball
+TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.62, 0.4, 0.85
+TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
+
+# Keepers
+CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
+CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.55, 1.2, 1.0  # chance against a carrier; s when beaten
+SAVE_REACH = 1.2  # m
+CATCH_NEAR, CATCH_CHANCE, CATCH_LATE = 0.8, 0.75, 0.5  # m; chances that a save is a catch
+PARRY_KEEP, PARRY_LIFT = 0.3, 1.2  # share of speed; m/s
+DIVE_DOWN = 0.8  # s on the ground after a dive
+HANDS_HEIGHT = 1.2  # m, a ball that is held
+
+
+@kernel
+def reachable(match):
+    """Return a bit for every player who may meet the ball within a step."""
+    ball = match.ball
+    reach = 1.4 + STEP * (8.0 + math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
+    bits = 0
+    for i in range(match.num_players):
+        player = match.players[i]
+        dx, dy = ball.x - player.x, ball.y - player.y
+        if dx * dx + dy * dy < reach * reach:
+            bits |= 1 << i
+    return bits
+
+
+@kernel
+def meet_ball(match, bits):
+    """Let every player named in `bits` try for the ball in this frame, in program order."""
+    for i in range(match.num_players):
+        if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
+            continue
+        player = match.players[i]
+        if player.touch_wait > 0.0 or (player.down > 0.0 and not player.sliding):
+            continue
+        dx, dy = match.ball.x - player.x, match.ball.y - player.y
+        squared = dx * dx + dy * dy
+        if squared < SAVE_REACH * SAVE_REACH:
+            meet(match, i, math.sqrt(squared))
+
+
+@kernel
+def meet(match, i, distance):
+    """Let player i, this far from the ball, do what suits: save, claim, tackle, or trap."""
+    player, ball = match.players[i], match.ball
+    hands = player.role == GK and in_own_box(player)
+    if match.saver == i:
+        if match.save_wait < STEP:
+            save(match, i, distance)
+    elif match.carrier != NOBODY:
+        if match.players[match.carrier].team == player.team:
+            return
+        if hands and distance < CLAIM_REACH and ball.z < CLAIM_BELOW:
+            claim(match, i)
+        elif distance < (SLIDE_REACH if player.sliding else TACKLE_REACH) and ball.z < HEADER_FROM:
+            tackle(match, i)
+    elif hands and distance < CLAIM_REACH and ball.z < CLAIM_BELOW:
+        catch(match, i)
+    elif distance < TRAP_REACH and ball.z < TRAP_BELOW:
+        trap(match, i)
+
+
+@kernel
+def take(match, i):
+    """Give player i the ball at his feet, moving with him."""
+    player, ball = match.players[i], match.ball
+    lose_ball(match)
+    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
+    ball.spin_x, ball.spin_y = ball.vx, ball.vy
+    ball.z = BALL_RADIUS
+    match.saver = NOBODY
+    match.carrier = i
+    match.last_touch = i
+
+
+@kernel
+def trap(match, i):
+    """Let player i bring a free ball under control, or fail to if it comes too hard."""
+    player, ball = match.players[i], match.ball
+    fast = length(ball.vx - player.vx, ball.vy - player.vy)
+    chance = min(max((HARD_SPEED - fast) / (HARD_SPEED - EASY_SPEED), 0.0), 1.0)
+    if ball.z > HEADER_FROM:
+        chance *= HEADER_CHANCE
+    if uniform(match) < chance:
+        take(match, i)
+        return
+    deflect(match, i, BLOCK_KEEP)
+
+
+@kernel
+def deflect(match, i, keep):
+    """Let the ball bounce off player i's body, keeping this share of its speed."""
+    player, ball = match.players[i], match.ball
+    dx, dy = ball.x - player.x, ball.y - player.y
+    distance = math.sqrt(dx * dx + dy * dy) + 1e-9
+    inward = (ball.vx * dx + ball.vy * dy) / distance
+    if inward < 0.0:
+        ball.vx -= 2.0 * inward * dx / distance
+        ball.vy -= 2.0 * inward * dy / distance
+    ball.vx *= keep
+    ball.vy *= keep
+    ball.spin_x, ball.spin_y = ball.vx, ball.vy
+    player.touch_wait = MISS_WAIT
+    match.last_touch = i
+    match.saver = NOBODY
+
+
+@kernel
+def tackle(match, i):
+    """Let player i try to take the ball off the carrier's feet."""
+    player, carrier = match.players[i], match.players[match.carrier]
+    behind = (player.x - carrier.x) * carrier.facing_x + (player.y - carrier.y) * carrier.facing_y < -0.2
+    chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * player.skill
+    if behind:
+        chance *= TACKLE_BEHIND
+    if uniform(match) < chance:
+        carrier.touch_wait = ROBBED_WAIT
+        take(match, i)
+        return
+    player.touch_wait = TACKLE_WAIT
+    player.down = max(player.down, BEATEN_DOWN)
+
+
+@kernel
+def claim(match, i):
+    """Let keeper i try to pick the ball off the carrier's feet; beaten, he lies on the ground for a while."""
+    player, carrier = match.players[i], match.players[match.carrier]
+    if uniform(match) < CLAIM_CHANCE * (0.5 + 0.5 * player.skill):
+        carrier.touch_wait = ROBBED_WAIT
+        hold(match, i)
+        return
+    player.touch_wait, player.down = CLAIM_WAIT, CLAIM_DOWN
+
+
+@kernel
+def catch(match, i):
+    """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
+    player, ball = match.players[i], match.ball
+    fast = length(ball.vx - player.vx, ball.vy - player.vy)
+    if uniform(match) < min(max((HARD_SPEED - fast) / (HARD_SPEED - EASY_SPEED), 0.0), 1.0):
+        hold(match, i)
+    else:
+        parry(match, i)
+
+
+@kernel
+def save(match, i, distance):
+    """Carry out what was drawn when the shot was taken: a catch, a parry, or nothing."""
+    player, ball = match.players[i], match.ball
+    late = match.save_wait
+    succeeds = match.save_succeeds and ball.z < CLAIM_BELOW + 0.5
+    match.saver = NOBODY
+    if not succeeds:
+        player.touch_wait, player.down = CLAIM_WAIT, DIVE_DOWN
+        return
+    near = distance < CATCH_NEAR and late > -STEP
+    if uniform(match) < (CATCH_CHANCE if near else CATCH_LATE):
+        hold(match, i)
+    else:
+        parry(match, i)
+        player.down = DIVE_DOWN
+
+
+@kernel
+def hold(match, i):
+    """Give keeper i the ball in his hands."""
+    take(match, i)
+    match.holder = i
+    match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
+    carry_in_hands(match)
+
+
+@kernel
+def carry_in_hands(match):
+    """Keep a held ball in its holder's hands."""
+    player, ball = match.players[match.holder], match.ball
+    ball.x, ball.y = player.x + 0.3 * player.facing_x, player.y + 0.3 * player.facing_y
+    ball.z = HANDS_HEIGHT
+    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
+
+
+@kernel
+def parry(match, i):
+    """Let keeper i push the ball away, forward and to the side from which it came."""
+    player, ball = match.players[i], match.ball
+    speed = PARRY_KEEP * length(ball.vx, ball.vy)
+    side = ball.y - player.y
+    back = -1.0 if ball.vx > 0.0 else 1.0
+    sideways = math.copysign(0.3 + 0.9 * uniform(match), side)
+    size = math.sqrt(1.0 + sideways * sideways)
+    ball.vx, ball.vy, ball.vz = speed * back / size, speed * sideways / size, PARRY_LIFT
+    ball.spin_x, ball.spin_y = 0.0, 0.0
+    player.touch_wait = MISS_WAIT
+    match.last_touch = i
+    match.saver = NOBODY

@@ -1,0 +1,162 @@
+"""Actions into wishes: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
+
+Read next: `ai`, which decides for everybody without a command, and `kicks`, which carries the kicks out.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.ball import rolled
+from envs.football.constants import (
+    DIRECTION_X,
+    DIRECTION_Y,
+    DRIBBLE,
+    DRIBBLE_SPEED,
+    LONG_PASS,
+    NOBODY,
+    RELEASE_DIRECTION,
+    RELEASE_DRIBBLE,
+    RELEASE_SPRINT,
+    RUN_SPEED,
+    SHOT,
+    SLIDING,
+    SPRINT,
+)
+from envs.football.dribble import TOUCH_REACH
+from envs.football.motion import SLIDE_TIME
+from envs.football.possession import ball_speed, meeting_time
+from envs.football.vectors import apart, length
+from scenic_lite.jit import kernel
+
+KICK_PATIENCE = 6  # steps that a kick waits for the ball to come into reach
+HELD_LONGEST = 6  # steps after which a held button kicks by itself
+CARRY_RUN, CARRY_DRIBBLE = 5.1, 4.1  # m/s with the ball
+CARRY_SPRINT, CARRY_KNOCK_ON = 0.93, 0.98  # of top speed with the ball
+SLIDE_SPEED = 5.0  # m/s at least
+
+
+@kernel
+def obey(match, i, action):
+    """Let player i press a key: remember the sticky ones, start or release kicks, and want a velocity."""
+    player = match.players[i]
+    press(player, action)
+    hold_kick(player, action)
+    if action == SLIDING:
+        slide(match, i)
+    steer(match, i)
+
+
+@kernel
+def press(player, action):
+    """Update the sticky direction, sprint and dribble."""
+    if 1 <= action <= 8:
+        player.direction = action
+    elif action == RELEASE_DIRECTION:
+        player.direction = 0
+    elif action == SPRINT:
+        player.sprint = True
+    elif action == RELEASE_SPRINT:
+        player.sprint = False
+    elif action == DRIBBLE:
+        player.dribble = True
+    elif action == RELEASE_DRIBBLE:
+        player.dribble = False
+
+
+@kernel
+def release_keys(player):
+    """Clear what is sticky: the built-in AI has taken over."""
+    player.direction = 0
+    player.sprint = False
+    player.dribble = False
+
+
+@kernel
+def hold_kick(player, action):
+    """Count how long a kick button is held; the kick is due on release, or when it was held for too long."""
+    if LONG_PASS <= action <= SHOT:
+        if player.kick != action or player.kick_ready:
+            if player.kick_wait > 0.0:
+                return  # the leg already swings
+            player.kick, player.kick_held, player.aimed = action, 0, False
+            player.kick_ready = False
+        player.kick_held += 1
+        player.kick_patience = KICK_PATIENCE
+        if player.kick_held >= HELD_LONGEST:
+            player.kick_ready = True
+    elif player.kick != 0:
+        player.kick_ready = True
+    if player.kick_ready and player.kick_wait <= 0.0:
+        player.kick_patience -= 1
+        if player.kick_patience < 0:
+            player.kick, player.kick_held, player.kick_ready = 0, 0, False
+
+
+@kernel
+def slide(match, i):
+    """Throw player i into a slide along his run; nothing happens while his team has the ball."""
+    player = match.players[i]
+    if player.down > 0.0 or match.game_mode != 0:
+        return
+    if match.carrier != NOBODY and match.players[match.carrier].team == player.team:
+        return
+    speed = max(length(player.vx, player.vy), SLIDE_SPEED)
+    player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
+    player.sliding, player.down = True, SLIDE_TIME
+
+
+@kernel
+def steer(match, i):
+    """Want the velocity that the sticky keys ask for, or the way to a free ball for which i is best placed."""
+    player = match.players[i]
+    at_feet = match.carrier == i and apart(match.ball, player) < TOUCH_REACH
+    if not at_feet and drawn_to_ball(match, i):
+        chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
+        return
+    speed = key_speed(player, match.carrier == i)
+    player.want_x, player.want_y = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
+
+
+@kernel
+def drawn_to_ball(match, i):
+    """Tell whether the ball pulls player i: it is free or his own, and no mate is better placed."""
+    player = match.players[i]
+    if match.chaser[player.team] != i or match.game_mode != 0:
+        return False
+    return match.carrier == NOBODY or match.carrier == i
+
+
+@kernel
+def key_speed(player, with_ball):
+    """Speed in m/s that the sprint and dribble keys ask for."""
+    if player.sprint and player.dribble:
+        return player.top_speed * (CARRY_KNOCK_ON if with_ball else 1.0)
+    if player.sprint:
+        return player.top_speed * (CARRY_SPRINT if with_ball else 1.0)
+    if player.dribble:
+        return CARRY_DRIBBLE if with_ball else DRIBBLE_SPEED
+    return CARRY_RUN if with_ball else RUN_SPEED
+
+
+@kernel
+def chase(match, i, speed):
+    """Want to run at this speed to where the ball can be met."""
+    player, ball = match.players[i], match.ball
+    rolling = ball_speed(ball)
+    share = 0.0
+    if rolling > 0.5:
+        share = rolled(rolling, meeting_time(match, player, rolling)) / rolling
+    run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
+
+
+@kernel
+def run_to(player, x, y, speed):
+    """Want to run to a place, slowing down over the last stride."""
+    dx, dy = x - player.x, y - player.y
+    distance = math.sqrt(dx * dx + dy * dy)
+    if distance < 0.05:
+        player.want_x, player.want_y = 0.0, 0.0
+        return
+    speed = min(speed, 4.0 * distance + 0.5)
+    player.want_x, player.want_y = dx / distance * speed, dy / distance * speed

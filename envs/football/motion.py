@@ -1,0 +1,211 @@
+"""How players run: from the velocity a command asks for to the acceleration of one step.
+
+A body answers late (it finishes the stride), brakes hard across and against the new direction, and gathers
+speed along it; with the ball at the feet everything is gentler, and a sprint turns only in a wide arc. The
+numbers are fitted to traces of Google Research Football. Read next: `physics`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED, STEP
+from scenic_lite.jit import kernel
+
+SETTLED = 0.2  # m/s, command and velocity this close are the same
+AT_REST = 0.3  # m/s
+# Share of full effort in the steps since command and velocity differ: the body's lag.
+LAG_FROM_REST = (0.0, 1.0)
+LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
+LAG_WITH_BALL = (0.2, 1.0)
+BRAKING = 28.0  # m/s²
+BRAKING_WITH_BALL = 11.0
+ACCELERATION_START, START_SPEED = 13.3, 2.6  # m/s² up to this speed in m/s
+ACCELERATION = 8.2  # m/s² from there on
+ACCELERATION_TIME = 0.47  # s, approach to top speed beyond RUN_SPEED
+ARC = 0.6 * STEP  # rad turned in a step when sprinting with the ball
+ARC_COS, ARC_SIN = math.cos(ARC), math.sin(ARC)
+ARC_SPEED = 5.5  # m/s, slower players turn on the spot
+SLIDE_TIME, SLIDE_GLIDE = 1.8, 1.4  # s on the ground; he glides until this much of it is left
+SLIDE_FRICTION = 14.0  # m/s²
+FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
+TIRING = 6.3e-4  # per metre run
+TIRED_OUT = 0.99
+BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
+
+
+@kernel
+def plan_motion(match, i):
+    """Set player i's acceleration for this step, and where he looks."""
+    player = match.players[i]
+    speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
+    if player.down > 0.0:
+        vx, vy = slowed(player, speed)
+    elif match.saver == i:
+        vx, vy = thrown(player)
+    else:
+        vx, vy = pursued(match, i, speed)
+    player.ax, player.ay = (vx - player.vx) / STEP, (vy - player.vy) / STEP
+    player.tired = min(player.tired + TIRING * speed * STEP, TIRED_OUT)
+    new_speed = math.sqrt(vx * vx + vy * vy)
+    if new_speed > AT_REST and player.kick_wait <= 0.0:
+        player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
+
+
+@kernel
+def slowed(player, speed):
+    """Velocity after a step on the ground, in a slide or after a dive."""
+    player.turning = 0
+    if speed < 1e-6:
+        return 0.0, 0.0
+    if player.sliding and player.down > SLIDE_GLIDE:
+        loss = 0.0
+    else:
+        loss = (SLIDE_FRICTION if player.sliding else FALL_FRICTION) * STEP
+    keep = max(speed - loss, 0.0) / speed
+    return player.vx * keep, player.vy * keep
+
+
+@kernel
+def thrown(player):
+    """Velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
+    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    size = math.sqrt(dx * dx + dy * dy)
+    keep = min(1.0, 2.0 * BRAKING * STEP / size) if size > 0.0 else 1.0
+    return player.vx + keep * dx, player.vy + keep * dy
+
+
+@kernel
+def pursued(match, i, speed):
+    """Velocity after a step of ordinary running towards the wanted velocity."""
+    player = match.players[i]
+    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    if dx * dx + dy * dy < SETTLED * SETTLED:
+        player.turning = 0
+        return player.want_x, player.want_y
+    with_ball = match.carrier == i and match.holder == NOBODY
+    effort = effort_now(player.turning, speed, with_ball)
+    player.turning += 1
+    if effort == 0.0:
+        return player.vx, player.vy
+    want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
+    if with_ball and speed > ARC_SPEED and want > ARC_SPEED:
+        along = player.vx * player.want_x + player.vy * player.want_y
+        if along > -0.2 * speed * want:
+            return arc(player, speed, want, along / (speed * want))
+    braking = (BRAKING_WITH_BALL if with_ball else BRAKING) * effort * STEP
+    if want < 1e-6:
+        keep = max(speed - braking, 0.0) / speed
+        return player.vx * keep, player.vy * keep
+    return redirect(player, want, braking, effort)
+
+
+@kernel
+def effort_now(steps, speed, with_ball):
+    """Share of full effort after so many steps of turning."""
+    if speed < AT_REST:
+        return LAG_FROM_REST[min(steps, 1)]
+    if with_ball:
+        return LAG_WITH_BALL[min(steps, 1)]
+    return LAG_RUNNING[min(steps, 3)]
+
+
+@kernel
+def redirect(player, want, braking, effort):
+    """Gather speed along the wanted direction while braking what is across or against it."""
+    ux, uy = player.want_x / want, player.want_y / want
+    along = player.vx * ux + player.vy * uy
+    across_x, across_y = player.vx - along * ux, player.vy - along * uy
+    across = math.sqrt(across_x * across_x + across_y * across_y)
+    keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
+    if along < 0.0:
+        along = min(along + braking, 0.0)
+    elif along < want:
+        along = min(along + acceleration(along, player.top_speed) * effort * STEP, want)
+    else:
+        along = max(along - braking, want)
+    return along * ux + across_x * keep, along * uy + across_y * keep
+
+
+@kernel
+def acceleration(speed, top_speed):
+    """Acceleration in m/s² of a player who runs straight as hard as he can."""
+    if speed < START_SPEED:
+        return ACCELERATION_START
+    return min(ACCELERATION, max(top_speed - speed, 0.0) / ACCELERATION_TIME + max(RUN_SPEED - speed, 0.0) * 8.0)
+
+
+@kernel
+def arc(player, speed, want, cosine):
+    """Velocity after a step of a sprint with the ball: a wide arc at little loss of speed."""
+    change = acceleration(speed, player.top_speed) * STEP if speed < want else -BRAKING_WITH_BALL * STEP
+    new = min(speed + change, want) if speed < want else max(speed + change, want)
+    if cosine >= ARC_COS:
+        return player.want_x / want * new, player.want_y / want * new
+    turn = player.vx * player.want_y - player.vy * player.want_x
+    sine = ARC_SIN if turn >= 0.0 else -ARC_SIN
+    vx = (player.vx * ARC_COS - player.vy * sine) / speed
+    vy = (player.vx * sine + player.vy * ARC_COS) / speed
+    return vx * new, vy * new
+
+
+@kernel
+def advance_player(player):
+    """Move a player on by one frame of 10 ms."""
+    player.vx += player.ax * DT
+    player.vy += player.ay * DT
+    player.x += player.vx * DT
+    player.y += player.vy * DT
+
+
+@kernel
+def keep_on_pitch(player):
+    """Stop a player at the edge of the grass, a little beyond the lines."""
+    if abs(player.x) > HALF_LENGTH + APRON:
+        player.x = math.copysign(HALF_LENGTH + APRON, player.x)
+        player.vx, player.ax = 0.0, 0.0
+    if abs(player.y) > HALF_WIDTH + APRON:
+        player.y = math.copysign(HALF_WIDTH + APRON, player.y)
+        player.vy, player.ay = 0.0, 0.0
+
+
+@kernel
+def crowded(match):
+    """Tell whether any two players could meet within this step."""
+    for i in range(1, match.num_players):
+        a = match.players[i]
+        for j in range(i):
+            b = match.players[j]
+            if abs(a.x - b.x) < BODIES_NEAR and abs(a.y - b.y) < BODIES_NEAR:
+                return True
+    return False
+
+
+@kernel
+def part_bodies(match):
+    """Push overlapping players apart, half each, and take away the speed with which they close in."""
+    for i in range(1, match.num_players):
+        a = match.players[i]
+        for j in range(i):
+            b = match.players[j]
+            dx, dy = a.x - b.x, a.y - b.y
+            squared = dx * dx + dy * dy
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and squared > 0.0:
+                part(a, b, dx, dy, math.sqrt(squared))
+
+
+@kernel
+def part(a, b, dx, dy, distance):
+    """Part two overlapping bodies; (dx, dy) leads from b to a."""
+    nx, ny = dx / distance, dy / distance
+    push = 0.5 * (2.0 * BODY_RADIUS - distance)
+    a.x += push * nx
+    a.y += push * ny
+    b.x -= push * nx
+    b.y -= push * ny
+    closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
+    if closing < 0.0:
+        a.vx -= 0.5 * closing * nx
+        a.vy -= 0.5 * closing * ny
+        b.vx += 0.5 * closing * nx
+        b.vy += 0.5 * closing * ny

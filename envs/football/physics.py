@@ -1,0 +1,46 @@
+"""The ten frames of a step: bodies, ball and their meetings, until the ball leaves the pitch.
+
+Read next: `ball`, `motion`, `contacts`, one per line of `play_frames`.
+"""
+
+from __future__ import annotations
+
+from envs.football.ball import advance_ball
+from envs.football.constants import DT, FRAMES, HALF_LENGTH, HALF_WIDTH, NOBODY, NORMAL, OUT_MARGIN
+from envs.football.contacts import carry_in_hands, meet_ball, reachable
+from envs.football.kicks import swing_frame
+from envs.football.motion import advance_player, crowded, keep_on_pitch, part_bodies
+from scenic_lite.jit import kernel
+
+
+@kernel
+def play_frames(match):
+    """Move everything on by one step of 100 ms; the ball stops where it leaves the pitch."""
+    bits = reachable(match)
+    close = crowded(match)
+    in_play = match.game_mode == NORMAL
+    for _ in range(FRAMES):
+        for i in range(match.num_players):
+            advance_player(match.players[i])
+        if close:
+            part_bodies(match)
+        if not in_play:
+            continue
+        if match.kicker != NOBODY and swing_frame(match):
+            bits = reachable(match)
+        if match.holder != NOBODY:
+            carry_in_hands(match)
+        else:
+            advance_ball(match.ball)
+            in_play = not off_pitch(match.ball)
+            if bits != 0 and in_play:
+                meet_ball(match, bits)
+        match.save_wait -= DT
+    for i in range(match.num_players):
+        keep_on_pitch(match.players[i])
+
+
+@kernel
+def off_pitch(ball):
+    """Tell whether the ball's centre is beyond a line."""
+    return abs(ball.x) > HALF_LENGTH + OUT_MARGIN or abs(ball.y) > HALF_WIDTH + OUT_MARGIN

@@ -1,0 +1,129 @@
+"""Who has the ball, who can be first at it, and whom the learner controls.
+
+Read next: `control`, which turns actions into wanted velocities and kicks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.ball import rolled
+from envs.football.constants import LEFT, NOBODY, RIGHT, STEP
+from envs.football.vectors import apart, length
+from scenic_lite.jit import kernel
+
+OWNED_WITHIN = 1.0  # m from the player's place a moment ahead to the ball
+OWNED_LEAD, OWNED_AHEAD = 0.05, 0.1  # s, m: that place
+OWNED_BELOW = 0.5  # m
+OWNED_SPEED = 6.0  # m/s, relative
+CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
+CHASE_SPEED = 7.5  # m/s, for estimates
+
+
+@kernel
+def ball_speed(ball):
+    """Speed of the ball in m/s in the plane."""
+    return length(ball.vx, ball.vy)
+
+
+@kernel
+def meeting_time(match, player, speed):
+    """Estimate in s how soon a player can be at the ball, which rolls on at `speed` m/s meanwhile."""
+    ball = match.ball
+    time = length(ball.x - player.x, ball.y - player.y) / CHASE_SPEED
+    if speed < 1.0:
+        return time
+    for _ in range(3):
+        share = rolled(speed, time) / speed
+        reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
+        time = 0.5 * (time + reach / CHASE_SPEED)
+    return time
+
+
+@kernel
+def find_chasers(match):
+    """Find for each team the player who can be first at the ball: the carrier, or by meeting time."""
+    match.chaser[LEFT] = NOBODY
+    match.chaser[RIGHT] = NOBODY
+    speed = ball_speed(match.ball)
+    soonest_left, soonest_right = math.inf, math.inf
+    for i in range(match.num_players):
+        player = match.players[i]
+        time = meeting_time(match, player, speed) + player.down
+        if match.carrier == i:
+            time = -1.0
+        if player.team == LEFT and time < soonest_left:
+            soonest_left = time
+            match.chaser[LEFT] = i
+        elif player.team == RIGHT and time < soonest_right:
+            soonest_right = time
+            match.chaser[RIGHT] = i
+
+
+@kernel
+def update_possession(match):
+    """Decide who owns the ball after a step, as the original reports it, and whether possession changed."""
+    if match.carrier != NOBODY and match.holder == NOBODY:
+        carrier = match.players[match.carrier]
+        if apart(match.ball, carrier) > CARRIED_WITHIN:
+            match.carrier = NOBODY
+    match.owner = NOBODY
+    if match.holder != NOBODY:
+        match.owner = match.holder
+    elif match.last_touch != NOBODY and owns(match.ball, match.players[match.last_touch]):
+        match.owner = match.last_touch
+    match.possession_changed = False
+    if match.owner != NOBODY:
+        team = match.players[match.owner].team
+        match.possession_changed = match.last_owned_team != NOBODY and match.last_owned_team != team
+        match.last_owned_team = team
+
+
+@kernel
+def owns(ball, player):
+    """Tell whether the last player at the ball possesses it: near, low and hardly faster than he is."""
+    dx = ball.x - player.x - OWNED_LEAD * player.vx - OWNED_AHEAD * player.facing_x
+    dy = ball.y - player.y - OWNED_LEAD * player.vy - OWNED_AHEAD * player.facing_y
+    slip_x, slip_y = ball.vx - player.vx, ball.vy - player.vy
+    return (
+        ball.z < OWNED_BELOW
+        and dx * dx + dy * dy < OWNED_WITHIN * OWNED_WITHIN
+        and slip_x * slip_x + slip_y * slip_y < OWNED_SPEED * OWNED_SPEED
+    )
+
+
+@kernel
+def choose_controlled(match):
+    """Give the learner the left player closest to the ball; ties keep program order."""
+    match.controlled = NOBODY
+    if not match.learner:
+        return
+    closest = math.inf
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.team != LEFT:
+            continue
+        dx, dy = match.ball.x - player.x, match.ball.y - player.y
+        squared = dx * dx + dy * dy
+        if squared < closest:
+            closest = squared
+            match.controlled = i
+
+
+@kernel
+def lose_ball(match):
+    """Make the ball free."""
+    match.carrier = NOBODY
+    match.holder = NOBODY
+    match.kicker = NOBODY
+
+
+@kernel
+def tick(match):
+    """Let the players' clocks run down by one step."""
+    for i in range(match.num_players):
+        player = match.players[i]
+        player.touch_wait = max(player.touch_wait - STEP, 0.0)
+        player.down = max(player.down - STEP, 0.0)
+        if player.down == 0.0:
+            player.sliding = False

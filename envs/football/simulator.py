@@ -1,0 +1,76 @@
+"""One step of a match as a recipe, and of many matches at once.
+
+Each stage stands in the file of that name. Read next: `state` for the record, then the stages in their order.
+"""
+
+from __future__ import annotations
+
+from numba import prange
+
+from envs.football.ai import think
+from envs.football.constants import BAD_ACTION, BUILTIN_AI, NUM_ACTIONS, RUNNING
+from envs.football.control import obey, release_keys
+from envs.football.dribble import lead_ball
+from envs.football.kicks import swing_legs
+from envs.football.motion import plan_motion
+from envs.football.physics import play_frames
+from envs.football.possession import choose_controlled, find_chasers, tick
+from envs.football.rules import apply_rules, begin_step
+from scenic_lite.jit import kernel
+
+
+@kernel
+def step_match(match, action):
+    """Move a match on by one step of 0.1 s in which the controlled player takes `action` (0..18).
+
+    A match that has ended stays as it is and pays nothing.
+    """
+    begin_step(match)
+    if match.ended != RUNNING:
+        return
+    assign_actions(match, action)
+    find_chasers(match)
+    decide(match)
+    plan_motions(match)
+    swing_legs(match)
+    lead_ball(match)
+    play_frames(match)
+    tick(match)
+    apply_rules(match)
+    choose_controlled(match)
+
+
+@kernel
+def assign_actions(match, action):
+    """Give the controlled player the learner's action and everybody else the built-in AI's."""
+    if not 0 <= action < NUM_ACTIONS:
+        match.fault = BAD_ACTION
+        action = 0
+    for i in range(match.num_players):
+        match.players[i].action = action if i == match.controlled else BUILTIN_AI
+
+
+@kernel
+def decide(match):
+    """Turn every player's action into a wanted velocity and perhaps a kick."""
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.action == BUILTIN_AI:
+            release_keys(player)
+            think(match, i)
+        else:
+            obey(match, i, player.action)
+
+
+@kernel
+def plan_motions(match):
+    """Let every body answer what its player wants."""
+    for i in range(match.num_players):
+        plan_motion(match, i)
+
+
+@kernel(parallel=True)
+def step_matches(matches, actions):
+    """Move matches MATCH [N] on by one step each, with actions [N] of their controlled players."""
+    for e in prange(len(matches)):
+        step_match(matches[e], actions[e])

@@ -1,0 +1,210 @@
+"""The record of a football match: all that changes in it, declared once.
+
+Each table below names a field, its type, its shape, its unit and its meaning; the NumPy dtypes are made from
+them. Resetting is `matches[e] = starts[e]`, saving is `np.save`, comparing is `==`. Players of the left team
+attack +x; +y is up. Read next: `simulator`, which moves a match on by one step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
+from envs.football.rng import streams
+
+BALL_FIELDS = (
+    ("x", "f8", (), "m", "place of the centre"),
+    ("y", "f8", (), "m", ""),
+    ("z", "f8", (), "m", "height of the centre above the ground"),
+    ("vx", "f8", (), "m/s", "velocity"),
+    ("vy", "f8", (), "m/s", ""),
+    ("vz", "f8", (), "m/s", ""),
+    ("spin_x", "f8", (), "m/s", "speed of the surface at the bottom, seen from the centre, reversed: v when rolling"),
+    ("spin_y", "f8", (), "m/s", ""),
+)
+
+PLAYER_FIELDS = (
+    ("x", "f8", (), "m", "place"),
+    ("y", "f8", (), "m", ""),
+    ("vx", "f8", (), "m/s", "velocity"),
+    ("vy", "f8", (), "m/s", ""),
+    ("ax", "f8", (), "m/s²", "acceleration during the present step"),
+    ("ay", "f8", (), "m/s²", ""),
+    ("facing_x", "f8", (), "", "unit vector, where the body looks"),
+    ("facing_y", "f8", (), "", ""),
+    ("want_x", "f8", (), "m/s", "velocity that the player's command asks for"),
+    ("want_y", "f8", (), "m/s", ""),
+    ("start_x", "f8", (), "m", "place at kick-off; formations are built around it"),
+    ("start_y", "f8", (), "m", ""),
+    ("top_speed", "f8", (), "m/s", "full sprint without the ball"),
+    ("tired", "f8", (), "", "0 fresh .. 0.99"),
+    ("skill", "f8", (), "", "0.3 + 0.7 × difficulty of the team"),
+    ("aim_x", "f8", (), "m", "where the kick is meant to go; for a learner, set when it leaves the foot"),
+    ("aim_y", "f8", (), "m", ""),
+    ("kick_wait", "f8", (), "s", "until the foot meets the ball"),
+    ("touch_wait", "f8", (), "s", "until this player can touch the ball again"),
+    ("down", "f8", (), "s", "until he is on his feet again after a slide or a dive"),
+    ("team", "i8", (), "", "0 left, 1 right"),
+    ("role", "i8", (), "", "0 keeper .. 9 forward"),
+    ("shirt", "i8", (), "", "index within the team, in program order"),
+    ("action", "i8", (), "", "this step's action, 0..18, or 19 when the built-in AI decides"),
+    ("direction", "i8", (), "", "sticky: 1..8 as the actions are numbered, 0 none"),
+    ("sprint", "?", (), "", "sticky"),
+    ("dribble", "?", (), "", "sticky"),
+    ("aimed", "?", (), "", "the kick goes to (aim_x, aim_y), not where the direction keys say"),
+    ("kick", "i8", (), "", "0 none, or the action asked for: 9..12"),
+    ("kick_held", "i8", (), "steps", "how long the button has been held"),
+    ("kick_ready", "?", (), "", "the button has been released: kick when possible"),
+    ("kick_patience", "i8", (), "steps", "left until a kick that found no ball is forgotten"),
+    ("turning", "i8", (), "steps", "since velocity and command differ"),
+    ("sliding", "?", (), "", "the player is down because he slides into a tackle"),
+)
+
+MATCH_FIELDS = (
+    ("num_players", "i8", (), "", "rows of `players` in use"),
+    ("controlled", "i8", (), "", "player whom the learner's next action moves, -1 without a learner"),
+    ("learner", "?", (), "", "a learner controls the left player closest to the ball"),
+    ("random", "u8", (), "", "state of the stream of random numbers"),
+    ("step", "i8", (), "steps", "played in this episode"),
+    # Settings of the episode
+    ("game_duration", "i8", (), "steps", ""),
+    ("end_episode_on_score", "?", (), "", ""),
+    ("end_episode_on_out_of_play", "?", (), "", ""),
+    ("end_episode_on_possession_change", "?", (), "", ""),
+    ("offsides", "?", (), "", ""),
+    # The state of play
+    ("score", "i8", (2,), "", "goals of the left and of the right team"),
+    ("game_mode", "i8", (), "", "0 normal, 1 kick-off, 2 goal kick, 3 free kick, 4 corner, 5 throw-in, 6 penalty"),
+    ("restart_team", "i8", (), "", "who takes the restart, -1 when none is due"),
+    ("restart_wait", "i8", (), "steps", "until the restart"),
+    ("owner", "i8", (), "", "player in possession as the original reports it, -1 none"),
+    ("carrier", "i8", (), "", "player who leads the ball with his feet or holds it, -1 for a free ball"),
+    ("holder", "i8", (), "", "keeper with the ball in his hands, -1 none"),
+    ("hold_wait", "i8", (), "steps", "until the holder kicks it out"),
+    ("kicker", "i8", (), "", "player in the middle of a kick, -1 none"),
+    ("last_touch", "i8", (), "", "player, -1 none yet"),
+    ("last_owned_team", "i8", (), "", "team of the last owner, -1 none yet"),
+    ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
+    ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
+    ("save_x", "f8", (), "m", "where he means to meet it"),
+    ("save_y", "f8", (), "m", ""),
+    ("save_wait", "f8", (), "s", "until the ball is there"),
+    ("save_succeeds", "?", (), "", "drawn when the shot left the foot"),
+    # What the last step brought
+    ("goal", "i8", (), "", "+1 the left team scored in this step, -1 the right one"),
+    ("checkpoint_reward", "f8", (), "", "0.1 per checkpoint newly passed in this step"),
+    ("checkpoints", "i8", (), "", "of the 10, passed in this episode"),
+    ("possession_changed", "?", (), "", "the other team than the last owner's came into possession"),
+    ("ended", "i8", (), "", "0 running, 1 goal, 2 out of play, 3 possession change, 4 duration"),
+    ("terminated", "?", (), "", "ended by an event"),
+    ("truncated", "?", (), "", "ended by the duration alone"),
+    ("fault", "i8", (), "", "0 none, 1 a value is not a number, 2 no such action"),
+)
+
+
+def _dtype(table: tuple) -> np.dtype:
+    return np.dtype([(name, kind, shape) for name, kind, shape, _, _ in table], align=True)
+
+
+BALL = _dtype(BALL_FIELDS)
+PLAYER = _dtype(PLAYER_FIELDS)
+MATCH = np.dtype(
+    [(name, kind, shape) for name, kind, shape, _, _ in MATCH_FIELDS]
+    + [("ball", BALL), ("players", PLAYER, (MAX_PLAYERS,))],
+    align=True,
+)
+
+
+@dataclass(frozen=True)
+class MatchConfig:
+    """Settings of an episode, named as in Google Research Football; each one value or an array [N]."""
+
+    game_duration: npt.ArrayLike = 400
+    end_episode_on_score: npt.ArrayLike = True
+    end_episode_on_out_of_play: npt.ArrayLike = True
+    end_episode_on_possession_change: npt.ArrayLike = True
+    offsides: npt.ArrayLike = False
+    left_team_difficulty: npt.ArrayLike = 1.0
+    right_team_difficulty: npt.ArrayLike = 0.6
+    deterministic: npt.ArrayLike = False  # the same random numbers in every episode
+    learner: npt.ArrayLike = True  # a learner controls the left player closest to the ball
+
+
+@dataclass(frozen=True)
+class Lineup:
+    """Who plays: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), in program order."""
+
+    teams: npt.ArrayLike
+    roles: npt.ArrayLike
+
+
+def kick_off(
+    positions: npt.ArrayLike,
+    ball: npt.ArrayLike,
+    lineup: Lineup,
+    seeds: npt.ArrayLike,
+    config: MatchConfig = MatchConfig(),
+) -> np.ndarray:
+    """Make matches MATCH [N] about to begin: everyone stands, the ball lies still and is nobody's.
+
+    `positions` [N, P, 2] and `ball` [N, 2] are in metres, `seeds` [N] start the random streams. Raises ValueError
+    if the shapes disagree or there are more than 22 players.
+    """
+    positions, ball = np.asarray(positions, float), np.asarray(ball, float)
+    teams, roles = np.asarray(lineup.teams, np.int64), np.asarray(lineup.roles, np.int64)
+    _check(positions, ball, teams, roles)
+    matches = np.zeros(len(positions), MATCH)
+    for name in ("owner", "carrier", "holder", "kicker", "last_touch", "last_owned_team", "saver", "restart_team"):
+        matches[name] = NOBODY
+    matches["chaser"] = NOBODY
+    _settle(matches, config, seeds)
+    matches["num_players"] = len(teams)
+    matches["ball"]["x"], matches["ball"]["y"] = ball[:, 0], ball[:, 1]
+    matches["ball"]["z"] = BALL_RADIUS
+    _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
+    difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
+    matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
+    matches["controlled"] = _closest_left(positions, ball, teams)
+    matches["controlled"][~matches["learner"]] = NOBODY
+    return matches
+
+
+def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
+    if positions.ndim != 3 or positions.shape[2] != 2 or ball.shape != (len(positions), 2):
+        raise ValueError(f"positions must be [N, P, 2] and ball [N, 2], not {positions.shape} and {ball.shape}")
+    if not (teams.shape == roles.shape == positions.shape[1:2]):
+        raise ValueError(f"{positions.shape[1]} players, but teams {teams.shape} and roles {roles.shape}")
+    if not 1 <= len(teams) <= MAX_PLAYERS:
+        raise ValueError(f"a match has 1 to {MAX_PLAYERS} players, not {len(teams)}")
+
+
+def _settle(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> None:
+    """Write the settings of the episode; equal seeds, or a deterministic match, give equal streams."""
+    for field in fields(config):
+        if field.name in MATCH.names:  # type: ignore[operator]
+            matches[field.name] = getattr(config, field.name)
+    matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
+
+
+def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
+    """Place players [N, P], both teams looking at the goal they attack."""
+    for axis, name in enumerate("xy"):
+        players[name] = positions[..., axis]
+        players["start_" + name] = positions[..., axis]
+    players["team"], players["role"] = teams, roles
+    for team in (LEFT, RIGHT):
+        players["shirt"][:, teams == team] = np.arange(np.count_nonzero(teams == team))
+    speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
+    players["top_speed"] = speeds
+    players["facing_x"] = np.where(teams == LEFT, 1.0, -1.0)
+
+
+def _closest_left(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Index [N] of the left player closest to the ball; ties keep program order; -1 without a left team."""
+    if not np.any(teams == LEFT):
+        return np.full(len(positions), NOBODY)
+    distance = np.sum((positions - ball[:, None]) ** 2, axis=-1)
+    return np.argmin(np.where(teams == LEFT, distance, np.inf), axis=1)

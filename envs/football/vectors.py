@@ -1,0 +1,22 @@
+"""Lengths in the plane, by the one formula that gives the same bits compiled and uncompiled.
+
+(`math.hypot` does not: CPython and the C library round it differently.)
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenic_lite.jit import kernel
+
+
+@kernel
+def length(x, y):
+    """Return the length of the vector (x, y)."""
+    return math.sqrt(x * x + y * y)
+
+
+@kernel
+def apart(a, b):
+    """Return the distance in m between two of players and ball."""
+    return length(a.x - b.x, a.y - b.y)

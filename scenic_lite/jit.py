@@ -1,0 +1,105 @@
+"""`kernel`: how every compiled function of Regista is compiled and where the result is kept.
+
+Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
+file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see.
+Read next: `envs.football.simulator`, the largest user.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+
+ROOT = Path(__file__).resolve().parent.parent
+PACKAGES = ("scenic_lite", "envs")
+KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
+
+_numba_config: Any = numba.config
+_IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)", re.MULTILINE)
+
+
+def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
+    """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
+
+    Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in C.
+    With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
+    """
+
+    def decorate(undecorated: Callable) -> Any:
+        previous = _numba_config.CACHE_DIR
+        _numba_config.CACHE_DIR = str(CACHE)
+        try:
+            return numba.njit(cache=True, error_model="numpy", parallel=parallel)(undecorated)
+        finally:
+            _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
+
+    return decorate if function is None else decorate(function)
+
+
+def compiled(function: Any) -> bool:
+    """Tell whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
+    if not hasattr(function, "signatures") or function.signatures:
+        return True
+    folder = Path(function.stats.cache_path)
+    stem = f"{function.py_func.__module__.rpartition('.')[2]}.{function.py_func.__qualname__}-"
+    return folder.is_dir() and any(path.name.startswith(stem) for path in folder.glob("*.nbc"))
+
+
+def sources() -> list[Path]:
+    """List the files that kernels stand in and all of ours that those import: what compiled code depends on."""
+    texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    found: set[Path] = set()
+    pending = [path for path, text in texts.items() if "scenic_lite.jit import" in text]
+    while pending:
+        path = pending.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for module in _IMPORT.findall(texts[path]):
+            base = ROOT / Path(*module.split("."))
+            pending += [file for file in (base.with_suffix(".py"), base / "__init__.py") if file in texts]
+    return sorted(found)
+
+
+def digest() -> str:
+    """Name the present state of `sources()` in 16 hexadecimal digits."""
+    state = hashlib.sha256(numba.__version__.encode())
+    for path in sources():
+        state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return state.hexdigest()[:16]
+
+
+def _cache_folder() -> Path:
+    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder."""
+    user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    for parent in (Path(chosen) if chosen else user_cache, Path(tempfile.gettempdir()) / "regista"):
+        folder = parent / digest()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            folder.touch()  # newest: `_forget` goes by age
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            continue
+        _forget(parent)
+        return folder
+    return Path(tempfile.mkdtemp(prefix="regista-"))
+
+
+def _forget(parent: Path) -> None:
+    """Remove the caches of all but the newest few digests; leave whatever else lies there alone."""
+    ours = [path for path in parent.iterdir() if re.fullmatch(r"[0-9a-f]{16}", path.name)]
+    for stale in sorted(ours, key=lambda path: path.stat().st_mtime, reverse=True)[KEPT_CACHES:]:
+        shutil.rmtree(stale, ignore_errors=True)
+
+
+CACHE = _cache_folder()
