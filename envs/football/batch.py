@@ -60,18 +60,26 @@ def empty_outcome(count: int, size: int) -> Outcome:
 def step_batch(matches, starts, actions, outcome, rules):
     """Step MATCH `[N]` with actions `[N]`; an ended match starts again from its row of `starts` `[N]`."""
     for index in prange(len(matches)):
-        match = matches[index]
-        step_match(match, actions[index])
-        outcome.rewards[index] = reward(match, rules.checkpoints)
-        outcome.terminated[index] = match.terminated
-        outcome.truncated[index] = match.truncated
-        outcome.ended[index] = match.ended
-        outcome.faults[index] = match.fault
-        if match.terminated or match.truncated:
-            write_features(match, outcome.final_observations[index])
-            if rules.restart:
-                _restart(matches, starts, index, rules.deterministic)
-        write_features(matches[index], outcome.observations[index])
+        # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
+        # the record.
+        _step_row(matches, starts, actions, outcome, rules, index)
+
+
+@kernel
+def _step_row(matches, starts, actions, outcome, rules, index):
+    """Step, reward, observe and if need be restart one match."""
+    match = matches[index]
+    step_match(match, actions[index])
+    outcome.rewards[index] = reward(match, rules.checkpoints)
+    outcome.terminated[index] = match.terminated
+    outcome.truncated[index] = match.truncated
+    outcome.ended[index] = match.ended
+    outcome.faults[index] = match.fault
+    if match.terminated or match.truncated:
+        write_features(match, outcome.final_observations[index])
+        if rules.restart:
+            _restart(matches, starts, index, rules.deterministic)
+    write_features(matches[index], outcome.observations[index])
 
 
 @kernel
