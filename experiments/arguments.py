@@ -14,7 +14,7 @@ import typing
 from collections.abc import Callable, Sequence
 from dataclasses import field, fields, is_dataclass
 from types import NoneType, UnionType
-from typing import Any, Literal, NoReturn, TypeVar
+from typing import Any, Literal, NamedTuple, NoReturn, TypeVar
 
 from experiments.errors import UsageError, nearest
 
@@ -26,9 +26,12 @@ def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
     return field(default=default, metadata={"help": help, "positional": True})
 
 
-def group(factory: type, help: str, prefix: str = "") -> Any:
-    """Give a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field."""
-    return field(default_factory=factory, metadata={"help": help, "prefix": prefix})
+def group(factory: type, help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
+    """Give a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
+
+    The fields `without` get no flag.
+    """
+    return field(default_factory=factory, metadata={"help": help, "prefix": prefix, "without": without})
 
 
 def parse(base: Config, argv: Sequence[str], command: str, description: str) -> Config:
@@ -43,7 +46,7 @@ def typed_settings(base: Any, argv: Sequence[str], command: str, description: st
         prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
     )
     parser.add_argument("--help", "-h", action="help", help="show this and exit")
-    _add(parser, parser, base, path="", prefix="")
+    _add(parser, parser, base, _Place("", ""))
     typed, unknown = parser.parse_known_args(list(argv))
     if unknown:
         raise UsageError(_unknown(unknown[0], [flag for flag in parser._option_string_actions if flag[:2] == "--"]))
@@ -73,23 +76,32 @@ def flag_name(name: str, prefix: str = "") -> str:
 # ---------------------------------------------------------------- one flag per field
 
 
-def _add(parser: argparse.ArgumentParser, container: Any, config: Any, path: str, prefix: str) -> None:
+class _Place(NamedTuple):
+    """Where in the nesting of configurations: dotted path of fields, prefix of flags, fields that get no flag."""
+
+    path: str
+    prefix: str
+    without: tuple[str, ...] = ()
+
+
+def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _Place) -> None:
     """Add a flag for every field of `config` to `container`, and a group for every nested configuration."""
     hints = typing.get_type_hints(type(config))
     for item in fields(config):
-        value = getattr(config, item.name)
-        help_text = item.metadata.get("help", "")
+        value, about = getattr(config, item.name), item.metadata
+        path, help_text = place.path + item.name, about.get("help", "")
+        if item.name in place.without:
+            continue
         if is_dataclass(value):
             nested = parser.add_argument_group(help_text or item.name)
-            _add(parser, nested, value, f"{path}{item.name}.", item.metadata.get("prefix", f"{item.name}."))
-        elif item.metadata.get("positional"):
-            _add_positional(container, item, hints[item.name], path + item.name)
+            prefix = place.prefix + about.get("prefix", f"{item.name}.")
+            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())))
+        elif about.get("positional"):
+            _add_positional(container, item, hints[item.name], path)
         else:
-            options = _options(hints[item.name], value)
             help_text += "" if value is None else f" (default {_spell(value)})"
-            container.add_argument(
-                flag_name(item.name, prefix), dest=path + item.name, default=argparse.SUPPRESS, help=help_text, **options
-            )
+            flag, options = flag_name(item.name, place.prefix), _options(hints[item.name])
+            container.add_argument(flag, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options)
 
 
 def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: str) -> None:
@@ -106,7 +118,7 @@ def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: st
     )
 
 
-def _options(hint: Any, value: Any) -> dict[str, Any]:
+def _options(hint: Any) -> dict[str, Any]:
     """Give argparse's options for a field of this type."""
     hint = _without_none(hint)
     if hint is bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, TypeVar
 
-from envs.football.config import FootballConfig
+from envs.football.vector_env import FootballConfig
 from experiments.arguments import group, positional
 from experiments.errors import CommandError, nearest
 from ued.config import setting
@@ -155,25 +155,10 @@ def presets() -> dict[str, TrainConfig]:
     """Give the named starting points of `--preset`.
 
     `fast` is the default: features for a small network, minutes on two cores. `thesis` is Table 4.2 of the thesis:
-    its coefficients, its network on stacked SMM planes and 5M steps.
+    its coefficients and 5M steps, on our observations and network.
     """
     fast = TrainConfig()
-    return {"fast": fast, "thesis": _thesis(fast)}
-
-
-def _thesis(base: TrainConfig) -> TrainConfig:
-    replace = dataclasses.replace
-    ppo = replace(
-        base.ppo,
-        learning_rate=8e-5,
-        gamma=0.993,
-        gae_lambda=0.95,
-        clip_coef=0.27,
-        ent_coef=0.01,
-        vf_coef=0.5,
-        max_grad_norm=0.5,
-        num_minibatches=8,
-        num_steps=128,
-        update_epochs=4,
+    thesis = dataclasses.replace(
+        fast, total_env_steps=5_000_000, num_envs=16, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis()
     )
-    return replace(base, total_env_steps=5_000_000, ppo=ppo)
+    return {"fast": fast, "thesis": thesis}

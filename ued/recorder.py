@@ -43,8 +43,17 @@ STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104,
 SCORE_COLOUR: Colour = (255, 82, 82)
 QUIET: Colour = (150, 156, 162)
 DARK: Colour = (12, 12, 14)
-INFERNO = ((0, 0, 4), (40, 11, 84), (101, 21, 110), (159, 42, 99), (212, 72, 66), (245, 125, 21), (250, 193, 39), (252, 255, 164))  # fmt: skip
-CALM_TO_RED = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
+INFERNO: tuple[Colour, ...] = (
+    (0, 0, 4),
+    (40, 11, 84),
+    (101, 21, 110),
+    (159, 42, 99),
+    (212, 72, 66),
+    (245, 125, 21),
+    (250, 193, 39),
+    (252, 255, 164),
+)
+CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
 
 
 class ScenePainter(Protocol):
@@ -195,7 +204,9 @@ class CurriculumRecorder:
         strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
         log("scene/ground", strips, static=True)
         x_low, _, y_low, _ = painter.bounds
-        log("scene/heat", rerun.Transform3D(translation=[x_low, y_low, 0], scale=[HEAT_CELL, HEAT_CELL, 1]), static=True)
+        log(
+            "scene/heat", rerun.Transform3D(translation=[x_low, y_low, 0], scale=[HEAT_CELL, HEAT_CELL, 1]), static=True
+        )
 
     def _styles(self) -> None:
         import rerun
@@ -324,9 +335,14 @@ class CurriculumRecorder:
             top = d * (MAP_HEIGHT + MAP_GAP)
             density = self._density[d] / np.maximum(self._density[d].max(1, keepdims=True), 1e-9)  # [columns, bins]
             scale = [MAP_WIDTH / columns, MAP_HEIGHT / BINS, 1.0]
-            self.stream.log(f"theta/over_time/{d}", rerun.Transform3D(translation=[0, top, 0], scale=scale), static=True)
+            self.stream.log(
+                f"theta/over_time/{d}", rerun.Transform3D(translation=[0, top, 0], scale=scale), static=True
+            )
             image = rerun.DepthImage(
-                np.ascontiguousarray(density.T[::-1], np.float32), colormap="inferno", depth_range=[0.0, 1.0], draw_order=-5
+                np.ascontiguousarray(density.T[::-1], np.float32),
+                colormap="inferno",
+                depth_range=[0.0, 1.0],
+                draw_order=-5,
             )
             self.stream.log(f"theta/over_time/{d}/map", image, static=True)
             ticks += [[-22, top + MAP_HEIGHT / 2], [-7, top + 3], [-7, top + MAP_HEIGHT - 1]]
@@ -390,7 +406,8 @@ class CurriculumRecorder:
             for row in (np.quantile(batch.theta, 0.1, 0), batch.theta[level], np.quantile(batch.theta, 0.9, 0))
         )
         returns = "\n".join(
-            f"| {name} | {values[level]:+.2f} | {batch.episodes[name][level]} |" for name, values in batch.returns.items()
+            f"| {name} | {values[level]:+.2f} | {batch.episodes[name][level]} |"
+            for name, values in batch.returns.items()
         )
         rows = "\n".join(
             f"| {name} | {value[d]:.2f} | {low[d]:.2f} to {high[d]:.2f} |" for d, name in enumerate(self.names)
@@ -461,13 +478,18 @@ class CurriculumRecorder:
         bottom = len(self.names) * (MAP_HEIGHT + MAP_GAP) + 6
         bounds = rrb.VisualBounds2D(x_range=[-42, MAP_WIDTH + 8], y_range=[-8, bottom + 6])
         return rrb.Spatial2DView(
-            origin="/theta/over_time", name="θ over updates (brightness: density)", background=DARK, visual_bounds=bounds
+            origin="/theta/over_time",
+            name="θ over updates (brightness: density)",
+            background=DARK,
+            visual_bounds=bounds,
         )
 
     def _overview(self) -> Any:
         import rerun.blueprint as rrb
 
-        placement = self._view("Where the levels are (colour: score) over their density", "/scene/heat/**", "/scene/batch")
+        placement = self._view(
+            "Where the levels are (colour: score) over their density", "/scene/heat/**", "/scene/batch"
+        )
         top = rrb.Horizontal(
             self._view("The level of the highest score", "/scene/levels/0/**"),
             rrb.TextDocumentView(origin="/levels/card", name="Level"),
@@ -546,4 +568,6 @@ def _escaped(name: str) -> str:
     """Write a part of an entity path as Rerun spells it."""
     import rerun
 
-    return rerun.escape_entity_path_part(name) if hasattr(rerun, "escape_entity_path_part") else name.replace(" ", "\\ ")
+    return (
+        rerun.escape_entity_path_part(name) if hasattr(rerun, "escape_entity_path_part") else name.replace(" ", "\\ ")
+    )

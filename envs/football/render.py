@@ -96,6 +96,10 @@ class FootballPainter:
         ball = np.stack([matches["ball"]["x"], matches["ball"]["y"]], -1)  # [N, 2]
         return np.concatenate([people, ball[:, None]], 1)
 
+    def frame(self, env: FootballVectorEnv) -> np.ndarray:
+        """Give the places in the first match of `env` as it stands: `[K, 2]` m."""
+        return self.places(env.matches[:1])[0]
+
     def draw(self, axes: Axes, theta: np.ndarray, dots: float = 60.0) -> None:
         """Draw the scenes of θ `[L, D]` on one pitch."""
         draw_pitch(axes, self.bounds)

@@ -1,0 +1,39 @@
+"""Policies that need no training, for scale: a student that does not beat them has learnt nothing.
+
+Read next: `evaluate`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Discrete
+
+from envs.football.constants import SHOT
+
+
+class RandomPolicy:
+    """Take every action with the same probability."""
+
+    def __init__(self, action_space: Discrete) -> None:
+        self.count = int(action_space.n)
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+        """Give one action for each row of `observation` `[N, size]`."""
+        import torch
+
+        return torch.randint(self.count, (len(observation),), generator=generator).numpy()
+
+
+class ShootPolicy:
+    """Shoot at once: the shot in every step."""
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+        """Give one action for each row of `observation` `[N, size]`."""
+        return np.full(len(observation), SHOT)
+
+
+def make_baselines(action_space: Discrete) -> dict[str, Any]:
+    """Give the baselines by name."""
+    return {"shoot": ShootPolicy(), "random": RandomPolicy(action_space)}

@@ -1,0 +1,87 @@
+"""Names to objects: the only place that knows which minigame, method or program a word stands for.
+
+Everything heavy is imported when it is asked for. Read next: `train`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from experiments.errors import UsageError, nearest
+
+if TYPE_CHECKING:
+    from envs.football.render import FootballPainter
+    from envs.football.vector_env import FootballConfig, FootballVectorEnv
+    from experiments.config import TrainConfig
+    from minigames.suites import Minigame
+
+METHODS = {
+    "dr": "domain randomisation: a new uniform level for every episode",
+    "paired": "protagonist, antagonist and an adversary that is paid their regret",
+}
+
+TRAINING_SCENE = "training distribution"  # uniform θ of the training program: tested beside the test scenes
+
+
+def find_minigame(name: str) -> Minigame:
+    """Give the minigame of this name; the path of a .scenic program counts as one without tests.
+
+    Raises `UsageError` for a name that is neither.
+    """
+    from minigames.suites import MINIGAMES, Minigame
+
+    if name in MINIGAMES:
+        return MINIGAMES[name]
+    path = Path(name)
+    if path.suffix == ".scenic":
+        if not path.is_file():
+            raise UsageError(f"there is no program {name}")
+        return Minigame(path.stem, path, (), "a program of yours")
+    raise UsageError(
+        f"unknown minigame {name!r}{nearest(name, MINIGAMES)}; known are {', '.join(MINIGAMES)}, or give a .scenic file"
+    )
+
+
+def find_method(name: str) -> str:
+    """Give the name back if there is such a method. Raises `UsageError` otherwise."""
+    if name not in METHODS:
+        raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; known are {', '.join(METHODS)}")
+    return name
+
+
+def test_scenes(game: Minigame) -> dict[str, Path]:
+    """Give the programs on which students of a minigame are tested, by label."""
+    return {TRAINING_SCENE: game.program, **dict(game.tests)}
+
+
+def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
+    """Compile a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
+    import numba
+
+    from envs.football.vector_env import FootballVectorEnv
+
+    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    upomdp = FootballVectorEnv(program, num_envs, config=config)
+    upomdp.reset(seed=seed)
+    return upomdp
+
+
+def make_method(config: TrainConfig, upomdp: Any) -> Any:
+    """Make the method that trains on `upomdp`. Raises `UsageError` for an unknown one."""
+    import torch
+
+    from ued.methods.dr import DR
+    from ued.methods.paired import Paired
+
+    torch.set_num_threads(config.threads)
+    if find_method(config.method) == "dr":
+        return DR(upomdp, config.ppo, config.dr, config.seed)
+    return Paired(upomdp, config.ppo, config.paired, config.seed)
+
+
+def make_painter(upomdp: Any) -> FootballPainter:
+    """Make what draws the levels of these environments."""
+    from envs.football.render import FootballPainter
+
+    return FootballPainter(upomdp)
