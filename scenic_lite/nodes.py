@@ -71,6 +71,7 @@ class Param(ast.stmt):
     """`param n = e, 'quoted name' = e`; `names`: list of str, `values`: list of expr, `places`: list of expr (the names)."""
 
     _fields = ("names", "values")
+    _attributes = (*ast.stmt._attributes, "places")
 
 
 class Require(ast.stmt):
@@ -92,9 +93,12 @@ class Mutate(ast.stmt):
 
 
 class Record(ast.stmt):
-    """`record [initial | final] e [as name]`; `when`: "each", "initial" or "final"."""
+    """`record [initial | final] e [every n steps] [after m steps] [as name] [to file]`.
 
-    _fields = ("value", "when", "name")
+    `when`: "each", "initial" or "final"; `every`, `delay`, `file`: expr or None; the units: "seconds", "steps" or None.
+    """
+
+    _fields = ("value", "when", "name", "every", "every_unit", "delay", "delay_unit", "file")
 
 
 class Simulator(ast.stmt):
@@ -104,9 +108,9 @@ class Simulator(ast.stmt):
 
 
 class TerminateWhen(ast.stmt):
-    """`terminate [simulation] when condition`; `scope`: "scenario" or "simulation"."""
+    """`terminate [simulation] when condition [as name]`; `scope`: "scenario" or "simulation", `name`: str or None."""
 
-    _fields = ("condition", "scope")
+    _fields = ("condition", "scope", "name")
 
 
 class TerminateAfter(ast.stmt):
@@ -124,10 +128,12 @@ class PropertyDefault(ast.stmt):
 class Behavior(ast.stmt):
     """`behavior B(args):`, `monitor M[(args)]:`, with `precondition: c` and `invariant: c` lines taken out of the body.
 
-    `kind`: "behavior" or "monitor"; `args`: ast.arguments; `docstring`: str or None.
+    `kind`: "behavior" or "monitor"; `args`: ast.arguments; `docstring`: str or None, no longer in the body. `started`:
+    True for `monitor M:` without brackets, which Scenic 2 starts by itself.
     """
 
     _fields = ("name", "args", "preconditions", "invariants", "body", "kind", "docstring")
+    _attributes = (*ast.stmt._attributes, "started")
 
 
 class Scenario(ast.stmt):
