@@ -11,9 +11,10 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from envs.football.config import FootballConfig
 from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING
 from envs.football.render import frame
-from envs.football.vector_env import FootballConfig, FootballVectorEnv
+from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import Program
 
 ENDINGS = {RUNNING: "", GOAL: "goal", OUT_OF_PLAY: "out of play", POSSESSION: "possession change", DURATION: "duration"}

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from scenic_lite.jit import kernel
 
-REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names
-
 
 @kernel
 def reward(match, checkpoints):

@@ -5,7 +5,6 @@ Read next: `casting`, how a program becomes a match; `batch`, how matches are st
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,29 +13,13 @@ from gymnasium.spaces import Box, Discrete, Space
 
 from envs.football.batch import Rules, empty_matches, empty_outcome, observe_batch, step_batch
 from envs.football.casting import Casting
+from envs.football.config import FootballConfig
 from envs.football.constants import LEFT, NO_FAULT, NUM_ACTIONS
 from envs.football.domain import FOOTBALL
 from envs.football.observation import LIMIT, features_size
 from envs.football.raw import raw_observation, raw_space
-from envs.football.reward import REWARDS
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta
-
-OBSERVATIONS = ("features", "raw")
-
-
-@dataclass(frozen=True)
-class FootballConfig:
-    """Settings of the environment; those of the match are parameters of the program."""
-
-    observation: str = "features"  # or "raw"
-    rewards: str = "scoring"  # or "scoring,checkpoints"
-    dialect: int = 2  # of programs given as text or as a file
-
-    def __post_init__(self) -> None:
-        for name, value, known in (("observation", self.observation, OBSERVATIONS), ("rewards", self.rewards, REWARDS)):
-            if value not in known:
-                raise ValueError(f"{name} must be one of {', '.join(map(repr, known))}, not {value!r}")
 
 
 class FootballVectorEnv(UPOMDP):

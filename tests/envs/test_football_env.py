@@ -14,10 +14,11 @@ from gymnasium.utils.env_checker import check_env
 
 import minigames
 from envs.football.casting import CastingError
+from envs.football.config import FootballConfig
 from envs.football.constants import GOAL, METRES_PER_X, METRES_PER_Y, SHOT
 from envs.football.gym_env import FootballEnv
 from envs.football.observation import features_names
-from envs.football.vector_env import FootballConfig, FootballVectorEnv
+from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 from ued.upomdp import ThetaError
 
