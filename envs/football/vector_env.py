@@ -41,7 +41,7 @@ class FootballVectorEnv(UPOMDP):
         program: Program | str | Path,
         num_envs: int = 1,
         *,
-        config: FootballConfig = FootballConfig(),
+        config: FootballConfig = FootballConfig(),  # noqa: B008 (frozen)
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
