@@ -12,7 +12,7 @@ from experiments.errors import UsageError, nearest
 
 if TYPE_CHECKING:
     from envs.football.render import FootballPainter
-    from envs.football.vector_env import FootballConfig, FootballVectorEnv
+    from envs.football.config import FootballConfig, FootballVectorEnv
     from experiments.config import TrainConfig
     from minigames.suites import Minigame
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, TypeVar
 
-from envs.football.vector_env import FootballConfig
+from envs.football.config import FootballConfig
 from experiments.arguments import group, positional
 from experiments.errors import CommandError, nearest
 from ued.config import setting

@@ -1,7 +1,7 @@
 """The curriculum as a Rerun recording: which levels were played, what came of them, how θ moved.
 
-All Rerun imports are in this module, and inside its functions, so that `import ued` works without Rerun. The
-recorder knows no domain: a `ScenePainter` says what a level looks like. What it writes, by entity:
+All Rerun imports are in this module and in `recorder_layout`, inside functions, so that `import ued` works without
+Rerun. The recorder knows no domain: a `ScenePainter` says what a level looks like. What it writes, by entity:
 
     /scene/ground                    lines that never change; below /scene metres are y-up
     /scene/heat/map                  where the recent levels put the painter's focus
@@ -16,7 +16,7 @@ recorder knows no domain: a `ScenePainter` says what a level looks like. What it
 
 Timelines: `update`, `env_steps`, and `movie`, on which pressing play animates the recorded episodes too.
 A recording that is continued gets another file with the same recording id; the viewer shows the parts as one.
-Read next: `envs.football.render`, a painter; `experiments.train`, which calls `record`.
+Read next: `recorder_layout`, what the viewer shows; `envs.football.render`, a painter.
 """
 
 from __future__ import annotations
@@ -24,16 +24,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
-Colour = tuple[int, int, int]
+from ued.recorder_layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH, TOP_LEVELS, Colour, ScenePainter, layout
 
-TOP_LEVELS = 6  # slots of the Levels tab
 BINS = 32  # of a histogram of θ
 MAP_COLUMNS = 400  # of the densities over updates, at most
-MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 26.0, 7.0  # of one density, in units of its view
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
 MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
@@ -41,8 +39,6 @@ HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
 
 STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOUR: Colour = (255, 82, 82)
-QUIET: Colour = (150, 156, 162)
-DARK: Colour = (12, 12, 14)
 INFERNO: tuple[Colour, ...] = (
     (0, 0, 4),
     (40, 11, 84),
@@ -54,23 +50,6 @@ INFERNO: tuple[Colour, ...] = (
     (252, 255, 164),
 )
 CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
-
-
-class ScenePainter(Protocol):
-    """What a domain tells the recorder of its looks. Places are in metres, +y up."""
-
-    bounds: tuple[float, float, float, float]  # x low, x high, y low, y high
-    background: Colour
-    line_colour: Colour
-    markers: Sequence[tuple[str, Colour, float]]  # by class: name, colour, radius (m)
-    classes: np.ndarray  # [K] the class of each point of a scene
-    focus: int  # the point that stands for the whole level on a map
-
-    def lines(self) -> list[np.ndarray]:
-        """Give the strips of the ground, each `[n, 2]`."""
-
-    def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Give the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
 
 class Episode(NamedTuple):
@@ -182,8 +161,7 @@ class CurriculumRecorder:
 
     def _open(self, students: list[str]) -> None:
         """Begin the file: the layout, what never changes, the looks of the curves."""
-        self.students = students
-        self.stream.save(self.recording.path, default_blueprint=self._layout())
+        self.stream.save(self.recording.path, default_blueprint=layout(self.painter, self.names, students))
         self.stream.send_recording_name(self.recording.name)
         import rerun
 
@@ -369,7 +347,7 @@ class CurriculumRecorder:
                 *rerun.Points2D.columns(positions=episode.positions.reshape(-1, 2)).partition(each),
                 *rerun.Points2D.columns(class_ids=np.tile(self.painter.classes, steps)).partition(each),
                 *rerun.Points2D.columns(radii=np.tile(self._radii, steps)).partition(each),
-                *rerun.Points2D.columns(show_labels=np.zeros(steps, bool)),
+                *rerun.Points2D.columns(show_labels=[False] * steps),
             ],
         )
         self.stream.reset_time()
@@ -436,102 +414,6 @@ class CurriculumRecorder:
         d = self.names.index(name)
         return self.low[d], max(self.high[d], self.low[d] + 1e-9)
 
-    # ------------------------------------------------------------ layout
-
-    def _layout(self) -> Any:
-        import rerun.blueprint as rrb
-
-        tabs = rrb.Tabs(self._overview(), self._levels(), self._rollouts(), self._theta_tab(), active_tab=0)
-        return rrb.Blueprint(
-            tabs,
-            rrb.BlueprintPanel(state="collapsed"),
-            rrb.SelectionPanel(state="collapsed"),
-            rrb.TimePanel(state="collapsed", timeline="update", fps=10, play_state="Paused"),
-            auto_views=False,
-            auto_layout=False,
-        )
-
-    def _view(self, name: str, *paths: str) -> Any:
-        import rerun.blueprint as rrb
-
-        x_low, x_high, y_low, y_high = self.painter.bounds
-        bounds = rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low])
-        contents = ["/scene/ground", *paths]
-        return rrb.Spatial2DView(
-            origin="/", contents=contents, name=name, background=self.painter.background, visual_bounds=bounds
-        )
-
-    def _series(self, name: str, *paths: str, legend: str = "LeftTop") -> Any:
-        import rerun.blueprint as rrb
-
-        return rrb.TimeSeriesView(
-            origin="/",
-            contents=list(paths),
-            name=name,
-            axis_x=rrb.TimeAxis(link="LinkToGlobal"),
-            plot_legend=rrb.PlotLegend(corner=legend),
-        )
-
-    def _over_time_view(self) -> Any:
-        import rerun.blueprint as rrb
-
-        bottom = len(self.names) * (MAP_HEIGHT + MAP_GAP) + 6
-        bounds = rrb.VisualBounds2D(x_range=[-42, MAP_WIDTH + 8], y_range=[-8, bottom + 6])
-        return rrb.Spatial2DView(
-            origin="/theta/over_time",
-            name="θ over updates (brightness: density)",
-            background=DARK,
-            visual_bounds=bounds,
-        )
-
-    def _overview(self) -> Any:
-        import rerun.blueprint as rrb
-
-        placement = self._view(
-            "Where the levels are (colour: score) over their density", "/scene/heat/**", "/scene/batch"
-        )
-        top = rrb.Horizontal(
-            self._view("The level of the highest score", "/scene/levels/0/**"),
-            rrb.TextDocumentView(origin="/levels/card", name="Level"),
-            column_shares=[1.25, 1],
-        )
-        curves = [self._series("Return per level (mean ± std)", "/metrics/return_per_level/**", legend="RightBottom")]
-        if len(self.students) > 1:
-            curves.append(self._series("Regret per level (mean ± std)", "/metrics/score_per_level", legend="RightTop"))
-        curves.append(self._series("Return on the test scenes", "/metrics/eval/**", legend="RightBottom"))
-        right = rrb.Vertical(*curves, self._over_time_view(), row_shares=[1.0] * len(curves) + [1.6])
-        return rrb.Horizontal(
-            rrb.Vertical(placement, top, row_shares=[1.15, 1]), right, column_shares=[1.25, 1], name="Overview"
-        )
-
-    def _levels(self) -> Any:
-        import rerun.blueprint as rrb
-
-        views = [self._view(f"Level {slot + 1} by score", f"/scene/levels/{slot}/**") for slot in range(TOP_LEVELS)]
-        return rrb.Grid(*views, grid_columns=3, name="Levels")
-
-    def _rollouts(self) -> Any:
-        import rerun.blueprint as rrb
-
-        views = [self._view(student.capitalize(), f"/scene/rollout/{student}/**") for student in self.students]
-        return rrb.Horizontal(*views, name="Rollouts")
-
-    def _theta_tab(self) -> Any:
-        import rerun.blueprint as rrb
-
-        charts = [
-            rrb.BarChartView(
-                origin=f"/theta/{_escaped(name)}",
-                contents=["$origin/histogram", "$origin/uniform"],
-                name=name,
-                plot_legend=rrb.PlotLegend(visible=False),
-            )
-            for name in self.names
-        ]
-        return rrb.Horizontal(
-            rrb.Grid(*charts, grid_columns=2), self._over_time_view(), column_shares=[1, 1.35], name="Theta"
-        )
-
 
 def unique_names(draws: Sequence[Any]) -> list[str]:
     """Give the names of the columns of θ, numbered where two are alike."""
@@ -562,12 +444,3 @@ def _unit(score: np.ndarray) -> np.ndarray:
     """Scale scores to [0, 1] by their highest; unknown ones are 0."""
     known = np.nan_to_num(score)
     return np.clip(known / max(known.max(initial=0.0), 1e-6), 0, 1)
-
-
-def _escaped(name: str) -> str:
-    """Write a part of an entity path as Rerun spells it."""
-    import rerun
-
-    return (
-        rerun.escape_entity_path_part(name) if hasattr(rerun, "escape_entity_path_part") else name.replace(" ", "\\ ")
-    )

@@ -1,0 +1,143 @@
+"""What the viewer shows of a recording: four tabs, and what a domain must tell to be drawn.
+
+*Overview* (where levels are, the one of the highest score, returns, regret, test scenes, θ over updates), *Levels* (the
+six highest scores), *Rollouts* (each student on one level), *Theta* (histograms over the uniform, θ over updates).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+Colour = tuple[int, int, int]
+Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
+
+TOP_LEVELS = 6  # slots of the Levels tab
+MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 26.0, 7.0  # of one density over updates, in units of its view
+DARK: Colour = (12, 12, 14)
+
+
+class ScenePainter(Protocol):
+    """What a domain tells the recorder of its looks. Places are in metres, +y up."""
+
+    bounds: tuple[float, float, float, float]  # x low, x high, y low, y high
+    background: Colour
+    line_colour: Colour
+    markers: Sequence[tuple[str, Colour, float]]  # by class: name, colour, radius (m)
+    classes: np.ndarray  # [K] the class of each point of a scene
+    focus: int  # the point that stands for the whole level on a map
+
+    def lines(self) -> list[np.ndarray]:
+        """Give the strips of the ground, each `[n, 2]`."""
+
+    def positions(self, theta: np.ndarray) -> np.ndarray:
+        """Give the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
+
+
+def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str]) -> Any:
+    """Give the blueprint for a painter, the names of the columns of θ, and those of the students."""
+    import rerun.blueprint as rrb
+
+    tabs = rrb.Tabs(
+        _overview(painter, names, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
+    )
+    return rrb.Blueprint(
+        tabs,
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="update", fps=10, play_state="Paused"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _overview(painter: ScenePainter, names: Sequence[str], students: Sequence[str]) -> Any:
+    import rerun.blueprint as rrb
+
+    title = "Where the levels are (colour: score) over their density"
+    level = rrb.Horizontal(
+        _scene(painter, "The level of the highest score", "/scene/levels/0/**"),
+        rrb.TextDocumentView(origin="/levels/card", name="Level"),
+        column_shares=[1.25, 1],
+    )
+    left = rrb.Vertical(_scene(painter, title, "/scene/heat/**", "/scene/batch"), level, row_shares=[1.15, 1])
+    curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
+    if len(students) > 1:
+        curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
+    curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "RightBottom"))
+    right = rrb.Vertical(*curves, _over_time(names), row_shares=[1.0] * len(curves) + [1.6])
+    return rrb.Horizontal(left, right, column_shares=[1.25, 1], name="Overview")
+
+
+def _levels(painter: ScenePainter) -> Any:
+    import rerun.blueprint as rrb
+
+    views = [_scene(painter, f"Level {slot + 1} by score", f"/scene/levels/{slot}/**") for slot in range(TOP_LEVELS)]
+    return rrb.Grid(*views, grid_columns=3, name="Levels")
+
+
+def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
+    import rerun.blueprint as rrb
+
+    views = [_scene(painter, name.capitalize(), f"/scene/rollout/{name}/**") for name in students]
+    return rrb.Horizontal(*views, name="Rollouts")
+
+
+def _theta(names: Sequence[str]) -> Any:
+    import rerun
+    import rerun.blueprint as rrb
+
+    charts = [
+        rrb.BarChartView(
+            origin=f"/theta/{rerun.escape_entity_path_part(name)}",
+            contents=["$origin/histogram", "$origin/uniform"],
+            name=name,
+            plot_legend=rrb.PlotLegend(visible=False),
+        )
+        for name in names
+    ]
+    columns = 2 if len(charts) <= 8 else 3
+    grid = rrb.Grid(*charts, grid_columns=columns)
+    return rrb.Horizontal(grid, _over_time(names), column_shares=[1, 1.35], name="Theta")
+
+
+# ---------------------------------------------------------------- single views
+
+
+def _scene(painter: ScenePainter, name: str, *paths: str) -> Any:
+    import rerun.blueprint as rrb
+
+    x_low, x_high, y_low, y_high = painter.bounds
+    return rrb.Spatial2DView(
+        origin="/",
+        contents=["/scene/ground", *paths],
+        name=name,
+        background=painter.background,
+        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
+    )
+
+
+def _curves(name: str, paths: str, corner: Corner) -> Any:
+    import rerun.blueprint as rrb
+
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[paths],
+        name=name,
+        axis_x=rrb.TimeAxis(link="LinkToGlobal"),
+        plot_legend=rrb.PlotLegend(corner=corner),
+    )
+
+
+def _over_time(names: Sequence[str]) -> Any:
+    import rerun.blueprint as rrb
+
+    bottom = len(names) * (MAP_HEIGHT + MAP_GAP)
+    return rrb.Spatial2DView(
+        origin="/theta/over_time",
+        name="θ over updates (brightness: density)",
+        background=DARK,
+        visual_bounds=rrb.VisualBounds2D(x_range=[-42, MAP_WIDTH + 8], y_range=[-8, bottom + 12]),
+    )
