@@ -1,0 +1,90 @@
+"""What a program may spend while it is loaded, so that a file from a stranger can waste time and no more.
+
+Every limit has one sentence for the user. Read next: `frame`, which spends the steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sized
+from dataclasses import dataclass, field
+
+from scenic_lite.errors import ScenicError
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The most that one program may use."""
+
+    steps: int = 1_000_000  # nodes of the tree evaluated, loops and calls counted each time
+    calls: int = 40  # functions called inside each other; Python's own stack ends soon after
+    elements: int = 100_000  # of one list, tuple, dict, set or range
+    memory: int = 10_000_000  # elements and characters created in all
+    characters: int = 1_000_000  # of one text
+    bits: int = 4096  # of one integer
+    objects: int = 400  # every pair of them is tested for overlap
+    draws: int = 2000  # random values
+    operations: int = 100_000  # on random values; each costs an array operation per batch
+
+
+@dataclass
+class Budget:
+    """Counts what a load has spent; each method raises ScenicError of kind `budget` when a limit is passed."""
+
+    limits: Limits = field(default_factory=Limits)
+    steps: int = 0
+    memory: int = 0
+    calls: int = 0
+
+    def step(self) -> None:
+        self.steps += 1
+        if self.steps > self.limits.steps:
+            raise exceeded(f"the program takes more than {self.limits.steps:,} steps to load")
+
+    def enter(self) -> None:
+        self.calls += 1
+        if self.calls > self.limits.calls:
+            raise exceeded(f"functions call each other more than {self.limits.calls} deep")
+
+    def leave(self) -> None:
+        self.calls -= 1
+
+    def keep(self, value: object) -> None:
+        """Count a freshly made value against the limits."""
+        if isinstance(value, str):
+            self.text(len(value))
+        elif isinstance(value, int):
+            self.integer(value.bit_length())
+        elif isinstance(value, list | tuple | dict | set):
+            self.container(len(value))
+
+    def container(self, length: int) -> None:
+        if length > self.limits.elements:
+            raise exceeded(f"a collection of {length:,} elements; at most {self.limits.elements:,} are allowed")
+        self.spend(length)
+
+    def text(self, length: int) -> None:
+        if length > self.limits.characters:
+            raise exceeded(f"a text of {length:,} characters; at most {self.limits.characters:,} are allowed")
+        self.spend(length)
+
+    def integer(self, bits: int) -> None:
+        if bits > self.limits.bits:
+            raise exceeded(f"an integer of more than {self.limits.bits:,} bits")
+
+    def repeated(self, value: Sized, count: int) -> None:
+        """Check `value * count` before it is made."""
+        length = len(value) * max(0, count)
+        if isinstance(value, str | bytes):
+            self.text(length)
+        else:
+            self.container(length)
+
+    def spend(self, amount: int) -> None:
+        self.memory += amount
+        if self.memory > self.limits.memory:
+            raise exceeded(f"more than {self.limits.memory:,} elements and characters are made in all")
+
+
+def exceeded(what: str) -> ScenicError:
+    """The error for a limit that was passed; whoever knows the place adds it."""
+    return ScenicError("budget", f"evaluation budget exceeded: {what}")

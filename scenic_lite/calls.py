@@ -1,0 +1,241 @@
+"""Calls: functions of the program, built-in ones, behaviors; and the making of instances.
+
+Read next: `statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite import nodes
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame, near
+from scenic_lite.graph import Value
+from scenic_lite.placement import SPECIFIERS
+from scenic_lite.specifiers import Meaning, make, warn_of_unknown, with_property
+from scenic_lite.values import (
+    Behavior,
+    BehaviorCall,
+    Bound,
+    Builtin,
+    Choice,
+    Delayed,
+    Function,
+    Instance,
+    ScenicClass,
+    describe_kind,
+)
+
+
+class Return(Exception):
+    """Leaves a function of the program with its value."""
+
+    def __init__(self, value: Value) -> None:
+        super().__init__()
+        self.value = value
+
+
+def call_node(frame: Frame, node: ast.Call) -> Value:
+    function = frame.value(node.func)
+    arguments: list[Value] = []
+    for argument in node.args:
+        if isinstance(argument, ast.Starred):
+            arguments += starred(frame, function, argument)
+        else:
+            arguments.append(frame.value(argument))
+    keywords: dict[str, Value] = {}
+    for keyword in node.keywords:
+        if keyword.arg is None:
+            keywords.update(frame.value(keyword.value))
+        else:
+            keywords[keyword.arg] = frame.value(keyword.value)
+    return call(frame, function, arguments, keywords, node)
+
+
+def starred(frame: Frame, function: Value, argument: ast.Starred) -> list[Value]:
+    """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
+    value = frame.value(argument.value)
+    if isinstance(value, Choice) and isinstance(function, Builtin) and function.name == "Uniform":
+        return [value.merged([function.function(frame, argument, *option) for option in value.options])]
+    return frame.elements(value, argument)
+
+
+def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+    """Call whatever can be called."""
+    if isinstance(function, Choice):
+        return function.merged([call(frame, each, arguments, keywords, node) for each in function.options])
+    if isinstance(function, Bound):
+        return call(frame, function.function, [function.receiver, *arguments], keywords, node)
+    if isinstance(function, Builtin):
+        return call_builtin(frame, function, arguments, keywords, node)
+    if isinstance(function, Function):
+        return call_function(frame, function, arguments, keywords, node)
+    if isinstance(function, Behavior):
+        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        return BehaviorCall(function, bound, frame.place(node))
+    if isinstance(function, ScenicClass):
+        raise ScenicError(
+            "type", f"objects of class {function.name} are not made by a call", hint=f"write new {function.name}"
+        )
+    raise ScenicError("type", f"{describe_kind(function)} cannot be called")
+
+
+def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+    for i, argument in enumerate(arguments):
+        if isinstance(argument, Delayed):
+            raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
+        if isinstance(argument, Choice) and function.lifted:
+            before, after = arguments[:i], arguments[i + 1 :]
+            return argument.merged(
+                [call_builtin(frame, function, [*before, each, *after], keywords, node) for each in argument.options]
+            )
+    given = [frame, node, *arguments] if function.sited else arguments
+    check_signature(function, given, keywords)
+    result = function.function(*given, **keywords)
+    frame.session.budget.keep(result)
+    return result
+
+
+def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) -> None:
+    """Raise ScenicError in the program's words if the arguments do not fit."""
+    try:
+        signature = inspect.signature(function.function)
+    except ValueError:  # some methods of Python's containers have none
+        return
+    try:
+        signature.bind(*given, **keywords)
+    except TypeError:
+        names = [str(each).split(":")[0].split("=")[0] for each in signature.parameters.values()]
+        names = names[2:] if function.sited else names
+        count = len(given) - (2 if function.sited else 0) + len(keywords)
+        usage = f"{function.name}({', '.join(names)})"
+        raise ScenicError("type", f"{function.name} does not take these {count} arguments", hint=usage) from None
+
+
+def call_function(
+    frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Run a function of the program; an error inside a library is shown where the program called it."""
+    inner = function.frame.inner(bind(function.name, function.arguments, function, arguments, keywords))
+    budget = frame.session.budget
+    budget.enter()
+    try:
+        if isinstance(function.body, ast.expr):
+            return inner.value(function.body)
+        inner.run(function.body)
+    except Return as result:
+        return result.value
+    except ScenicError as error:
+        raise seen_from(frame, function, node, error) from None
+    finally:
+        budget.leave()
+    return None
+
+
+def seen_from(frame: Frame, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
+    """An error of a library function, moved to the call in the user's program."""
+    if not function.frame.source.library or frame.source.library or error.place is None:
+        return error
+    where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
+    return frame.error(error.kind, error.message, node, error.hint, [where, *error.notes])
+
+
+def bind(
+    name: str, parameters: ast.arguments, function: Function | Behavior, arguments: list, keywords: dict[str, Value]
+) -> dict[str, Value]:
+    """Arguments by the names of the parameters. Raises ScenicError if they do not fit."""
+    names = [each.arg for each in (*parameters.posonlyargs, *parameters.args)]
+    bound: dict[str, Value] = dict(zip(names, arguments, strict=False))
+    extra = arguments[len(names) :]
+    if extra and parameters.vararg is None:
+        raise arity_error(name, parameters, f"{len(arguments)} arguments were given")
+    if parameters.vararg is not None:
+        bound[parameters.vararg.arg] = tuple(extra)
+    allowed = {*names, *(each.arg for each in parameters.kwonlyargs)}
+    spare = {key: value for key, value in keywords.items() if key not in allowed}
+    if spare and parameters.kwarg is None:
+        raise ScenicError(
+            "type", f"{name}() has no argument '{next(iter(spare))}'", hint=near(next(iter(spare)), allowed)
+        )
+    if parameters.kwarg is not None:
+        bound[parameters.kwarg.arg] = spare
+    for key, value in keywords.items():
+        if key in allowed:
+            if key in bound:
+                raise ScenicError("type", f"{name}() is given '{key}' twice")
+            bound[key] = value
+    defaults = dict(zip(names[len(names) - len(function.defaults) :], function.defaults, strict=True))
+    bound = defaults | function.keyword_defaults | bound
+    missing = [each for each in (*names, *sorted(allowed)) if each not in bound]
+    if missing:
+        raise arity_error(name, parameters, f"'{missing[0]}' is missing")
+    return bound
+
+
+def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
+    names = ", ".join(each.arg for each in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs))
+    return ScenicError("type", f"{name}({names}): {message}")
+
+
+def lambda_of(frame: Frame, node: ast.Lambda) -> Function:
+    return function_of(frame, "lambda", node.args, node.body)
+
+
+def function_of(frame: Frame, name: str, arguments: ast.arguments, body: Any) -> Function:
+    """A function whose defaults are evaluated now."""
+    defaults, keyword_defaults = defaults_of(frame, arguments)
+    return Function(name, arguments, defaults, keyword_defaults, body, frame)
+
+
+def defaults_of(frame: Frame, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
+    defaults = tuple(frame.value(default) for default in arguments.defaults)
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    return defaults, {each.arg: frame.value(default) for each, default in pairs if default is not None}
+
+
+def new(frame: Frame, node: nodes.New) -> Value:
+    """An instance; or, where the text could also be an operator or a plain name and is no class, that."""
+    cls = frame.value(node.cls)
+    if not isinstance(cls, ScenicClass):
+        if not getattr(node, "certain", True):
+            alternative = getattr(node, "operator", None)
+            return cls if alternative is None else frame.value(alternative)
+        hint = near(getattr(node.cls, "id", ""), classes_in(frame))
+        raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
+    if frame.session.in_requirement:
+        raise ScenicError("type", "a requirement cannot make objects")
+    instance = Instance(cls, frame.place(node), frame.session.owner)
+    meanings = [meaning(frame, instance, each) for each in node.specifiers]
+    return make(frame, cls, meanings, instance)
+
+
+def classes_in(frame: Frame) -> list[str]:
+    return [name for name, value in frame.module_names.items() if isinstance(value, ScenicClass)]
+
+
+def meaning(frame: Frame, instance: Instance, node: nodes.Specifier) -> Meaning:
+    """Evaluate a specifier's operands; errors point at the specifier."""
+    name = node.arguments[0].value if node.name == "with" else ""
+    owned = name or ("heading" if "facing" in node.name else "position")
+    with frame.session.owned(instance, owned):
+        try:
+            if node.name == "with":
+                value = frame.value(node.arguments[1])
+                warn_of_unknown(frame, instance.cls, node, name, value)
+                return with_property(frame, node, name, value)
+            if node.name not in SPECIFIERS:
+                raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
+            operands = [None if each is None else frame.value(each) for each in node.arguments]
+            return SPECIFIERS[node.name](frame, node, *operands)
+        except ScenicError as error:
+            raise frame.placed(error, node) from None
+
+
+CALLS: dict[type, Callable[[Frame, Any], Value]] = {
+    ast.Call: call_node,
+    ast.Lambda: lambda_of,
+    nodes.New: new,
+}

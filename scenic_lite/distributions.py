@@ -1,0 +1,239 @@
+"""The distributions of the language, each one column of θ through its inverse cumulative distribution.
+
+Spec section 7. A draw from [-1, 1] is mapped to the value by the tape (`graph`); nothing here samples. Read next:
+`regions`, for points drawn from a region.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame, Requirement
+from scenic_lite.geometry import Vector, is_scalar
+from scenic_lite.graph import Column, Operation, Random, Value, apply, is_number
+from scenic_lite.regions import Filtered, Region
+from scenic_lite.values import Choice, choose, describe_kind
+
+# A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
+LEAST_PROBABILITY = 2.0**-52
+
+
+def draw_range(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+    """`Range(low, high)`: uniform; the ends in either order, themselves random or not."""
+    check_numbers("Range", low, high)
+    place = frame.place(node)
+    if is_number(low) and is_number(high):
+        return frame.session.column("range", place, float(low), float(high) - float(low))
+    column = frame.session.column("range", place)
+    column.shown = low + (high - low) * column
+    column.low, column.high = math.nan, math.nan
+    return column.shown
+
+
+def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:
+    """`Uniform(a, b, ...)`: one of the values, cut evenly."""
+    return weighted(frame, node, list(options), [1.0] * len(options))
+
+
+def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
+    """`Discrete({value: weight})`: one of the values, cut by weight."""
+    if not isinstance(weights, dict):
+        raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}")
+    for option, weight in weights.items():
+        if not is_number(weight):
+            raise ScenicError("type", f"the weight of {option!r} in Discrete must be a fixed number")
+        if weight < 0:
+            raise ScenicError("value", f"the weight {weight} of {option!r} in Discrete is negative")
+    kept = {option: float(weight) for option, weight in weights.items() if weight > 0}
+    return weighted(frame, node, list(kept), list(kept.values()))
+
+
+def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
+    """One of the options with probability proportional to its weight."""
+    if not options:
+        raise ScenicError("value", "a choice among no values")
+    column = frame.session.column("choice", frame.place(node))
+    shares = np.cumsum(weights) / np.sum(weights)
+    index = Random(Cut(shares[:-1]), (column,))
+    column.low, column.high = 0.0, float(len(options) - 1)
+    value = choose(index, options)
+    column.shown = value if isinstance(value, Random) else index
+    if isinstance(value, Choice):
+        column.options = value.options
+    return value
+
+
+class Cut:
+    """From a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
+
+    def __init__(self, bounds: Any) -> None:
+        self.bounds = bounds
+
+    def __call__(self, uniform: Any) -> Any:
+        return np.searchsorted(self.bounds, uniform, side="right")
+
+
+def draw_integers(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, equally often."""
+    if not (is_number(low) and is_number(high)):
+        raise ScenicError("type", "the ends of DiscreteRange must be fixed numbers")
+    first, last = math.ceil(low), math.floor(high)
+    if last < first:
+        raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
+    column = frame.session.column("integers", frame.place(node))
+    column.shown = Random(Integers(first, last - first + 1), (column,))
+    column.low, column.high = float(first), float(last)
+    return column.shown
+
+
+class Integers:
+    """From a uniform number [N] to one of `count` integers from `first`."""
+
+    def __init__(self, first: int, count: int) -> None:
+        self.first, self.count = first, count
+
+    def __call__(self, uniform: Any) -> Any:
+        return self.first + np.minimum((uniform * self.count).astype(np.int64), self.count - 1)
+
+
+def draw_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value) -> Value:
+    """`Normal(mean, standard deviation)`, cut beyond eight standard deviations."""
+    check_numbers("Normal", mean, spread)
+    if is_number(spread) and spread < 0:
+        raise ScenicError("value", f"the standard deviation {spread} is negative")
+    column = frame.session.column("normal", frame.place(node))
+    column.low, column.high = -math.inf, math.inf
+    column.shown = mean + spread * Random(normal_quantile, (column,))
+    return column.shown
+
+
+def draw_truncated_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
+    """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value given that it lies in [low, high]."""
+    check_numbers("TruncatedNormal", mean, spread, low, high)
+    if not (is_number(low) and is_number(high)):
+        raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
+    if not low < high:
+        raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
+    column = frame.session.column("normal", frame.place(node))
+    column.low, column.high = float(low), float(high)
+    start, end = apply(NORMAL_SHARE, (low - mean) / spread), apply(NORMAL_SHARE, (high - mean) / spread)
+    raw = mean + spread * Random(normal_quantile, (start + (end - start) * column,))
+    column.shown = Random(np.clip, (raw, float(low), float(high)))
+    return column.shown
+
+
+def point_in(frame: Frame, node: ast.AST, region: Value) -> tuple[Vector, Value]:
+    """A uniform point of a region (one column or two), and the region's heading there or None."""
+    options = region.options if isinstance(region, Choice) else (region,)
+    count = max(option.columns for option in options)
+    scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
+    axes = ("point.x", "point.y") if count == 2 else ("point.along",)
+    place = frame.place(node)
+    columns = [frame.session.column(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
+    if isinstance(region, Choice):
+        points, headings = zip(*(point_for(option, columns) for option in options), strict=True)
+        point, heading = region.merged(list(points)), None
+        if all(each is not None for each in headings):
+            heading = region.merged(list(headings))
+    else:
+        point = region.point(columns[0], columns[-1])
+        heading = region.heading_of(point, columns[0])
+    if count == 2:
+        show_coordinates(columns, point, region.bounds() if isinstance(region, Region) else None)
+    if isinstance(region, Filtered):
+        label = "a point passes its region's test"
+        frame.session.requirements.append(Requirement(label, place, region.test(point)))
+    return point, heading
+
+
+def point_for(region: Region, uniforms: list[Column]) -> tuple[Vector, Value]:
+    """The point of a region for unscaled uniform numbers."""
+    scaled = [offset + span * u for (offset, span), u in zip(region.scales(), uniforms, strict=False)]
+    point = region.point(scaled[0], scaled[-1])
+    return point, region.heading_of(point, scaled[0])
+
+
+def show_coordinates(columns: list[Column], point: Vector, bounds: tuple[float, ...] | None) -> None:
+    """A person thinks of the point's coordinates, not of the numbers that it is made of."""
+    low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
+    for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
+        column.shown, column.low, column.high = shown, low, high
+
+
+def resample(frame: Frame, node: ast.AST, value: Value) -> Value:
+    """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself."""
+    for column in frame.session.columns:
+        if column.shown is value and (column is value or value.inputs == (column,)):
+            return redrawn(frame, node, column)
+    raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
+
+
+def redrawn(frame: Frame, node: ast.AST, column: Column) -> Value:
+    fresh = frame.session.column(column.draw_kind, frame.place(node), column.offset, column.span)
+    fresh.low, fresh.high = column.low, column.high
+    if column.shown is not column:
+        fresh.shown = Random(column.shown.operation, (fresh,), column.shown.kind)
+    return fresh.shown
+
+
+def check_numbers(name: str, *values: Value) -> None:
+    for value in values:
+        if not is_scalar(value):
+            raise ScenicError("type", f"{name} takes numbers, not {describe_kind(value)}")
+
+
+def normal_share(z: Any) -> Any:
+    """Φ(z), the share of a standard normal below z."""
+    return 0.5 * np.frompyfunc(math.erfc, 1, 1)(-np.asarray(z) / math.sqrt(2)).astype(float)
+
+
+NORMAL_SHARE = Operation(lambda z: 0.5 * math.erfc(-z / math.sqrt(2)), normal_share)
+
+
+def normal_quantile(uniform: Any) -> Any:
+    """Φ⁻¹ elementwise, by Wichura's algorithm AS 241 (Applied Statistics 37, 1988), accurate to 1e-15."""
+    uniform = np.clip(uniform, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+    centred = uniform - 0.5
+    inner = centred * rational(0.180625 - centred * centred, CENTRE)
+    tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
+    outer = np.where(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
+    return np.where(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+
+
+def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
+    """A quotient of two polynomials, highest power first."""
+    top, bottom = coefficients
+    return horner(x, top) / horner(x, bottom)
+
+
+def horner(x: Any, coefficients: Sequence[float]) -> Any:
+    total = coefficients[0] * np.ones_like(x)
+    for coefficient in coefficients[1:]:
+        total = total * x + coefficient
+    return total
+
+
+CENTRE = (
+    (2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
+     13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608),
+    (5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,
+     5394.1960214247511077, 687.1870074920579083, 42.313330701600911252, 1.0),
+)  # fmt: skip
+MIDDLE = (
+    (7.7454501427834140764e-4, 0.0227238449892691845833, 0.24178072517745061177, 1.27045825245236838258,
+     3.64784832476320460504, 5.7694972214606914055, 4.6303378461565452959, 1.42343711074968357734),
+    (1.05075007164441684324e-9, 5.475938084995344946e-4, 0.0151986665636164571966, 0.14810397642748007459,
+     0.68976733498510000455, 1.6763848301838038494, 2.05319162663775882187, 1.0),
+)  # fmt: skip
+FAR = (
+    (2.01033439929228813265e-7, 2.71155556874348757815e-5, 0.0012426609473880784386, 0.026532189526576123093,
+     0.29656057182850489123, 1.7848265399172913358, 5.4637849111641143699, 6.6579046435011037772),
+    (2.04426310338993978564e-15, 1.4215117583164458887e-7, 1.8463183175100546818e-5, 7.868691311456132591e-4,
+     0.0148753612908506148525, 0.13692988092273580531, 0.59983220655588793769, 1.0),
+)  # fmt: skip

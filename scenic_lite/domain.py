@@ -1,0 +1,23 @@
+"""What the language is told of a world: the modules that programs may import.
+
+Read next: `envs.football.domain`, the one Domain there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Domain:
+    """A world that programs can be about.
+
+    `library` maps a dotted module name, aliases included, to the `.scenic` file that it means. `default_model` is
+    imported by a program that has no `model` line of its own and imports none of the library.
+    """
+
+    name: str
+    library: Mapping[str, Path] = field(default_factory=dict)
+    default_model: str | None = None

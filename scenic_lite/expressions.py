@@ -1,0 +1,413 @@
+"""Evaluate expressions: what each node of the tree means for numbers, containers and random values alike.
+
+Read next: `calls`, functions and instances; `statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite import nodes
+from scenic_lite.attributes import attribute
+from scenic_lite.classes import is_object, outline
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame
+from scenic_lite.geometry import Vector, as_vector
+from scenic_lite.graph import (
+    AND,
+    EQUAL,
+    GREATER,
+    GREATER_EQUAL,
+    LESS,
+    LESS_EQUAL,
+    NOT,
+    NOT_EQUAL,
+    OR,
+    WHERE,
+    Operation,
+    Random,
+    Value,
+    apply,
+    is_number,
+    kind_of,
+)
+from scenic_lite.operators import OPERATORS, ego_of
+from scenic_lite.regions import Region
+from scenic_lite.values import Choice, Delayed, choose, describe_kind
+
+BINARY: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+    ast.Pow: operator.pow,
+    ast.LShift: operator.lshift,
+    ast.RShift: operator.rshift,
+    ast.BitAnd: operator.and_,
+    ast.BitOr: operator.or_,
+    ast.BitXor: operator.xor,
+}
+SIGNS: dict[type, str] = {
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
+    ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^",
+}  # fmt: skip
+COMPARISONS: dict[type, Operation] = {
+    ast.Lt: LESS,
+    ast.LtE: LESS_EQUAL,
+    ast.Gt: GREATER,
+    ast.GtE: GREATER_EQUAL,
+    ast.Eq: EQUAL,
+    ast.NotEq: NOT_EQUAL,
+}
+OPERANDS = (int, float, str, list, tuple, set, dict, Vector, Random)
+
+
+def constant(frame: Frame, node: ast.Constant) -> Value:
+    frame.session.budget.keep(node.value)
+    if isinstance(node.value, bytes | complex) or node.value is Ellipsis:
+        raise ScenicError("unsupported", f"{type(node.value).__name__} constants are not supported")
+    return node.value
+
+
+def name(frame: Frame, node: ast.Name) -> Value:
+    if node.id == "ego":
+        return ego_of(frame)
+    if node.id == "workspace" and frame.session.workspace is not None:
+        return frame.session.workspace
+    return frame.lookup(node.id)
+
+
+def binary(frame: Frame, node: ast.BinOp) -> Value:
+    left, right = frame.value(node.left), frame.value(node.right)
+    return combined(frame, node.op, left, right)
+
+
+def combined(frame: Frame, sign: ast.operator, left: Value, right: Value) -> Value:
+    """The result of `left sign right`, within the budget."""
+    if isinstance(sign, ast.MatMult):
+        return at_sign(left, right)
+    if isinstance(left, Choice):
+        return left.merged([combined(frame, sign, option, right) for option in left.options])
+    if isinstance(right, Choice):
+        return right.merged([combined(frame, sign, left, option) for option in right.options])
+    check_size(frame, sign, left, right)
+    for operand in (left, right):
+        if not isinstance(operand, OPERANDS):
+            pointed = as_vector(operand)
+            if pointed is None or not isinstance(sign, ast.Add | ast.Sub | ast.Mult | ast.Div):
+                raise mismatch(sign, left, right)
+    left, right = as_operand(left), as_operand(right)
+    try:
+        result = BINARY[type(sign)](left, right)
+    except TypeError:
+        raise mismatch(sign, left, right) from None
+    frame.session.budget.keep(result)
+    return result
+
+
+def as_operand(value: Value) -> Value:
+    """Objects stand for their positions in arithmetic."""
+    return value if isinstance(value, OPERANDS) else as_vector(value)
+
+
+def mismatch(sign: ast.operator, left: Value, right: Value) -> ScenicError:
+    sides = f"{describe_kind(left)} and {describe_kind(right)}"
+    hint = ""
+    if isinstance(left, Vector) != isinstance(right, Vector):
+        hint = "`@` binds as tightly as `*`: write (x + y) @ z"
+    return ScenicError("type", f"`{SIGNS[type(sign)]}` of {sides}", hint=hint)
+
+
+def at_sign(x: Value, y: Value) -> Value:
+    """`x @ y`, a vector."""
+    for part in (x, y):
+        if not (is_number(part) or (isinstance(part, Random) and part.kind in ("number", "any"))):
+            raise ScenicError("type", f"`@` needs two numbers, not {describe_kind(part)}")
+    return Vector(x, y)
+
+
+def check_size(frame: Frame, sign: ast.operator, left: Value, right: Value) -> None:
+    """Refuse what would be huge before it is made."""
+    budget = frame.session.budget
+    if isinstance(left, int) and isinstance(right, int):
+        if isinstance(sign, ast.Pow) and right > 0:
+            budget.integer(left.bit_length() * right)
+        elif isinstance(sign, ast.LShift) and right > 0:
+            budget.integer(left.bit_length() + right)
+    elif isinstance(sign, ast.Mult):
+        for sequence, count in ((left, right), (right, left)):
+            if isinstance(sequence, str | list | tuple) and isinstance(count, int):
+                budget.repeated(sequence, count)
+    elif isinstance(sign, ast.Mod) and isinstance(left, str):
+        raise ScenicError("unsupported", "texts are not formatted by `%` here", hint='write f"{x}"')
+
+
+def unary(frame: Frame, node: ast.UnaryOp) -> Value:
+    value = frame.value(node.operand)
+    if isinstance(node.op, ast.Not):
+        return negation(frame, node, value)
+    if isinstance(value, Choice):
+        return value.merged([signed(node.op, option) for option in value.options])
+    return signed(node.op, value)
+
+
+def signed(sign: ast.unaryop, value: Value) -> Value:
+    if not isinstance(value, int | float | Vector | Random):
+        raise ScenicError("type", f"{describe_kind(value)} has no sign")
+    if isinstance(sign, ast.USub):
+        return -value
+    return +value if isinstance(sign, ast.UAdd) else ~value
+
+
+def negation(frame: Frame, node: ast.UnaryOp, value: Value) -> Value:
+    if isinstance(value, Random) and frame.session.in_requirement:
+        return apply(NOT, value, kind="truth")
+    return not frame.certain_truth(value, node.operand)
+
+
+def boolean(frame: Frame, node: ast.BoolOp) -> Value:
+    """`and`, `or`: with Python's short circuit, except over random values inside requirements."""
+    is_and = isinstance(node.op, ast.And)
+    pending: Value = None
+    value: Value = None
+    for operand in node.values:
+        value = frame.value(operand)
+        if isinstance(value, Random) and frame.session.in_requirement:
+            pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
+            value = pending
+        elif frame.certain_truth(value, operand) != is_and:
+            return value
+        elif pending is not None:
+            value = pending
+    return value if pending is None else pending
+
+
+def conditional(frame: Frame, node: ast.IfExp) -> Value:
+    test = frame.value(node.test)
+    if isinstance(test, Random) and frame.session.in_requirement:
+        return either(test, frame.value(node.body), frame.value(node.orelse))
+    return frame.value(node.body if frame.certain_truth(test, node.test) else node.orelse)
+
+
+def either(test: Random, yes: Value, no: Value) -> Value:
+    """yes where the test holds, else no."""
+    if isinstance(yes, Vector) and isinstance(no, Vector):
+        return Vector(either(test, yes.x, no.x), either(test, yes.y, no.y))
+    if kind_of(yes) == "other" or kind_of(no) == "other":
+        return choose(Random(lambda truth: 1 - truth.astype(int), (test,)), [yes, no])
+    return Random(WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
+
+
+def comparison(frame: Frame, node: ast.Compare) -> Value:
+    """A chain of comparisons; random ones are allowed in requirements only."""
+    left = frame.value(node.left)
+    result: Value = True
+    for sign, operand in zip(node.ops, node.comparators, strict=True):
+        right = frame.value(operand)
+        link = compared(frame, node, sign, left, right)
+        if isinstance(link, Random) or isinstance(result, Random):
+            result = apply(AND, result, link, kind="truth") if result is not True else link
+        else:
+            result = bool(link)
+        if result is False:
+            return False
+        left = right
+    return result
+
+
+def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """One link of a chain of comparisons."""
+    if isinstance(sign, ast.Is | ast.IsNot):
+        return (left is right) == isinstance(sign, ast.Is)
+    if isinstance(sign, ast.In | ast.NotIn):
+        inside = membership(frame, node, left, right)
+        return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
+    for side in (left, right):
+        if not frame.session.in_requirement:
+            frame.refuse_random(side, node, "random values cannot be compared here")
+    if isinstance(left, Choice):
+        return left.merged([compared(frame, node, sign, option, right) for option in left.options])
+    if isinstance(right, Choice):
+        return right.merged([compared(frame, node, sign, left, option) for option in right.options])
+    if isinstance(sign, ast.Eq | ast.NotEq):
+        return equality(frame, sign, left, right)
+    for side in (left, right):
+        if not isinstance(side, int | float | str | Random | list | tuple):
+            raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
+    return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def equality(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    if isinstance(left, Vector) and isinstance(right, Vector):
+        same = apply(
+            AND, apply(EQUAL, left.x, right.x, kind="truth"), apply(EQUAL, left.y, right.y, kind="truth"), kind="truth"
+        )
+        return same if isinstance(sign, ast.Eq) else apply(NOT, same, kind="truth")
+    if isinstance(left, Random) or isinstance(right, Random):
+        kinds = {kind_of(left), kind_of(right)}
+        if len(kinds - {"truth", "number", "any"}) and "any" not in kinds and len(kinds) > 1:
+            return isinstance(sign, ast.NotEq)
+    return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def membership(frame: Frame, node: ast.Compare, item: Value, container: Value) -> Value:
+    """`item in container`: a region holds points and objects, other containers elements."""
+    if isinstance(container, Choice):
+        return container.merged([membership(frame, node, item, option) for option in container.options])
+    if isinstance(container, Region):
+        inside = in_region(container, item)
+        if isinstance(inside, Random) and not frame.session.in_requirement:
+            frame.refuse_random(inside, node, "random values cannot be compared here")
+        return inside
+    if isinstance(container, str):
+        return apply(Operation(lambda a, b: a in b, None), item, container)  # type: ignore[arg-type]
+    elements = frame.elements(container, node)
+    if not frame.session.in_requirement:
+        for value in (item, *elements):
+            frame.refuse_random(value, node, "random values cannot be compared here")
+    result: Value = False
+    for element in elements:
+        same = element is item or compared(frame, node, ast.Eq(), item, element)
+        result = apply(OR, result, same, kind="truth")
+    return result
+
+
+def in_region(region: Region, item: Value) -> Value:
+    if isinstance(item, Choice):
+        return item.merged([in_region(region, option) for option in item.options])
+    if is_object(item):
+        return region.contains_corners(outline(item))
+    point = as_vector(item)
+    if point is None:
+        raise ScenicError("type", f"a region holds points and objects, not {describe_kind(item)}")
+    return region.contains(point)
+
+
+def attribute_of(frame: Frame, node: ast.Attribute) -> Value:
+    return attribute(frame, frame.value(node.value), node.attr)
+
+
+def subscript(frame: Frame, node: ast.Subscript) -> Value:
+    container, index = frame.value(node.value), frame.value(node.slice)
+    return item_of(frame, container, index)
+
+
+def item_of(frame: Frame, container: Value, index: Value) -> Value:
+    if isinstance(container, Choice):
+        return container.merged([item_of(frame, option, index) for option in container.options])
+    if isinstance(index, Random | Choice):
+        hint = "write Uniform(*items) for a random element"
+        raise ScenicError("type", "the index of a list must not be random", hint=hint)
+    if isinstance(container, Vector):
+        container = (container.x, container.y)
+    if not isinstance(container, list | tuple | dict | str | range):
+        raise ScenicError("type", f"{describe_kind(container)} has no elements to index")
+    result = container[index]
+    frame.session.budget.keep(result) if isinstance(index, slice) else None
+    return result
+
+
+def slice_of(frame: Frame, node: ast.Slice) -> slice:
+    parts = [None if part is None else frame.value(part) for part in (node.lower, node.upper, node.step)]
+    return slice(*parts)
+
+
+def sequence(frame: Frame, node: ast.List | ast.Tuple | ast.Set) -> Value:
+    items: list[Value] = []
+    for element in node.elts:
+        if isinstance(element, ast.Starred):
+            items += frame.elements(frame.value(element.value), element)
+        else:
+            items.append(frame.value(element))
+    frame.session.budget.container(len(items))
+    if isinstance(node, ast.Tuple):
+        return tuple(items)
+    return set(items) if isinstance(node, ast.Set) else items
+
+
+def dictionary(frame: Frame, node: ast.Dict) -> dict:
+    result: dict = {}
+    for key, value in zip(node.keys, node.values, strict=True):
+        if key is None:
+            result.update(frame.value(value))
+        else:
+            result[frame.value(key)] = frame.value(value)
+    frame.session.budget.container(len(result))
+    return result
+
+
+def joined(frame: Frame, node: ast.JoinedStr) -> Value:
+    """An f-string; random parts are written row by row."""
+    result: Value = ""
+    for part in node.values:
+        result = combined(frame, ast.Add(), result, frame.value(part))
+    return result
+
+
+def formatted(frame: Frame, node: ast.FormattedValue) -> Value:
+    spec = "" if node.format_spec is None else frame.value(node.format_spec)
+    return frame.text_of(frame.value(node.value), spec)
+
+
+def comprehension(frame: Frame, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Value:
+    result: list[Value] = []
+    for inner in frame.bindings(node.generators):
+        result.append(inner.value(node.elt))
+        frame.session.budget.spend(1)
+    frame.session.budget.container(len(result))
+    return set(result) if isinstance(node, ast.SetComp) else result
+
+
+def dictionary_comprehension(frame: Frame, node: ast.DictComp) -> dict:
+    result = {inner.value(node.key): inner.value(node.value) for inner in frame.bindings(node.generators)}
+    frame.session.budget.container(len(result))
+    return result
+
+
+def named(frame: Frame, node: ast.NamedExpr) -> Value:
+    value = frame.value(node.value)
+    frame.assign(node.target.id, value)
+    return value
+
+
+def scenic_operator(frame: Frame, node: nodes.Operator) -> Value:
+    operation = OPERATORS.get(node.name)
+    if operation is None:
+        hint = "temporal requirements belong to a later version" if node.name in TEMPORAL else ""
+        raise ScenicError("unsupported", f"`{node.name}` is not yet supported", hint=hint)
+    operands = [None if operand is None else frame.value(operand) for operand in node.operands]
+    if any(isinstance(operand, Delayed) for operand in operands) and node.name not in ("relative to", "offset by"):
+        raise ScenicError("unsupported", f"`{node.name}` of a value that depends on the object being made")
+    return operation(frame, *operands)
+
+
+TEMPORAL = ("always", "eventually", "next", "until", "implies")
+EXPRESSIONS: dict[type, Callable[[Frame, Any], Value]] = {
+    ast.Constant: constant,
+    ast.Name: name,
+    ast.BinOp: binary,
+    ast.UnaryOp: unary,
+    ast.BoolOp: boolean,
+    ast.IfExp: conditional,
+    ast.Compare: comparison,
+    ast.Attribute: attribute_of,
+    ast.Subscript: subscript,
+    ast.Slice: slice_of,
+    ast.List: sequence,
+    ast.Tuple: sequence,
+    ast.Set: sequence,
+    ast.Dict: dictionary,
+    ast.JoinedStr: joined,
+    ast.FormattedValue: formatted,
+    ast.ListComp: comprehension,
+    ast.SetComp: comprehension,
+    ast.GeneratorExp: comprehension,
+    ast.DictComp: dictionary_comprehension,
+    ast.NamedExpr: named,
+    nodes.Operator: scenic_operator,
+}

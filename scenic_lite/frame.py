@@ -1,0 +1,317 @@
+"""Where evaluation stands: the session (one load), and the frames (one module, function or class body each).
+
+`Frame.value` and `Frame.run` dispatch on the type of a node through the tables of `expressions` and `statements`; every
+error raised below passes through here and is given its place in the program. Read next: `expressions`.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import re
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.budget import Budget, exceeded
+from scenic_lite.domain import Domain
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.geometry import Vector
+from scenic_lite.graph import TEXT, Column, Random, Value, columns_of
+from scenic_lite.values import Behavior, BehaviorCall, Choice, Instance, Namespace, describe_kind
+
+PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
+KINDS_OF_FAULTS = ((RecursionError, "budget"), (MemoryError, "budget"), (TypeError, "type"), (Exception, "value"))
+
+
+@dataclass(frozen=True)
+class Source:
+    """One file of program text."""
+
+    file: str
+    lines: tuple[str, ...]
+    folder: Path | None  # where modules named by the program are looked for
+    library: bool  # of the domain, not of the user
+
+    def line(self, number: int) -> str:
+        return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
+
+
+@dataclass
+class Requirement:
+    """One `require`: its condition over the samples."""
+
+    label: str
+    place: Place
+    condition: Value
+    probability: float = 1.0
+
+
+@dataclass(eq=False)
+class Session:
+    """Everything that loading one program has made so far."""
+
+    domain: Domain | None
+    dialect: int
+    expressions: dict[type, Callable[[Frame, Any], Value]]
+    statements: dict[type, Callable[[Frame, Any], Value]]
+    builtins: dict[str, Value]
+    call: Callable[[Frame, Value, list, dict[str, Value], ast.AST], Value]
+    unpack: Callable[[Frame, ast.expr, Value], None]
+    budget: Budget = field(default_factory=Budget)
+    objects: list[Instance] = field(default_factory=list)
+    params: dict[str, Value] = field(default_factory=dict)
+    requirements: list[Requirement] = field(default_factory=list)
+    columns: list[Column] = field(default_factory=list)
+    behaviors: dict[str, Behavior] = field(default_factory=dict)
+    monitors: list[BehaviorCall] = field(default_factory=list)
+    terminations: list[ast.stmt] = field(default_factory=list)
+    library_params: set[str] = field(default_factory=set)
+    sources: dict[str, Source] = field(default_factory=dict)
+    modules: dict[str, Namespace] = field(default_factory=dict)
+    importing: list[str] = field(default_factory=list)
+    warnings: list[ScenicError] = field(default_factory=list)
+    ego: Instance | None = None
+    workspace: Value = None
+    owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
+    in_requirement: int = 0
+
+    def column(self, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:
+        """Draw a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
+        if self.in_requirement:
+            raise ScenicError(
+                "random-control-flow",
+                "a requirement cannot draw a random value",
+                hint="draw it before the requirement and give it a name",
+            )
+        if len(self.columns) >= self.budget.limits.draws:
+            raise exceeded(f"more than {self.budget.limits.draws:,} random values are drawn")
+        column = Column(kind, place, offset, span)
+        column.owner = self.owner
+        self.columns.append(column)
+        return column
+
+    @contextmanager
+    def owned(self, instance: Instance, name: str):
+        """Random values drawn inside belong to `instance.name`."""
+        before, self.owner = self.owner, (instance, name)
+        try:
+            yield
+        finally:
+            self.owner = before
+
+    @contextmanager
+    def requiring(self):
+        """Inside, comparisons and `and`, `or`, `not` of random values are allowed, draws are not."""
+        self.in_requirement += 1
+        try:
+            yield
+        finally:
+            self.in_requirement -= 1
+
+
+class Frame:
+    """The names visible at one point of the program, and the way to evaluate nodes there."""
+
+    __slots__ = ("globals", "locals", "module_names", "outer", "session", "source")
+
+    def __init__(self, session: Session, source: Source, names: dict[str, Value], outer: Frame | None = None) -> None:
+        self.session = session
+        self.source = source
+        self.locals = names
+        self.outer = outer
+        self.globals: set[str] = set()  # declared `global` here
+        self.module_names: dict[str, Value] = outer.module_names if outer else names
+
+    def inner(self, names: dict[str, Value]) -> Frame:
+        """A frame for a function, comprehension or class body inside this one."""
+        return Frame(self.session, self.source, names, self)
+
+    # ------------------------------------------------------------ evaluation
+
+    def value(self, node: ast.expr) -> Value:
+        """Evaluate an expression; every error leaves with a place."""
+        self.session.budget.step()
+        handler = self.session.expressions.get(type(node))
+        if handler is None:
+            raise self.error("unsupported", f"{type(node).__name__} expressions are not supported", node)
+        try:
+            return handler(self, node)
+        except ScenicError as error:
+            raise self.placed(error, node) from None
+        except PYTHON_FAULTS as fault:
+            raise self.placed(from_python(fault), node) from None
+
+    def run(self, statements: Iterable[ast.stmt]) -> None:
+        """Execute statements in order."""
+        for node in statements:
+            self.session.budget.step()
+            handler = self.session.statements.get(type(node))
+            if handler is None:
+                raise self.error("unsupported", f"{type(node).__name__} is not supported here", node)
+            try:
+                handler(self, node)
+            except ScenicError as error:
+                raise self.placed(error, node) from None
+            except PYTHON_FAULTS as fault:
+                raise self.placed(from_python(fault), node) from None
+
+    def truth(self, node: ast.expr) -> bool:
+        """The truth of a condition that decides what is evaluated next; it must not be random."""
+        return self.certain_truth(self.value(node), node)
+
+    def certain_truth(self, value: Value, node: ast.AST) -> bool:
+        self.refuse_random(value, node, "control flow cannot depend on a random value")
+        return bool(value)
+
+    def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
+        """Raise the error for control flow on a random value, naming the branch and the draw."""
+        if isinstance(value, Choice):
+            value = value.index
+        if not isinstance(value, Random):
+            return
+        hint = "write the condition in `require`, or decide inside a behavior"
+        raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
+
+    def drawn_notes(self, value: Random) -> list[str]:
+        first = next(columns_of(value), None)
+        if first is None:
+            return []
+        line = self.session.sources[first.place.file].line(first.place.line)
+        return [str(ScenicError("value", "the random value is drawn here", first.place, source_line=line))]
+
+    def call(self, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+        """Call a function of the program or of the language."""
+        return self.session.call(self, function, arguments, keywords, node)
+
+    def elements(self, value: Value, node: ast.AST) -> list:
+        """The elements of a container that is not random."""
+        self.refuse_random(value, node, "cannot iterate through a random value")
+        if isinstance(value, Vector):
+            return [value.x, value.y]
+        if not isinstance(value, list | tuple | set | dict | str | range):
+            raise ScenicError("type", f"{describe_kind(value)} has no elements")
+        self.session.budget.container(len(value))
+        return list(value)
+
+    def bindings(self, generators: list[ast.comprehension]) -> Iterator[Frame]:
+        """A frame for each round of a comprehension."""
+        first, *rest = generators
+        for element in self.elements(self.value(first.iter), first.iter):
+            inner = self.inner({})
+            self.session.unpack(inner, first.target, element)
+            self.session.budget.step()
+            if all(inner.truth(test) for test in first.ifs):
+                if rest:
+                    yield from inner.bindings(rest)
+                else:
+                    yield inner
+
+    def text_of(self, value: Value, spec: str) -> Value:
+        """`str(value)`, or its formatted text; row by row if it is random."""
+        if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
+            raise exceeded("a text format wider than 999")
+        if isinstance(value, Random):
+            operation = TEXT.array if not spec else FormatEach(spec)
+            return Random(operation, (value,), "text")
+        if isinstance(value, Choice):
+            return value.merged([self.text_of(option, spec) for option in value.options])
+        if isinstance(value, list | tuple | set | dict):
+            self.elements(value, ast.Pass())
+        if not isinstance(value, int | float | str | bool | type(None)):
+            value = describe_kind(value) if not isinstance(value, Instance) else value.title()
+        return format(value, spec) if spec else str(value)
+
+    # ------------------------------------------------------------ places and errors
+
+    def place(self, node: ast.AST) -> Place:
+        line, column = getattr(node, "lineno", 1), getattr(node, "col_offset", 0)
+        end_line = getattr(node, "end_lineno", None) or line
+        end_column = getattr(node, "end_col_offset", None)
+        return Place(self.source.file, line, column, end_line, column + 1 if end_column is None else end_column)
+
+    def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
+        """An error at `node`."""
+        return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
+
+    def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
+        """Give an error its place, unless it has one."""
+        if error.place is None:
+            error.place = self.place(node)
+            error.source_line = self.source.line(error.place.line)
+        return error
+
+    def warn(self, message: str, node: ast.AST, hint: str = "") -> None:
+        if not self.source.library:
+            self.session.warnings.append(self.error("warning", message, node, hint))
+
+    # ------------------------------------------------------------ names
+
+    def lookup(self, name: str) -> Value:
+        """The value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
+        frame: Frame | None = self
+        while frame is not None:
+            if name in frame.locals and name not in frame.globals:
+                return frame.locals[name]
+            frame = frame.outer
+        if name in self.module_names:
+            return self.module_names[name]
+        if name in self.session.builtins:
+            return self.session.builtins[name]
+        raise ScenicError("name", f"name '{name}' is not defined", hint=near(name, self.visible_names()))
+
+    def visible_names(self) -> list[str]:
+        names = [*self.session.builtins]
+        frame: Frame | None = self
+        while frame is not None:
+            names += frame.locals
+            frame = frame.outer
+        return names
+
+    def assign(self, name: str, value: Value) -> None:
+        target = self.module_names if name in self.globals else self.locals
+        target[name] = value
+        name_draws(name, value)
+
+
+class FormatEach:
+    """Write each element of an array [N] with one format."""
+
+    def __init__(self, spec: str) -> None:
+        self.spec = spec
+
+    def __call__(self, values: Any) -> Any:
+        texts = [format(value.item() if hasattr(value, "item") else value, self.spec) for value in values]
+        return np.array(texts + [None], dtype=object)[:-1]
+
+
+def name_draws(name: str, value: Value) -> None:
+    """The first variable that holds a draw or an object names it."""
+    if isinstance(value, Choice):
+        value = value.index
+    if isinstance(value, Instance | Column):
+        value.name = value.name or name
+    elif isinstance(value, Random):
+        for column in columns_of(value):
+            if column.shown is value:  # of `Uniform(1, 2)` or `Normal(0, 1)`
+                column.name = column.name or name
+
+
+def near(name: str, names: Iterable[str]) -> str:
+    """A hint with the nearest spelling, or nothing."""
+    close = difflib.get_close_matches(name, [each for each in names if not each.startswith("_")], 1, 0.7)
+    return f"did you mean '{close[0]}'?" if close else ""
+
+
+def from_python(fault: BaseException) -> ScenicError:
+    """Our error for a fault of Python's own operators and methods."""
+    kind = next(kind for types, kind in KINDS_OF_FAULTS if isinstance(fault, types))
+    if isinstance(fault, RecursionError):
+        return exceeded("expressions and functions are nested too deeply")
+    if isinstance(fault, KeyError):
+        return ScenicError(kind, f"key {fault} is not in the dictionary")
+    return ScenicError(kind, str(fault) or type(fault).__name__)

@@ -1,0 +1,145 @@
+"""Imports: the domain's library, `math` and `random`, and `.scenic` files beside the program.
+
+Nothing is ever handed to Python's own import. Read next: `program`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from scenic_lite import nodes
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame, Session, Source, near
+from scenic_lite.functions import MODULES
+from scenic_lite.parser import parse
+from scenic_lite.values import Namespace
+
+LARGEST_FILE = 1_000_000  # bytes
+
+
+@lru_cache(maxsize=64)
+def parsed(text: str, file: str, dialect: int) -> ast.Module:
+    """The checked tree of a text; library files are the same in every program. Raises the first ScenicError."""
+    tree = parse(text, file, dialect)
+    return tree
+
+
+def read(path: Path) -> str:
+    """The text of a program file. Raises ScenicError if it is no readable text."""
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise ScenicError("budget", f"{path} is larger than {LARGEST_FILE:,} bytes")
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise ScenicError("import", f"there is no file {path}") from None
+    except IsADirectoryError:
+        raise ScenicError("import", f"{path} is a folder, not a program") from None
+    except UnicodeDecodeError:
+        raise ScenicError("syntax", f"{path} is not UTF-8 text") from None
+
+
+def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
+    """Evaluate one file in this session; returns its names."""
+    session.sources[source.file] = source
+    names: dict[str, Any] = {}
+    Frame(session, source, names).run(parsed(text, source.file, session.dialect).body)
+    return names
+
+
+def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
+    """The module a program names, evaluated on its first import."""
+    session = frame.session
+    path, library = locate(frame, name, level)
+    if path is None:
+        return MODULES[name]
+    key = str(path)
+    if key in session.importing:
+        raise ScenicError("import", f"{name} imports itself in a circle")
+    if key not in session.modules:
+        text = read(path)
+        shown = f"{session.domain.name}/{path.name}" if library and session.domain else path.name
+        source = Source(shown, tuple(text.splitlines()), path.parent, library)
+        session.importing.append(key)
+        try:
+            session.modules[key] = Namespace(name, run_file(session, text, source))
+        finally:
+            session.importing.pop()
+    return session.modules[key]
+
+
+def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
+    """The file of a module and whether it is the domain's; no file for the language's own modules."""
+    session = frame.session
+    library = session.domain.library if session.domain else {}
+    if level > 1:
+        raise ScenicError("import", "a program imports only from its own folder")
+    if not level and name in library:
+        return Path(library[name]), True
+    if not level and name in MODULES:
+        return None, False
+    if frame.source.folder is not None:
+        path = frame.source.folder.joinpath(*name.split(".")).with_suffix(".scenic")
+        if path.is_file():
+            return path, frame.source.library
+    known = [*library, *(each for each in MODULES if each != "pdb"), *neighbours(frame)]
+    notes = [f"    modules that exist: {', '.join(known)}"]
+    raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
+
+
+def neighbours(frame: Frame) -> list[str]:
+    """Programs beside this one."""
+    folder = frame.source.folder
+    return sorted(path.stem for path in folder.glob("*.scenic"))[:20] if folder and not frame.source.library else []
+
+
+def model(frame: Frame, node: nodes.Model) -> None:
+    take_all(frame, import_module(frame, node.name))
+
+
+def import_whole(frame: Frame, node: ast.Import) -> None:
+    """`import a.b as c`; without `as`, a dotted name is reached as a.b."""
+    for alias in node.names:
+        module = import_module(frame, alias.name)
+        first, *rest = alias.name.split(".")
+        for part in [] if alias.asname else reversed(rest):
+            module = Namespace(alias.name, {part: module})
+        frame.assign(alias.asname or first, module)
+
+
+def import_from(frame: Frame, node: ast.ImportFrom) -> None:
+    if node.module is None:
+        raise ScenicError("import", "name the module to import from")
+    module = import_module(frame, node.module, node.level)
+    for alias in node.names:
+        if alias.name == "*":
+            take_all(frame, module)
+        elif alias.name not in module.names:
+            hint = near(alias.name, module.names)
+            raise ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
+        else:
+            frame.assign(alias.asname or alias.name, module.names[alias.name])
+
+
+def take_all(frame: Frame, module: Namespace) -> None:
+    frame.locals.update({name: value for name, value in module.names.items() if not name.startswith("_")})
+
+
+def wants_default_model(tree: ast.Module, library: Any) -> bool:
+    """Whether the program itself names no part of the library."""
+    for node in ast.walk(tree):
+        if isinstance(node, nodes.Model) or (isinstance(node, ast.ImportFrom) and node.module in library):
+            return False
+        if isinstance(node, ast.Import) and any(alias.name in library for alias in node.names):
+            return False
+    return True
+
+
+IMPORTS: dict[type, Callable[[Frame, Any], None]] = {
+    ast.Import: import_whole,
+    ast.ImportFrom: import_from,
+    nodes.Model: model,
+}

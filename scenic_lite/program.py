@@ -1,0 +1,289 @@
+"""Program: the layout of θ, and scenes, validity and samples from it; the seam of this package.
+
+`load` makes one. The text was walked once; here only a flat tape of array operations is left. Read next: `scenes`,
+`rules`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.frame import Session, Source
+from scenic_lite.graph import Random, Tape, Value, columns_of
+from scenic_lite.naming import column_names, name_objects, title_of
+from scenic_lite.rejection import RejectionReport
+from scenic_lite.rules import Rule, checks_of
+from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in
+from scenic_lite.values import BehaviorCall, Instance
+
+FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
+DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
+
+
+class Draw(NamedTuple):
+    """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
+
+    `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
+    the value in the program's units (of the index, for a choice; nan where they are themselves random).
+    """
+
+    name: str
+    kind: str
+    low: float
+    high: float
+    place: Place
+
+
+class Program:
+    """A compiled `.scenic` source. Made by `load`.
+
+    Attributes:
+        draws: one Draw for each of the D columns of θ, in order of first appearance.
+        objects: the O objects, the ego first, then in order of creation.
+        params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
+        requirements: the R rules of a scene, in the order of `Scenes.failed`.
+        behaviors, monitors, terminations: the dynamic half, kept as trees.
+        warnings: what looks like a slip but is legal.
+        source, file: the text and where it came from.
+    """
+
+    def __init__(self, session: Session, source: Source, text: str) -> None:
+        self.source, self.file = text, source.file
+        self.dialect = session.dialect
+        self.behaviors = session.behaviors
+        self.monitors = tuple(session.monitors)
+        self.terminations = tuple(session.terminations)
+        self.warnings = tuple(session.warnings)
+        self._instances = in_order(session)
+        name_objects(self._instances)
+        self._checks = checks_of(session, self._instances)
+        self.requirements: tuple[Rule, ...] = self._checks.rules
+        self.objects = tuple(info_of(instance) for instance in self._instances)
+        self._lay_out(session)
+        self._plan(session)
+        self._refuse_impossible(session)
+
+    def _lay_out(self, session: Session) -> None:
+        """Find the columns that reach anything, and flatten the graph."""
+        roots = list(self._roots(session.params))
+        used = {id(column) for root in roots for column in columns_of(root)}
+        self._columns = [column for column in session.columns if id(column) in used]
+        names = column_names(self._columns)
+        self.draws = tuple(
+            Draw(name, column.draw_kind, column.low, column.high, column.place)
+            for name, column in zip(names, self._columns, strict=True)
+        )
+        self._offset = np.array([column.offset for column in self._columns])[:, None]
+        self._span = np.array([column.span for column in self._columns])[:, None]
+        self._tape = Tape(roots, self._columns, session.budget.limits.operations)
+
+    def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
+        for instance in self._instances:
+            yield from randoms_in(instance)
+        yield from randoms_in(params)
+        yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
+
+    def _plan(self, session: Session) -> None:
+        """Separate what is fixed from what must be read from the tape."""
+        planner = Planner(self._tape, self._instances)
+        self._arrangement = Arrangement(planner, self._instances)
+        plans = {name: planner.plan(value) for name, value in session.params.items()}
+        self._param_plans = {name: plan for name, plan in plans.items() if plan is not None}
+        self.params = {name: planner.fixed(session.params[name]) for name, plan in plans.items() if plan is None}
+        self._properties: dict[str, list[Any]] = {}
+        self._property_plans: list[tuple[str, int, Any]] = []
+        self._arguments: list[dict[str, Any] | None] = [None] * len(self._instances)
+        self._argument_plans: list[tuple[int, Any]] = []
+        for i, instance in enumerate(self._instances):
+            self._plan_instance(planner, i, instance)
+        hard = [i for i, rule in enumerate(self.requirements) if rule.probability == 1]
+        self._hard = None if len(hard) == len(self.requirements) else np.array(hard, dtype=int)
+        self._slots = [
+            self._tape.slot(value) if isinstance(value, Random) else bool(value) for _, value in self._checks.nodes
+        ]
+
+    def _plan_instance(self, planner: Planner, i: int, instance: Instance) -> None:
+        for name, value in instance.properties.items():
+            if name in ("position", "heading"):
+                continue
+            column = self._properties.setdefault(name, [None] * len(self._instances))
+            plan = planner.plan(value)
+            if plan is None:
+                column[i] = planner.fixed(value)
+            else:
+                self._property_plans.append((name, i, plan))
+        behavior = instance.properties["behavior"]
+        if isinstance(behavior, BehaviorCall):
+            self._arguments[i] = planner.fixed(behavior.arguments)
+            plan = planner.plan(behavior.arguments)
+            if plan is not None:
+                self._argument_plans.append((i, plan))
+
+    # ------------------------------------------------------------ from θ to scenes
+
+    @property
+    def dim(self) -> int:
+        """D, the number of columns of θ."""
+        return len(self.draws)
+
+    def instantiate(self, theta: np.ndarray) -> Scenes:
+        """The scenes for theta [N, D] in [-1, 1] (clipped to it), row by row independent of each other.
+
+        Never raises for rows that describe no valid scene: their `ok` is False.
+        """
+        theta = self._checked(theta)
+        count = len(theta)
+        finite = np.isfinite(theta)
+        if not finite.all():
+            theta = np.where(finite, theta, 0.0)
+        with np.errstate(all="ignore"):
+            registers = self._tape.run(self._scaled(theta))
+            positions, headings, outlines = self._arrangement.write(registers, count)
+            failed = self._failures(registers, outlines, count)
+        ok = ~(failed if self._hard is None else failed[:, self._hard]).any(axis=1)
+        ok &= np.isfinite(positions).all(axis=(1, 2)) & finite.all(axis=1)
+        properties = self._properties
+        if self._property_plans:
+            properties = {name: list(column) for name, column in properties.items()}
+            for name, i, plan in self._property_plans:
+                properties[name][i] = plan(registers, count)
+        arguments = list(self._arguments)
+        for i, plan in self._argument_plans:
+            arguments[i] = plan(registers, count)
+        params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
+        return Scenes(positions, headings, properties, params, arguments, ok, failed)
+
+    def valid(self, theta: np.ndarray) -> np.ndarray:
+        """Whether each row of theta [N, D] describes a valid scene: [N] bool."""
+        return self.instantiate(theta).ok
+
+    def _checked(self, theta: Any) -> np.ndarray:
+        theta = np.asarray(theta, dtype=float)
+        if theta.ndim != 2 or theta.shape[1] != self.dim:
+            raise ValueError(f"theta must have the shape [N, {self.dim}] for {self.file}, not {list(theta.shape)}")
+        return theta
+
+    def _scaled(self, theta: np.ndarray) -> np.ndarray:
+        """Columns [D, N], each contiguous: from [-1, 1] to offset + [0, 1] · span."""
+        unit = np.minimum(np.maximum(theta.T, -1.0), 1.0, order="C")
+        unit += 1.0
+        unit *= 0.5 * self._span
+        unit += self._offset
+        return unit
+
+    def _failures(self, registers: list[Any], outlines: Any, count: int) -> np.ndarray:
+        failed = np.empty((count, len(self.requirements)), dtype=bool)
+        at = 0
+        for check in self._checks.batched:
+            failed[:, at : at + len(check.rules)] = check.fails(outlines)
+            at += len(check.rules)
+        for slot in self._slots:
+            failed[:, at] = (not slot) if isinstance(slot, bool) else np.logical_not(registers[slot])
+            at += 1
+        return failed
+
+    # ------------------------------------------------------------ sampling
+
+    def sample(self, n: int, rng: np.random.Generator) -> tuple[np.ndarray, Scenes]:
+        """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes.
+
+        A soft requirement is in force in its share of the scenes, decided once for each. Raises ScenicError of kind
+        `rejection` with the report if no draw is valid.
+        """
+        soft = [(i, rule.probability) for i, rule in enumerate(self.requirements) if rule.probability < 1]
+        active = np.stack([rng.random(n) < p for _, p in soft], axis=1) if soft else np.zeros((n, 0), dtype=bool)
+        theta = np.empty((n, self.dim))
+        pending = np.arange(n)
+        draws = 0
+        while len(pending):
+            if draws >= (FIRST_DRAWS if len(pending) == n else FIRST_DRAWS + DRAWS_PER_SCENE * n):
+                raise self._impossible(rng)
+            each = max(1, min(64, FIRST_DRAWS // len(pending))) if draws else 1
+            candidates = rng.uniform(-1.0, 1.0, (len(pending) * each, self.dim))
+            scenes = self.instantiate(candidates)
+            draws += len(candidates)
+            broken = scenes.failed[:, [i for i, _ in soft]] & np.repeat(active[pending], each, axis=0)
+            good = (scenes.ok & ~broken.any(axis=1)).reshape(len(pending), each)
+            found = good.any(axis=1)
+            chosen = (np.arange(len(pending)) * each + good.argmax(axis=1))[found]
+            theta[pending[found]] = candidates[chosen]
+            pending = pending[~found]
+        return theta, self.instantiate(theta)
+
+    def report(self, n: int, rng: np.random.Generator) -> RejectionReport:
+        """What share of n uniform draws each rule rejects."""
+        scenes = self.instantiate(rng.uniform(-1.0, 1.0, (n, self.dim)))
+        shares = scenes.failed.mean(axis=0)
+        order = sorted(range(len(shares)), key=lambda i: -shares[i])
+        rejected = tuple((self.requirements[i], float(shares[i])) for i in order if shares[i] > 0)
+        return RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
+
+    def _impossible(self, rng: np.random.Generator) -> ScenicError:
+        return ScenicError("rejection", str(self.report(FIRST_DRAWS, rng)))
+
+    def describe(self, theta: np.ndarray) -> dict[str, Any]:
+        """The values that one row theta [D] stands for, by name of the draw, in the program's units."""
+        registers = self._shown.run(self._scaled(self._checked(np.asarray(theta, dtype=float)[None])))
+        values = {}
+        for draw, column in zip(self.draws, self._columns, strict=True):
+            value = registers[self._shown.slot(column.shown)][0]
+            value = value.item() if hasattr(value, "item") else value
+            values[draw.name] = title_of(column.options[value]) if column.options else value
+        return values
+
+    @cached_property
+    def _shown(self) -> Tape:
+        """The tape of what a person would want to see of each column."""
+        return Tape([column.shown for column in self._columns], self._columns, 10**9)
+
+    # ------------------------------------------------------------ checks at load
+
+    def _refuse_impossible(self, session: Session) -> None:
+        """Raise ScenicError for rules that objects without anything random break; and for operations on mixed kinds."""
+        probe = np.linspace(-0.9, 0.9, 3)[:, None] * np.ones(self.dim)
+        try:
+            scenes = self.instantiate(probe)
+        except ScenicError:
+            raise
+        except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
+            raise ScenicError("type", f"{self.file}: the random values do not fit together: {fault}") from None
+        fixed = [not any(True for _ in randoms_in(outline_parts(instance))) for instance in self._instances]
+        at = 0
+        for check in self._checks.batched:
+            for offset, members in enumerate(check.members()):
+                if all(fixed[i] for i in members) and scenes.failed[0, at + offset]:
+                    raise self._broken(session, check.rules[offset], [self._instances[i] for i in members])
+            at += len(check.rules)
+        for rule, value in self._checks.nodes:
+            if value is False and rule.kind != "require":
+                raise self._broken(session, rule, [])
+
+    def _broken(self, session: Session, rule: Rule, members: list[Instance]) -> ScenicError:
+        where = ", ".join(f"{title_of(each)} is at {each.properties['position']!r}" for each in members)
+        line = session.sources[rule.place.file].line(rule.place.line)
+        return ScenicError("value", f"{rule.label} in every scene", rule.place, hint=where, source_line=line)
+
+
+def outline_parts(instance: Instance) -> list[Value]:
+    return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]
+
+
+def in_order(session: Session) -> list[Instance]:
+    """The ego first, then as created."""
+    return sorted(session.objects, key=lambda instance: instance is not session.ego)
+
+
+def info_of(instance: Instance) -> ObjectInfo:
+    behavior = instance.properties["behavior"]
+    if behavior is not None and not isinstance(behavior, BehaviorCall):
+        raise ScenicError(
+            "type", "the property 'behavior' must be a behavior", instance.place, hint="with behavior B()"
+        )
+    name = behavior.behavior.name if behavior is not None else None
+    classes = tuple(cls.name for cls in instance.cls.lineage())
+    return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, name)
