@@ -81,8 +81,9 @@ class CurriculumRecorder:
         self.names = unique_names(draws)
         self._colours = np.array([colour for _, colour, _ in painter.markers], np.uint8)[painter.classes]  # [K, 3]
         self._radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]  # [K]
-        self.low = np.array([draw.low for draw in draws], float)
-        self.high = np.array([draw.high for draw in draws], float)
+        low, high = np.array([(draw.low, draw.high) for draw in draws], float).reshape(-1, 2).T
+        finite = np.isfinite(low) & np.isfinite(high)
+        self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # else θ itself is shown
         self.stream = rerun.RecordingStream(
             "regista",
             recording_id=recording.name,

@@ -1,0 +1,200 @@
+"""PPO on probe environments whose answers are known."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import torch
+from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
+from probes import Choice, Constant, Endless, Follow, TwoStep
+
+from ued.methods.dr import DR
+from ued.networks import Categorical, Gaussian
+from ued.ppo import PPOConfig, explained_variance
+from ued.streams import torch_stream
+from ued.student import Normaliser
+
+QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
+
+
+def train(env, updates=40, config=QUICK):
+    method = DR(env, config, seed=1)
+    for _ in range(updates):
+        metrics = method.update()
+    return method.student, metrics
+
+
+def value(student, *observation):
+    return float(student.value(torch.tensor([observation], dtype=torch.float32)))
+
+
+def probability(student, *observation):
+    with torch.no_grad():
+        policy, _ = student(torch.tensor([observation], dtype=torch.float32))
+    return float(policy.log_probs.exp()[0, 1])
+
+
+def test_a_constant_reward_is_the_value():
+    student, metrics = train(Constant())
+    assert value(student, 0.0) == pytest.approx(1.0, abs=0.02)
+    assert metrics["return/student"] == 1.0
+
+
+def test_reward_is_credited_to_the_step_before():
+    student, _ = train(TwoStep(), updates=60)
+    assert value(student, 1.0) == pytest.approx(1.0, abs=0.03)
+    assert value(student, 0.0) == pytest.approx(0.9, abs=0.03)
+
+
+def test_the_better_action_is_taken():
+    student, metrics = train(Choice())
+    assert probability(student, 0.0) > 0.97
+    assert metrics["return/student"] > 0.9
+
+
+def test_the_action_follows_the_observation():
+    student, _ = train(Follow())
+    assert probability(student, 1.0) > 0.95
+    assert probability(student, -1.0) < 0.05
+
+
+def test_a_time_limit_is_no_ending():
+    student, _ = train(Endless(), updates=150)
+    assert value(student, 0.0) == pytest.approx(10.0, abs=0.5)  # as a termination it would be worth about 3
+
+
+def test_the_value_can_be_clipped_torsos_shared_and_updates_stopped():
+    config = dataclasses.replace(QUICK, clip_vloss=True, shared_torso=True, target_kl=0.02)
+    student, _ = train(Follow(), config=config)
+    assert probability(student, 1.0) > 0.9
+
+
+def test_the_learning_rate_falls_to_nothing():
+    env = Constant(8)
+    method = DR(env, dataclasses.replace(QUICK, anneal_env_steps=16 * 8 * 4))
+    rates = [method.update()["student/learning_rate"] for _ in range(5)]
+    assert rates == pytest.approx([3e-3 * share for share in (0.75, 0.5, 0.25, 0.0, 0.0)])
+
+
+def test_the_same_seed_gives_the_same_numbers_whatever_the_global_streams():
+    torch.manual_seed(1)
+    np.random.seed(1)
+    one = [DR(Follow(), QUICK, seed=7).update() for _ in range(2)]
+    torch.manual_seed(2)
+    two = DR(Follow(), QUICK, seed=7).update()
+    other = DR(Follow(), QUICK, seed=8).update()
+    for metrics in (*one, two, other):
+        for name in [name for name in metrics if name.startswith("time/")]:
+            del metrics[name]
+    assert one[0] == one[1] == two != other
+
+
+def test_all_metrics_are_plain_numbers():
+    metrics = DR(Follow(), QUICK).update()
+    assert all(type(number) is float for number in metrics.values())
+    assert metrics["env_steps"] == 16 * 16 and metrics["updates"] == 1
+
+
+def test_the_thesis_settings():
+    config = PPOConfig.thesis()
+    table = (config.learning_rate, config.gamma, config.gae_lambda, config.clip_coef, config.ent_coef, config.vf_coef)
+    assert table == (8e-5, 0.993, 0.95, 0.27, 0.01, 0.5)
+    assert (config.num_steps, config.num_minibatches, config.update_epochs) == (128, 8, 4)
+    assert (config.max_grad_norm, config.adam_eps) == (0.5, 1e-5)
+
+
+def test_categorical_agrees_with_torch():
+    logits = torch.randn(200, 5, generator=torch_stream(0))
+    ours, theirs = Categorical(logits), torch.distributions.Categorical(logits=logits)
+    action = ours.sample(torch_stream(1))
+    torch.testing.assert_close(ours.log_prob(action), theirs.log_prob(action))
+    torch.testing.assert_close(ours.entropy(), theirs.entropy())
+    many = Categorical(logits[:1].expand(200_000, 5)).sample(torch_stream(2))
+    share = torch.bincount(many, minlength=5) / len(many)
+    torch.testing.assert_close(share, theirs.probs[0], atol=0.005, rtol=0)
+
+
+def test_gaussian_agrees_with_torch():
+    mean, log_std = torch.randn(50, 3, generator=torch_stream(0)), torch.tensor([-1.0, 0.0, 0.5])
+    ours = Gaussian(mean, log_std)
+    theirs = torch.distributions.Independent(torch.distributions.Normal(mean, log_std.exp()), 1)
+    action = ours.sample(torch_stream(1))
+    torch.testing.assert_close(ours.log_prob(action), theirs.log_prob(action))
+    torch.testing.assert_close(ours.entropy(), theirs.entropy())
+
+
+def test_running_statistics_are_those_of_everything_seen():
+    data = torch.randn(1000, 4, generator=torch_stream(0)) * torch.tensor([1.0, 10.0, 0.1, 0.0]) + 3
+    normaliser = Normaliser(4)
+    for rows in (data[:1], data[1:300], data[300:]):
+        normaliser.track(rows)
+    torch.testing.assert_close(normaliser.mean, data.mean(0))
+    torch.testing.assert_close(normaliser.variance, data.var(0, correction=0), atol=1e-5, rtol=1e-4)
+    assert normaliser(data).abs().max() <= 10
+
+
+def test_explained_variance():
+    target = torch.arange(10.0)
+    assert explained_variance(target, target) == 1.0
+    assert explained_variance(torch.zeros(10), target) == 0.0
+    assert np.isnan(explained_variance(target, torch.ones(10)))
+
+
+@pytest.mark.parametrize(
+    ("observations", "actions", "message"),
+    [
+        (
+            Box(0, 255, (72, 96, 4)),
+            Discrete(2),
+            "observations of shape (72, 96, 4) look like images, and there is no convolutional torso yet; "
+            "use flat features",
+        ),
+        (
+            Discrete(3),
+            Discrete(2),
+            "observations must be a Box, got Discrete(3); wrap the environment with "
+            "gymnasium.wrappers.FlattenObservation",
+        ),
+        (
+            Box(0, 1, (3, 4)),
+            Discrete(2),
+            "observations must be flat vectors, got shape (3, 4); wrap the environment with "
+            "gymnasium.wrappers.FlattenObservation",
+        ),
+        (Box(0, 1, (3,)), MultiDiscrete([2, 2]), "actions must be Discrete or a flat Box, got MultiDiscrete([2 2])"),
+        (Dict({}), Discrete(2), None),
+    ],
+)
+def test_spaces_that_do_not_fit_are_refused(observations, actions, message):
+    with pytest.raises((ValueError, NotImplementedError)) as error:
+        PPOConfig().make_student(observations, actions, torch_stream(0))
+    assert message is None or str(error.value) == message
+
+
+@pytest.mark.parametrize(
+    ("setting", "number", "message"),
+    [
+        ("num_steps", 0, "num_steps must be at least 1, got 0"),
+        ("learning_rate", 0.0, "learning_rate must be positive, got 0.0"),
+        ("learning_rate", float("nan"), "learning_rate must be positive, got nan"),
+        ("gamma", 1.5, "gamma must be between 0 and 1, got 1.5"),
+        ("ent_coef", -0.1, "ent_coef must not be negative, got -0.1"),
+    ],
+)
+def test_settings_out_of_range_are_refused(setting, number, message):
+    with pytest.raises(ValueError, match=message):
+        dataclasses.replace(PPOConfig(), **{setting: number})
+
+
+def test_discrete_actions_count_from_where_the_space_starts():
+    student = PPOConfig().make_student(Box(-1, 1, (2,)), Discrete(3, start=5), torch_stream(0))
+    actions = student.play(np.zeros((100, 2)), torch_stream(1))
+    assert set(actions) == {5, 6, 7}
+
+
+def test_continuous_actions_keep_to_their_bounds():
+    space = Box(np.array([0.0, -np.inf], np.float32), np.array([10.0, np.inf], np.float32))
+    student = PPOConfig().make_student(Box(-1, 1, (2,)), space, torch_stream(0))
+    actions = student.play(np.zeros((500, 2)), torch_stream(1))
+    assert actions.dtype == np.float32 and actions[:, 0].min() == 0 and actions[:, 0].max() == 10
+    assert actions[:, 0].mean() == pytest.approx(5, abs=0.7) and actions[:, 1].std() == pytest.approx(1, abs=0.1)

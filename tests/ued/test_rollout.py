@@ -1,0 +1,112 @@
+"""Advantages against a slow reference, episodes carried over, and exact counts."""
+
+import numpy as np
+import pytest
+import torch
+from probes import Endless, TwoStep
+
+from ued.player import Player, collect
+from ued.ppo import PPOConfig
+from ued.rollout import Rollout, gae
+from ued.streams import torch_stream
+
+
+def random_rollout(steps=40, envs=6, seed=0):
+    stream = torch_stream(seed)
+    terminated = torch.rand(steps, envs, generator=stream) < 0.1
+    truncated = torch.rand(steps, envs, generator=stream) < 0.1
+    numbers = [torch.randn(steps, envs, generator=stream) for _ in range(3)]
+    final = torch.randn(steps, envs, generator=stream)
+    last = torch.randn(envs, generator=stream)
+    empty = torch.zeros(steps, envs)
+    return Rollout(empty, empty, numbers[0], numbers[1], numbers[2], terminated, truncated, final, last)
+
+
+def slow_gae(rollout, gamma, gae_lambda):
+    """The definition: the sum of discounted temporal-difference errors to the end of the episode or the rollout."""
+    steps, envs = rollout.reward.shape
+    advantage = torch.zeros(steps, envs)
+    for n in range(envs):
+        for t in range(steps):
+            weight = 1.0
+            for k in range(t, steps):
+                if rollout.terminated[k, n]:
+                    following = 0.0
+                elif rollout.truncated[k, n]:
+                    following = rollout.final_value[k, n]
+                else:
+                    following = rollout.value[k + 1, n] if k + 1 < steps else rollout.last_value[n]
+                advantage[t, n] += weight * (rollout.reward[k, n] + gamma * following - rollout.value[k, n])
+                weight *= gamma * gae_lambda
+                if rollout.terminated[k, n] or rollout.truncated[k, n]:
+                    break
+    return advantage
+
+
+@pytest.mark.parametrize(("gamma", "gae_lambda"), [(0.9, 0.8), (1.0, 1.0), (0.99, 0.0), (0.0, 0.5)])
+def test_gae_agrees_with_its_definition(gamma, gae_lambda):
+    rollout = random_rollout()
+    torch.testing.assert_close(gae(rollout, gamma, gae_lambda), slow_gae(rollout, gamma, gae_lambda))
+
+
+def test_with_lambda_one_advantage_plus_value_is_the_return():
+    rollout = random_rollout(seed=1)
+    rollout.terminated[-1] = True  # so that no value of a network enters
+    rollout.truncated[:] = False
+    target = gae(rollout, 1.0, 1.0) + rollout.value
+    for n in range(6):
+        end = int(rollout.terminated[:, n].nonzero()[0])
+        assert target[0, n] == pytest.approx(float(rollout.reward[: end + 1, n].sum()), abs=1e-4)
+
+
+def player(env, num_steps=8, renew=lambda ended, returns: (ended[:0], None)):
+    spaces = env.single_observation_space, env.single_action_space
+    student = PPOConfig(hidden_size=8).make_student(*spaces, torch_stream(0))
+    made = Player(student, env, num_steps, torch_stream(1), renew)
+    env.reset(seed=0)
+    made.start(env.sample_levels(env.num_envs))
+    return made
+
+
+def test_episodes_run_on_from_one_rollout_to_the_next():
+    playing = player(TwoStep(4), num_steps=3)
+    found = []
+    for _ in range(4):  # 12 steps, 6 episodes of 2 steps in each of 4 environments
+        collect([playing])
+        found.append(playing.take_episodes())
+    assert [len(episodes.returns) for episodes in found] == [4, 8, 4, 8]
+    assert all((episodes.returns == 1).all() and (episodes.lengths == 2).all() for episodes in found)
+    assert playing.env_steps == 48
+
+
+def test_only_what_was_cut_off_is_valued():
+    playing = player(Endless(3), num_steps=7)
+    torch.nn.init.constant_(playing.student.critic.bias, 2.5)
+    collect([playing])
+    rollout = playing.rollout
+    expected = torch.tensor(2.5)
+    assert rollout.truncated[4].all() and int(rollout.truncated.sum()) == 3
+    assert torch.equal(rollout.final_value[4], expected.expand(3))
+    assert int((rollout.final_value != 0).sum()) == 3
+    assert torch.equal(rollout.last_value, expected.expand(3))
+
+
+def test_terminated_and_truncated_at_once_is_terminated():
+    rollout = random_rollout()
+    rollout.terminated[:], rollout.truncated[:] = True, True
+    rollout.final_value[:] = 100.0
+    torch.testing.assert_close(gae(rollout, 0.9, 0.9), rollout.reward - rollout.value)
+
+
+def test_renew_changes_the_level_of_the_environments_it_names():
+    def renew(ended, returns):
+        where = ended[ended % 2 == 1][::-1]  # in any order
+        levels = env.make_levels(np.zeros((len(where), 0)))
+        levels["program"] = where + 100
+        return where, levels
+
+    env = TwoStep(4)
+    playing = player(env, num_steps=2, renew=renew)
+    collect([playing])
+    assert env.levels["program"].tolist() == [0, 101, 0, 103]
+    assert (playing.take_episodes().level["program"] == 0).all()  # the level that was played, not the next

@@ -1,0 +1,189 @@
+"""The adversary: a learned teacher that proposes θ in one step, a bandit with a random vector z as its context.
+
+A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3). The vector z lets the same weights propose many
+different levels; the entropy bonus is measured in θ's own space, because the entropy of the Gaussian before squashing
+is largest where tanh saturates, and would drive all levels into the corners. Read next: `methods.paired`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import softplus
+
+from ued.config import setting
+from ued.networks import Gaussian, linear, mlp
+
+# tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
+UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
+LOG_STD_RANGE = (-5.0, 1.0)
+MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+
+
+@dataclass(frozen=True)
+class AdversaryConfig:
+    """Settings of the adversary and its learning."""
+
+    learning_rate: float = setting(1e-3, "step size of Adam")
+    ent_coef: float = setting(0.1, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
+    update_epochs: int = setting(5, "gradient steps for each batch of levels")
+    clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
+    vf_coef: float = setting(0.5, "weight of the baseline's loss")
+    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
+    adam_eps: float = setting(1e-5, "Adam's epsilon")
+    context_size: int = setting(16, "length of the random vector z that each proposal starts from")
+    hidden_size: int = setting(64, "units in each of the two hidden layers")
+    min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
+
+    def __post_init__(self) -> None:
+        for name in ("update_epochs", "context_size", "hidden_size", "min_batch"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        for name in ("learning_rate", "clip_coef", "max_grad_norm", "adam_eps"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name in ("ent_coef", "vf_coef"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+
+    @classmethod
+    def thesis(cls) -> AdversaryConfig:
+        """Give the settings of the thesis (Table 4.2)."""
+        return cls(learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5)
+
+
+class Proposals(NamedTuple):
+    """What the adversary proposed, with what it needs in order to learn from it: arrays of float32.
+
+    z `[n, Z]` the context; raw `[n, D]` θ before tanh; log_prob `[n]` of raw.
+    """
+
+    z: np.ndarray
+    raw: np.ndarray
+    log_prob: np.ndarray
+
+    @property
+    def theta(self) -> np.ndarray:
+        """The proposed θ, float64 `[n, D]` in [-1, 1]."""
+        return np.tanh(self.raw.astype(np.float64))
+
+
+class AdversaryNetwork(nn.Module):
+    """z `[B, Z]` -> a Gaussian over θ before tanh, and the regret to expect `[B]`, in normalised units."""
+
+    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator) -> None:
+        super().__init__()
+        self.torso = mlp(config.context_size, config.hidden_size, 2, generator)
+        self.mean = linear(config.hidden_size, dim, 0.01, generator)
+        self.log_std = linear(config.hidden_size, dim, 0.01, generator)
+        self.value = linear(config.hidden_size, 1, 1.0, generator)
+
+    def forward(self, z: Tensor) -> tuple[Gaussian, Tensor]:
+        features = self.torso(z)
+        mean = MEAN_RANGE * torch.tanh(self.mean(features) / MEAN_RANGE)
+        log_std = (UNIFORM_LOG_STD + self.log_std(features)).clamp(*LOG_STD_RANGE)
+        return Gaussian(mean, log_std), self.value(features)[:, 0]
+
+
+def squashed_entropy(gaussian: Gaussian, generator: torch.Generator) -> Tensor:
+    """Estimate the entropy `[B]` of θ = tanh(raw) in θ's space, from one sample each that gradients flow through.
+
+    H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution on [-1, 1]^D.
+    """
+    raw = gaussian.sample(generator)
+    return gaussian.entropy() + (2 * (math.log(2) - raw - softplus(-2 * raw))).sum(-1)
+
+
+class Adversary:
+    """Proposes levels and learns from the regret that they caused, by PPO's clipped objective on one-step episodes.
+
+    Raises `ValueError` where there is nothing to propose (D = 0).
+    """
+
+    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator) -> None:
+        if dim < 1:
+            raise ValueError(
+                "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
+                "columns); use domain randomisation, or give the program a random value"
+            )
+        self.dim, self.config, self.generator = dim, config, generator
+        self.network = AdversaryNetwork(dim, config, generator)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
+        self.scale = RunningScale()
+
+    @torch.inference_mode()
+    def propose(self, count: int) -> Proposals:
+        """Draw `count` proposals."""
+        z = torch.empty(count, self.config.context_size).normal_(generator=self.generator)
+        gaussian, _ = self.network(z)
+        raw = gaussian.sample(self.generator)
+        return Proposals(z.numpy(), raw.numpy(), gaussian.log_prob(raw).numpy())
+
+    def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
+        """Learn from the regret `[n]` of these proposals; give the means of the losses over the epochs."""
+        self.scale.track(regret)
+        target = torch.as_tensor(self.scale(regret), dtype=torch.float32)
+        z, raw, log_prob = (torch.as_tensor(a) for a in (proposals.z, proposals.raw, proposals.log_prob))
+        logs = [self._epoch(z, raw, log_prob, target) for _ in range(self.config.update_epochs)]
+        return {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
+
+    def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> dict[str, float]:
+        config = self.config
+        gaussian, value = self.network(z)
+        ratio = (gaussian.log_prob(raw) - log_prob).exp()  # tanh's Jacobian is the same above and below
+        advantage = target - value.detach()
+        clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
+        policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()
+        value_loss = 0.5 * ((value - target) ** 2).mean()
+        entropy = squashed_entropy(gaussian, self.generator).mean()
+        loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+        self.optimizer.zero_grad()
+        loss.backward()
+        grad_norm = nn.utils.clip_grad_norm_(self.network.parameters(), config.max_grad_norm)
+        self.optimizer.step()
+        return {
+            "policy_loss": policy_loss.item(),
+            "value_loss": value_loss.item(),
+            "entropy": entropy.item(),
+            "grad_norm": grad_norm.item(),
+        }
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give weights, optimiser, regret statistics and generator."""
+        return {
+            "network": self.network.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "generator": self.generator.get_state(),
+            "scale": [self.scale.mean, self.scale.square, self.scale.weight],
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.generator.set_state(state["generator"])
+        self.scale.mean, self.scale.square, self.scale.weight = state["scale"]
+
+
+class RunningScale:
+    """Shift and scale numbers by mean and deviation of the recent past, which forgets as students change."""
+
+    DECAY = 0.9  # per batch
+
+    def __init__(self) -> None:
+        self.mean = self.square = self.weight = 0.0  # of an average that starts at 0 and is corrected for that
+
+    def track(self, values: np.ndarray) -> None:
+        """Take a batch into the statistics."""
+        self.mean = self.DECAY * self.mean + (1 - self.DECAY) * float(values.mean())
+        self.square = self.DECAY * self.square + (1 - self.DECAY) * float((values**2).mean())
+        self.weight = self.DECAY * self.weight + (1 - self.DECAY)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        mean, square = self.mean / self.weight, self.square / self.weight
+        return (values - mean) / (max(square - mean**2, 0.0) ** 0.5 + 1e-3)

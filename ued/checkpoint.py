@@ -1,0 +1,156 @@
+"""Checkpoints: everything a run needs to go on, in one file that is either the old one or the new one, never half.
+
+The file is written under another name, forced to the disk and renamed. It is read with `weights_only=True`: a file from
+a stranger cannot run code. What torch does not store by itself (numpy arrays, structured ones too, and integers of more
+than 64 bits, as in the states of generators) is spelled out in tensors, numbers and strings. Read next: `methods`.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import pickle
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+FORMAT = "regista checkpoint"
+VERSION = 1
+ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__array__", "__integer__", "__tuple__")
+
+
+class CheckpointError(Exception):
+    """A checkpoint that cannot be written or read; one sentence says why."""
+
+
+def save(path: str | Path, state: dict[str, Any]) -> None:
+    """Write a checkpoint in one stroke: whatever happens, `path` holds the old one or the new one.
+
+    `state` may hold dicts, lists, tuples, tensors, numpy arrays, numbers, strings and None.
+    Raises `CheckpointError` for anything else in it, and if the disk is full or the folder cannot be written.
+    """
+    path = Path(path)
+    content = {"format": FORMAT, "version": VERSION, "state": encode(state)}
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with open(partial, "wb") as file:
+            torch.save(content, file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+        _sync_folder(path.parent)
+    except (OSError, RuntimeError) as error:  # torch wraps a full disk in a RuntimeError
+        partial.unlink(missing_ok=True)
+        raise CheckpointError(
+            f"cannot write {path}: {_first_line(error)}; the previous checkpoint is intact"
+        ) from error
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+
+
+def load(path: str | Path) -> dict[str, Any]:
+    """Read what `save` wrote. Raises `CheckpointError` for a file that is missing, cut short, foreign or too new."""
+    path = Path(path)
+    try:
+        content = torch.load(path, map_location="cpu", weights_only=True)
+    except FileNotFoundError as error:
+        raise CheckpointError(f"there is no checkpoint at {path}") from error
+    except OSError as error:
+        raise CheckpointError(f"cannot read {path}: {_first_line(error)}") from error
+    except (RuntimeError, EOFError, ValueError, KeyError, pickle.UnpicklingError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"{path} is no checkpoint, or one that was cut short or damaged") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise CheckpointError(f"{path} is no checkpoint of this program")
+    if content.get("version") != VERSION:
+        raise CheckpointError(
+            f"{path} has version {content.get('version')} of the checkpoint format; this program reads {VERSION}"
+        )
+    return decode(content["state"])
+
+
+def encode(value: Any, where: str = "state") -> Any:
+    """Give `value` in terms of dicts, lists, tensors, strings and numbers of at most 64 bits."""
+    if isinstance(value, dict):
+        _check_keys(value, where)
+        return {key: encode(item, f"{where}[{key!r}]") for key, item in value.items()}
+    if isinstance(value, list):
+        return [encode(item, f"{where}[{i}]") for i, item in enumerate(value)]
+    if isinstance(value, tuple):
+        return {TUPLE: [encode(item, f"{where}[{i}]") for i, item in enumerate(value)]}
+    if isinstance(value, np.ndarray):
+        return _encode_array(value, where)
+    if isinstance(value, np.generic):
+        return encode(value.item(), where)
+    if isinstance(value, int) and not isinstance(value, bool) and not -(2**63) <= value < 2**63:
+        return {INTEGER: str(value)}
+    if value is None or isinstance(value, (bool, int, float, str, torch.Tensor)):
+        return value
+    raise CheckpointError(f"{where} is a {type(value).__name__}, which a checkpoint cannot hold")
+
+
+def decode(value: Any) -> Any:
+    """Undo `encode`."""
+    if isinstance(value, list):
+        return [decode(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    if ARRAY in value:
+        return _decode_array(value)
+    if INTEGER in value:
+        return int(value[INTEGER])
+    if TUPLE in value:
+        return tuple(decode(item) for item in value[TUPLE])
+    return {key: decode(item) for key, item in value.items()}
+
+
+def _check_keys(value: dict[Any, Any], where: str) -> None:
+    for key in value:
+        if not isinstance(key, (str, int)) or key in RESERVED:
+            raise CheckpointError(f"{where} has the key {key!r}; keys must be strings or integers, and not reserved")
+
+
+def _encode_array(array: np.ndarray, where: str) -> dict[str, Any]:
+    if array.dtype.hasobject:
+        raise CheckpointError(f"{where} is an array of Python objects, which a checkpoint cannot hold")
+    data = np.frombuffer(array.tobytes(), np.uint8).copy() if array.size else np.zeros(0, np.uint8)
+    return {ARRAY: torch.from_numpy(data), "dtype": repr(_describe(array.dtype)), "shape": list(array.shape)}
+
+
+def _decode_array(value: dict[str, Any]) -> np.ndarray:
+    dtype = np.dtype(ast.literal_eval(value["dtype"]))
+    return np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy()
+
+
+def _describe(dtype: np.dtype) -> Any:
+    """Give what `np.dtype` makes the same type of, padding and nested records included."""
+    if dtype.names is None:
+        if dtype.subdtype is not None:
+            base, shape = dtype.subdtype
+            return (_describe(base), shape)
+        return dtype.str
+    assert dtype.fields is not None
+    return {
+        "names": list(dtype.names),
+        "formats": [_describe(dtype.fields[name][0]) for name in dtype.names],
+        "offsets": [dtype.fields[name][1] for name in dtype.names],
+        "itemsize": dtype.itemsize,
+    }
+
+
+def _sync_folder(folder: Path) -> None:
+    """Force the renaming itself to the disk, where the system can."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _first_line(error: BaseException) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return str(error).splitlines()[0]

@@ -1,0 +1,255 @@
+"""PAIRED (Dennis et al. 2020, Algorithm 1): an adversary proposes levels on which one student beats another.
+
+    repeat
+        the adversary proposes levels θ
+        the protagonist plays them, and so does the antagonist
+        regret of a level = what the antagonist reached - what the protagonist reached
+        the adversary learns to cause regret; both students learn from the rewards of the environment
+
+A level that nobody can solve causes no regret, nor does one that both solve: what is left lies at the edge of what the
+protagonist can do. Here a rollout is not cut to levels: `level_queue` says how whole episodes are made sure of.
+Students learn from their own rewards, as in every implementation that works: from each student's view the other's
+return is a constant. Read next: `level_queue`, `adversary`, `scores`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+from time import perf_counter
+from typing import Any, Literal
+
+import numpy as np
+
+from ued.adversary import Adversary, AdversaryConfig, Proposals
+from ued.config import setting
+from ued.level_queue import LevelQueue, entry_dtype
+from ued.methods import LevelBatch, episode_metrics, prefixed
+from ued.player import Player, collect
+from ued.ppo import PPO, PPOConfig
+from ued.scores import regret
+from ued.streams import split_seed, torch_stream
+from ued.student import Student
+from ued.upomdp import UPOMDP
+
+NAMES = ("protagonist", "antagonist")
+
+
+class Origin(IntEnum):
+    """Where a level in the queue comes from."""
+
+    ADVERSARY = 0
+    RANDOM = 1  # the admixture of domain randomisation
+    REPLACED = 2  # random, in the place of a proposal that describes no valid level
+
+
+@dataclass(frozen=True)
+class PairedConfig:
+    """Settings of PAIRED."""
+
+    episodes_per_level: int = setting(2, "whole episodes that each student plays on a level")
+    regret: Literal["max_mean", "mean_mean"] = setting(
+        "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
+    )
+    flexible: bool = setting(False, "on each level the better student plays the antagonist's part")
+    clip_regret: bool = setting(False, "count a negative regret as 0")
+    dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
+    invalid_penalty: float = setting(
+        0.0, "regret of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
+    )
+    adversary: AdversaryConfig = field(default_factory=AdversaryConfig, metadata={"help": "the adversary"})
+
+    def __post_init__(self) -> None:
+        if self.episodes_per_level < 1:
+            raise ValueError(f"episodes_per_level must be at least 1, got {self.episodes_per_level}")
+        if self.regret not in ("max_mean", "mean_mean"):
+            raise ValueError(f"regret must be max_mean or mean_mean, got {self.regret!r}")
+        if not 0 <= self.dr_fraction <= 1:
+            raise ValueError(f"dr_fraction must be between 0 and 1, got {self.dr_fraction}")
+        if not self.invalid_penalty >= 0:
+            raise ValueError(f"invalid_penalty must not be negative, got {self.invalid_penalty}")
+
+    @classmethod
+    def thesis(cls) -> PairedConfig:
+        """Give the settings of the thesis (Table 4.2)."""
+        return cls(adversary=AdversaryConfig.thesis())
+
+
+class Paired:
+    """Trains a protagonist and an antagonist on the levels of an adversary. A `Method`.
+
+    Args:
+        upomdp: the environments; they are reset and belong to this object from then on. The antagonist plays in a
+            copy of them.
+        ppo: how both students learn.
+        config: the adversary, and what counts as regret.
+        seed: of every random stream.
+
+    Raises `ValueError` where the environment has no free parameters.
+    """
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PairedConfig | None = None, seed: int = 0
+    ) -> None:
+        ppo, config = ppo or PPOConfig(), config or PairedConfig()
+        levels, mix, adversary, *each = split_seed(seed, 9)
+        self.config, self.upomdp = config, upomdp
+        self.adversary = Adversary(upomdp.theta_dim, config.adversary, torch_stream(adversary))
+        self.mix = np.random.default_rng(mix)
+        self.entry = entry_dtype(
+            upomdp.levels.dtype, upomdp.theta_dim, config.adversary.context_size, 2, config.episodes_per_level
+        )
+        self.queue = LevelQueue(self._supply, self.entry, upomdp.num_envs, max_lead=2 * upomdp.num_envs)
+        self.lessons = np.zeros(0, self.entry)  # settled levels that the adversary has yet to learn from
+        self.updates = 0
+        self.last: LevelBatch | None = None
+        upomdp.reset(seed=levels)
+        self.players = [
+            self._player(0, upomdp, ppo, *each[:2]),
+            self._player(1, upomdp.copy(), ppo, *each[2:4]),
+        ]
+        self.ppos = [
+            PPO(player.student, ppo, torch_stream(s)) for player, s in zip(self.players, each[4:], strict=True)
+        ]
+
+    def _player(self, index: int, upomdp: UPOMDP, ppo: PPOConfig, weights: int, actions: int) -> Player:
+        spaces = upomdp.single_observation_space, upomdp.single_action_space
+        student = ppo.make_student(*spaces, torch_stream(weights))
+        player = Player(
+            student,
+            upomdp,
+            ppo.num_steps,
+            torch_stream(actions),
+            lambda ended, returns: self.queue.renew(index, ended, returns),
+        )
+        player.start(self.queue.first(index))
+        return player
+
+    @property
+    def student(self) -> Student:
+        return self.players[0].student
+
+    @property
+    def students(self) -> dict[str, Student]:
+        return {name: player.student for name, player in zip(NAMES, self.players, strict=True)}
+
+    @property
+    def env_steps(self) -> int:
+        return sum(player.env_steps for player in self.players)
+
+    def update(self) -> dict[str, float]:
+        """Play the adversary's levels with both students; let all three learn."""
+        collect(self.players)
+        settled = self.queue.take_settled()
+        began = perf_counter()
+        self._judge(settled)
+        metrics = self._teach(settled)
+        taught = perf_counter()
+        for name, player, ppo in zip(NAMES, self.players, self.ppos, strict=True):
+            metrics |= prefixed(name, ppo.learn(player.rollout, self.env_steps))
+            metrics |= episode_metrics(name, player.take_episodes())
+        learned = perf_counter()
+        self.last = self._as_levels(settled)
+        self.updates += 1
+        return {
+            "env_steps": float(self.env_steps),
+            "updates": float(self.updates),
+            **metrics,
+            **self._level_metrics(settled),
+            **prefixed("time", self._seconds() | {"adversary": taught - began, "learn": learned - taught}),
+        }
+
+    # ------------------------------------------------------------ levels
+
+    def _supply(self, count: int) -> np.ndarray:
+        """Give `count` new entries of the queue: the adversary's, some random ones among them."""
+        entries = np.zeros(count, self.entry)
+        proposals = self.adversary.propose(count)
+        entries["z"], entries["raw"], entries["log_prob"] = proposals.z, proposals.raw, proposals.log_prob
+        theta = proposals.theta
+        entries["level"] = self.upomdp.make_levels(theta)
+        entries["origin"][~self.upomdp.valid(theta)] = Origin.REPLACED
+        entries["origin"][self.mix.random(count) < self.config.dr_fraction] = Origin.RANDOM
+        random = entries["origin"] != Origin.ADVERSARY
+        entries["level"][random] = self.upomdp.sample_levels(int(random.sum()))
+        return entries
+
+    def _judge(self, settled: np.ndarray) -> None:
+        """Write the score of each settled level: its regret."""
+        config, returns = self.config, settled["returns"]  # [L, 2, n]
+        score = regret(returns[:, 0], returns[:, 1], config.regret, config.flexible)
+        settled["score"] = np.maximum(score, 0.0) if config.clip_regret else score
+
+    def _teach(self, settled: np.ndarray) -> dict[str, float]:
+        """Let the adversary learn from its own proposals, once enough of them are settled."""
+        lessons = settled[settled["origin"] == Origin.ADVERSARY]
+        if self.config.invalid_penalty:
+            refused = settled[settled["origin"] == Origin.REPLACED]  # what was played in their place is not theirs
+            refused["score"] = -self.config.invalid_penalty
+            lessons = np.concatenate([lessons, refused])
+        self.lessons = np.concatenate([self.lessons, lessons])
+        if len(self.lessons) < self.config.adversary.min_batch:
+            return {}
+        proposals = Proposals(*(np.ascontiguousarray(self.lessons[name]) for name in ("z", "raw", "log_prob")))
+        losses = self.adversary.learn(proposals, self.lessons["score"])
+        self.lessons = self.lessons[:0]
+        self.queue.drop_untaken()
+        return prefixed("adversary", losses)
+
+    # ------------------------------------------------------------ what is told
+
+    def _as_levels(self, settled: np.ndarray) -> LevelBatch:
+        count = np.full(len(settled), self.config.episodes_per_level)
+        return LevelBatch(
+            theta=settled["level"]["theta"],
+            returns={name: settled["returns"][:, s].mean(1) for s, name in enumerate(NAMES)},
+            episodes=dict.fromkeys(NAMES, count),
+            score=settled["score"],
+        )
+
+    def _level_metrics(self, settled: np.ndarray) -> dict[str, float]:
+        """Give counts of levels, and regret split into skill (difference of means) and luck (the rest)."""
+        counts = np.bincount(settled["origin"], minlength=len(Origin))
+        metrics = {
+            "levels": float(len(settled)),
+            "levels/random": float(counts[Origin.RANDOM]),
+            "levels/invalid": float(counts[Origin.REPLACED]),
+            "levels/open": float(len(self.queue.entries)),
+        }
+        own = settled[settled["origin"] == Origin.ADVERSARY]
+        if len(own):
+            skill = float((own["returns"][:, 1] - own["returns"][:, 0]).mean())
+            mean = float(own["score"].mean())
+            metrics |= {"regret": mean, "regret/skill": skill, "regret/luck": mean - skill}
+            metrics["theta_std"] = float(own["level"]["theta"].std(0).mean())
+        return metrics
+
+    def _seconds(self) -> dict[str, float]:
+        each = [player.take_seconds() for player in self.players]
+        return {name: sum(seconds[name] for seconds in each) for name in each[0]}
+
+    # ------------------------------------------------------------ save and resume
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give everything that changes."""
+        return {
+            "players": [player.state_dict() for player in self.players],
+            "ppos": [ppo.state_dict() for ppo in self.ppos],
+            "adversary": self.adversary.state_dict(),
+            "queue": self.queue.state_dict(),
+            "lessons": self.lessons.copy(),
+            "mix": self.mix.bit_generator.state,
+            "updates": self.updates,
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        for player, saved in zip(self.players, state["players"], strict=True):
+            player.load_state_dict(saved)
+        for ppo, saved in zip(self.ppos, state["ppos"], strict=True):
+            ppo.load_state_dict(saved)
+        self.adversary.load_state_dict(state["adversary"])
+        self.queue.load_state_dict(state["queue"])
+        self.lessons = state["lessons"].copy()
+        self.mix.bit_generator.state = state["mix"]
+        self.updates = state["updates"]

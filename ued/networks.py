@@ -1,0 +1,128 @@
+"""The networks: torsos that read observations, and heads that turn what they read into policies and values.
+
+A policy here is a small object made anew from each forward pass: `sample`, `mode`, `log_prob`, `entropy`.
+All weights are initialised from an explicit generator. Read next: `student`, which puts the parts together.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import torch
+from gymnasium.spaces import Box, Discrete, Space
+from torch import Tensor, nn
+
+LOG_2_PI = math.log(2 * math.pi)
+
+
+class Policy(Protocol):
+    """A distribution over actions for each row of a batch."""
+
+    def sample(self, generator: torch.Generator) -> Tensor: ...
+    def mode(self) -> Tensor: ...
+    def log_prob(self, action: Tensor) -> Tensor: ...
+    def entropy(self) -> Tensor: ...
+
+
+class Categorical:
+    """One of A actions, from logits `[B, A]`. Actions are int64 `[B]`, counted from 0."""
+
+    def __init__(self, logits: Tensor) -> None:
+        self.log_probs = torch.log_softmax(logits, -1)  # [B, A]
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        exponential = torch.empty_like(self.log_probs).exponential_(generator=generator)
+        return (self.log_probs - exponential.log()).argmax(-1)  # Gumbel-max: -log of an exponential is Gumbel
+
+    def mode(self) -> Tensor:
+        return self.log_probs.argmax(-1)
+
+    def log_prob(self, action: Tensor) -> Tensor:
+        return self.log_probs.gather(-1, action[..., None])[..., 0]
+
+    def entropy(self) -> Tensor:
+        return -(self.log_probs.exp() * self.log_probs).sum(-1)
+
+
+class Gaussian:
+    """K independent normal numbers: mean `[B, K]`, log_std `[K]` or `[B, K]`. Actions are float32 `[B, K]`."""
+
+    def __init__(self, mean: Tensor, log_std: Tensor) -> None:
+        self.mean, self.log_std = mean, log_std.expand_as(mean)
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        noise = torch.empty_like(self.mean).normal_(generator=generator)
+        return self.mean + self.log_std.exp() * noise
+
+    def mode(self) -> Tensor:
+        return self.mean
+
+    def log_prob(self, action: Tensor) -> Tensor:
+        standard = (action - self.mean) / self.log_std.exp()
+        return -(0.5 * standard**2 + self.log_std + 0.5 * LOG_2_PI).sum(-1)
+
+    def entropy(self) -> Tensor:
+        return (self.log_std + 0.5 * (1 + LOG_2_PI)).sum(-1)
+
+
+def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator) -> nn.Linear:
+    """Give a linear layer with orthogonal weights scaled by `gain` and zero bias."""
+    layer = nn.utils.skip_init(nn.Linear, inputs, outputs)  # the usual initialisation draws from torch's global stream
+    nn.init.orthogonal_(layer.weight, gain, generator=generator)
+    nn.init.zeros_(layer.bias)
+    return layer
+
+
+def mlp(inputs: int, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
+    """Give a torso of `hidden_layers` tanh layers: `[B, inputs]` -> `[B, hidden_size]`."""
+    layers: list[nn.Module] = []
+    for _ in range(hidden_layers):
+        layers += [linear(inputs, hidden_size, math.sqrt(2), generator), nn.Tanh()]
+        inputs = hidden_size
+    return nn.Sequential(*layers)
+
+
+def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
+    """Give the torso that fits the observations: an MLP for a flat vector of features.
+
+    Raises `ValueError` for observations that are no array, `NotImplementedError` for images.
+    """
+    if not isinstance(space, Box):
+        raise ValueError(
+            f"observations must be a Box, got {space}; wrap the environment with gymnasium.wrappers.FlattenObservation"
+        )
+    if len(space.shape) == 3:
+        raise NotImplementedError(
+            f"observations of shape {space.shape} look like images, and there is no convolutional torso yet; "
+            "use flat features"
+        )
+    if len(space.shape) != 1:
+        raise ValueError(
+            f"observations must be flat vectors, got shape {space.shape}; "
+            "wrap the environment with gymnasium.wrappers.FlattenObservation"
+        )
+    return mlp(space.shape[0], hidden_size, hidden_layers, generator)
+
+
+class PolicyHead(nn.Module):
+    """The last layer of a policy: a categorical for `Discrete`, a diagonal Gaussian for `Box`.
+
+    Its small gain (0.01) makes the first policy nearly uniform whatever the observation.
+    """
+
+    def __init__(self, space: Space, inputs: int, generator: torch.Generator) -> None:
+        super().__init__()
+        if isinstance(space, Discrete):
+            self.log_std = None
+            self.layer = linear(inputs, int(space.n), 0.01, generator)
+        elif isinstance(space, Box) and len(space.shape) == 1:
+            self.log_std = nn.Parameter(torch.zeros(space.shape[0]))
+            self.layer = linear(inputs, space.shape[0], 0.01, generator)
+        else:
+            raise ValueError(f"actions must be Discrete or a flat Box, got {space}")
+
+    def forward(self, features: Tensor) -> Policy:
+        if self.log_std is None:
+            return Categorical(self.layer(features))
+        return Gaussian(self.layer(features), self.log_std)

@@ -1,0 +1,148 @@
+"""A student in its own N environments: plays step by step, carries episodes over from one rollout to the next.
+
+`collect` lets several players go through their rollouts side by side, which is what keeps the two students of PAIRED
+at about the same level of the same curriculum. Read next: `ppo`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import torch
+
+from ued.rollout import Rollout
+from ued.student import Student
+from ued.upomdp import UPOMDP
+
+# Called with the environments `[k]` whose episodes have just ended and their returns `[k]`; gives the environments that
+# change their level and the levels they get. The others play their level again.
+Renew = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Finished episodes, in the order in which they ended: `level` `[E]` records, `returns` `[E]`, `lengths` `[E]`."""
+
+    level: np.ndarray
+    returns: np.ndarray
+    lengths: np.ndarray
+
+
+class Player:
+    """Plays a student in N environments and fills its rollout.
+
+    Args:
+        student: what plays.
+        upomdp: N environments that nobody else uses. Its `next_levels` is cleared: `renew` decides about levels.
+        num_steps: T of the rollout.
+        generator: what actions are drawn from.
+        renew: supplies the levels; see `Renew`.
+    """
+
+    def __init__(
+        self, student: Student, upomdp: UPOMDP, num_steps: int, generator: torch.Generator, renew: Renew
+    ) -> None:
+        self.student, self.upomdp, self.generator, self.renew = student, upomdp, generator, renew
+        upomdp.next_levels = None
+        spaces = upomdp.single_observation_space, upomdp.single_action_space
+        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces)
+        self.observation: np.ndarray | None = None  # until `start`
+        self.returns = np.zeros(upomdp.num_envs)  # of the open episodes
+        self.lengths = np.zeros(upomdp.num_envs, np.int64)
+        self.env_steps = 0
+        self.seconds = {"sim": 0.0, "forward": 0.0}
+        self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def start(self, levels: np.ndarray) -> None:
+        """Begin an episode on each of these levels `[N]`."""
+        self.observation, _ = self.upomdp.reset_to_levels(levels)
+        self.returns[:] = 0.0
+        self.lengths[:] = 0
+
+    def step(self, t: int) -> None:
+        """Take step t of the rollout in all environments."""
+        rollout, began = self.rollout, perf_counter()
+        rollout.observation[t] = torch.as_tensor(self.observation)
+        action, rollout.log_prob[t], rollout.value[t] = self.student.act(rollout.observation[t], self.generator)
+        rollout.action[t] = action
+        acted = perf_counter()
+        self.observation, reward, terminated, truncated, info = self.upomdp.step(self.student.to_environment(action))
+        self.seconds["forward"] += acted - began
+        self.seconds["sim"] += perf_counter() - acted
+        rollout.reward[t] = torch.as_tensor(reward)
+        rollout.terminated[t] = torch.as_tensor(terminated)
+        rollout.truncated[t] = torch.as_tensor(truncated)
+        self._value_what_was_cut_off(t, truncated & ~terminated, info)
+        self.returns += reward
+        self.lengths += 1
+        self.env_steps += self.upomdp.num_envs
+        ended = np.flatnonzero(terminated | truncated)
+        if len(ended):
+            self._end_episodes(ended)
+
+    def _value_what_was_cut_off(self, t: int, cut: np.ndarray, info: dict[str, Any]) -> None:
+        self.rollout.final_value[t] = 0.0
+        if cut.any():
+            final = torch.as_tensor(np.asarray(info["final_obs"])[cut], dtype=torch.float32)
+            self.rollout.final_value[t, torch.as_tensor(cut)] = self.student.value(final)
+
+    def _end_episodes(self, ended: np.ndarray) -> None:
+        returns = self.returns[ended]
+        self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
+        self.returns[ended] = 0.0
+        self.lengths[ended] = 0
+        where, levels = self.renew(ended, returns)
+        if len(where):
+            began = perf_counter()
+            mask = np.zeros(self.upomdp.num_envs, bool)
+            mask[where] = True
+            self.observation, _ = self.upomdp.reset_to_levels(levels[np.argsort(where)], mask)
+            self.seconds["sim"] += perf_counter() - began
+
+    def finish(self) -> None:
+        """Close the rollout: value what comes after its last step."""
+        self.rollout.last_value[:] = self.student.value(torch.as_tensor(self.observation, dtype=torch.float32))
+
+    def take_episodes(self) -> Episodes:
+        """Give the episodes that ended since the last call."""
+        ended, self._ended = self._ended, []
+        if not ended:
+            return Episodes(self.upomdp.levels[:0].copy(), np.zeros(0), np.zeros(0, np.int64))
+        level, returns, lengths = (np.concatenate(column) for column in zip(*ended, strict=True))
+        return Episodes(level, returns, lengths)
+
+    def take_seconds(self) -> dict[str, float]:
+        """Give the seconds spent since the last call, simulating and asking the network."""
+        seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
+        return seconds
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give everything that changes besides the student's weights, open episodes included."""
+        return {
+            "upomdp": self.upomdp.get_state(),
+            "generator": self.generator.get_state(),
+            "returns": self.returns.copy(),
+            "lengths": self.lengths.copy(),
+            "env_steps": self.env_steps,
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        self.observation = self.upomdp.set_state(state["upomdp"])
+        self.generator.set_state(state["generator"])
+        self.returns[:] = state["returns"]
+        self.lengths[:] = state["lengths"]
+        self.env_steps = state["env_steps"]
+
+
+def collect(players: Sequence[Player]) -> None:
+    """Fill the players' rollouts, one step of each in turn."""
+    for t in range(len(players[0].rollout.reward)):
+        for player in players:
+            player.step(t)
+    for player in players:
+        player.finish()

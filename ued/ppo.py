@@ -1,0 +1,198 @@
+"""Proximal policy optimisation (Schulman et al. 2017), flat: the order on the page is the order of execution.
+
+Written once, for every method. Read next: `methods.dr`, the simplest use of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import torch
+from gymnasium.spaces import Space
+from torch import Tensor, nn
+
+from ued.config import setting
+from ued.rollout import Rollout, gae
+from ued.student import Student
+
+
+@dataclass(frozen=True)
+class PPOConfig:
+    """Settings of a student and its learning, under CleanRL's names."""
+
+    num_steps: int = setting(64, "steps of each environment between two updates")
+    learning_rate: float = setting(5e-4, "step size of Adam")
+    anneal_env_steps: int = setting(0, "env_steps over which the learning rate falls linearly to 0; 0: constant")
+    gamma: float = setting(0.993, "discount per step")
+    gae_lambda: float = setting(0.95, "lambda of generalised advantage estimation")
+    num_minibatches: int = setting(8, "minibatches per epoch")
+    update_epochs: int = setting(4, "passes over each rollout")
+    clip_coef: float = setting(0.2, "how far the ratio of new to old probability may move from 1")
+    clip_vloss: bool = setting(False, "clip the change of the value by clip_coef, too")
+    norm_adv: bool = setting(True, "normalise the advantages of each minibatch")
+    ent_coef: float = setting(0.01, "weight of the entropy bonus")
+    vf_coef: float = setting(0.5, "weight of the value loss")
+    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
+    target_kl: float = setting(0.0, "stop an update beyond this divergence of old and new policy; 0: never")
+    adam_eps: float = setting(1e-5, "Adam's epsilon")
+    hidden_size: int = setting(128, "units in each hidden layer")
+    hidden_layers: int = setting(2, "hidden layers of each torso")
+    shared_torso: bool = setting(False, "actor and critic share their hidden layers")
+
+    def __post_init__(self) -> None:
+        for name in ("num_steps", "num_minibatches", "update_epochs", "hidden_size", "hidden_layers"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        for name in ("learning_rate", "clip_coef", "max_grad_norm", "adam_eps"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+        for name in ("gamma", "gae_lambda"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise ValueError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
+        for name in ("ent_coef", "vf_coef", "target_kl", "anneal_env_steps"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+
+    @classmethod
+    def thesis(cls) -> PPOConfig:
+        """Give the settings of the thesis (Table 4.2); `PairedConfig.thesis` has the adversary's."""
+        return cls(
+            num_steps=128,
+            learning_rate=8e-5,
+            gamma=0.993,
+            gae_lambda=0.95,
+            num_minibatches=8,
+            update_epochs=4,
+            clip_coef=0.27,
+            clip_vloss=True,
+            ent_coef=0.01,
+            vf_coef=0.5,
+            max_grad_norm=0.5,
+            adam_eps=1e-5,
+            shared_torso=True,
+        )
+
+    def make_student(self, observation_space: Space, action_space: Space, generator: torch.Generator) -> Student:
+        """Give a fresh student for these spaces of one environment."""
+        sizes = self.hidden_size, self.hidden_layers
+        return Student(observation_space, action_space, *sizes, self.shared_torso, generator)
+
+
+class PPO:
+    """Improves one student from its rollouts. `generator` shuffles the minibatches."""
+
+    def __init__(self, student: Student, config: PPOConfig, generator: torch.Generator) -> None:
+        self.student, self.config, self.generator = student, config, generator
+        self.optimizer = torch.optim.Adam(student.parameters(), config.learning_rate, eps=config.adam_eps)
+        self.updates = 0
+
+    def learn(self, rollout: Rollout, env_steps: int = 0) -> dict[str, float]:
+        """Learn from one rollout; give the means of the losses over all minibatches.
+
+        `env_steps` is what was simulated so far, for the annealing of the learning rate.
+        """
+        config = self.config
+        self._anneal(env_steps)
+        advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
+        targets = advantages + rollout.value
+        old = Batch.of(rollout, advantages, targets)  # B = T * N rows
+        minibatch_size = -(-len(old.value) // config.num_minibatches)
+        logs: list[dict[str, float]] = []
+        for _ in range(config.update_epochs):
+            order = torch.randperm(len(old.value), generator=self.generator)
+            for rows in order.split(minibatch_size):
+                logs.append(self._minibatch(old.rows(rows)))
+            if config.target_kl and logs[-1]["approx_kl"] > config.target_kl:
+                break
+        self.student.normaliser.track(old.observation)  # after learning: a rollout is learned from as it was seen
+        self.updates += 1
+        metrics = {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
+        metrics["explained_variance"] = explained_variance(old.value, old.target)
+        metrics["learning_rate"] = self.optimizer.param_groups[0]["lr"]
+        return metrics
+
+    def _anneal(self, env_steps: int) -> None:
+        if self.config.anneal_env_steps:
+            left = max(0.0, 1.0 - env_steps / self.config.anneal_env_steps)
+            self.optimizer.param_groups[0]["lr"] = self.config.learning_rate * left
+
+    def _minibatch(self, old: Batch) -> dict[str, float]:
+        """Take one gradient step on one minibatch."""
+        config = self.config
+        policy, value = self.student(old.observation)
+        log_ratio = policy.log_prob(old.action) - old.log_prob
+        ratio = log_ratio.exp()
+        advantage = old.advantage
+        if config.norm_adv and len(advantage) > 1:
+            advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
+        clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
+        policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()
+        value_loss = self._value_loss(value, old)
+        entropy = policy.entropy().mean()
+        loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+        self.optimizer.zero_grad()
+        loss.backward()
+        grad_norm = nn.utils.clip_grad_norm_(self.student.parameters(), config.max_grad_norm)
+        self.optimizer.step()
+        with torch.no_grad():
+            return {
+                "policy_loss": policy_loss.item(),
+                "value_loss": value_loss.item(),
+                "entropy": entropy.item(),
+                "approx_kl": ((ratio - 1) - log_ratio).mean().item(),  # Schulman's k3 estimator
+                "clip_fraction": ((ratio - 1).abs() > config.clip_coef).float().mean().item(),
+                "grad_norm": grad_norm.item(),
+            }
+
+    def _value_loss(self, value: Tensor, old: Batch) -> Tensor:
+        error = (value - old.target) ** 2
+        if self.config.clip_vloss:
+            moved = (value - old.value).clamp(-self.config.clip_coef, self.config.clip_coef)
+            error = torch.max(error, (old.value + moved - old.target) ** 2)
+        return 0.5 * error.mean()
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give the student's weights and statistics, the optimiser and the generator."""
+        return {
+            "student": self.student.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "generator": self.generator.get_state(),
+            "updates": self.updates,
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        self.student.load_state_dict(state["student"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.generator.set_state(state["generator"])
+        self.updates = state["updates"]
+
+
+@dataclass
+class Batch:
+    """The steps of a rollout in one row each: every field is `[B, ...]`."""
+
+    observation: Tensor
+    action: Tensor
+    log_prob: Tensor
+    value: Tensor
+    advantage: Tensor
+    target: Tensor
+
+    @classmethod
+    def of(cls, rollout: Rollout, advantage: Tensor, target: Tensor) -> Batch:
+        """Flatten `[T, N, ...]` to `[T * N, ...]`."""
+        fields = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
+        return cls(*(field.flatten(0, 1) for field in fields))
+
+    def rows(self, rows: Tensor) -> Batch:
+        """Give some of the rows."""
+        fields = self.observation, self.action, self.log_prob, self.value, self.advantage, self.target
+        return Batch(*(field[rows] for field in fields))
+
+
+def explained_variance(value: Tensor, target: Tensor) -> float:
+    """Give 1 - Var(target - value) / Var(target): 1 for perfect values, nan where the targets do not vary."""
+    variance = target.var().item()
+    return 1.0 - (target - value).var().item() / variance if variance > 0 else float("nan")

@@ -1,0 +1,74 @@
+"""What a student experiences in T steps of N environments, and how good each action turned out (GAE).
+
+Read next: `player`, which fills rollouts, then `ppo`, which learns from them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from gymnasium.spaces import Discrete, Space
+from torch import Tensor
+
+
+@dataclass
+class Rollout:
+    """T steps of N environments. Episodes run on from one rollout to the next.
+
+    Attributes:
+        observation: `[T, N, size]` what was seen before the action.
+        action: `[T, N]` or `[T, N, K]` as the policy drew it.
+        log_prob, value, reward: `[T, N]`.
+        terminated: `[T, N]` the episode ended in this step, and nothing follows.
+        truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
+        final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0.
+        last_value: `[N]` value of the observation after the last step.
+    """
+
+    observation: Tensor
+    action: Tensor
+    log_prob: Tensor
+    value: Tensor
+    reward: Tensor
+    terminated: Tensor
+    truncated: Tensor
+    final_value: Tensor
+    last_value: Tensor
+
+    @classmethod
+    def empty(cls, num_steps: int, num_envs: int, observation_space: Space, action_space: Space) -> Rollout:
+        """Allocate a rollout for these spaces of one environment."""
+        assert observation_space.shape is not None and action_space.shape is not None
+        shape = (num_steps, num_envs)
+        kind = torch.int64 if isinstance(action_space, Discrete) else torch.float32
+        return cls(
+            observation=torch.zeros(*shape, *observation_space.shape),
+            action=torch.zeros(*shape, *action_space.shape, dtype=kind),
+            log_prob=torch.zeros(shape),
+            value=torch.zeros(shape),
+            reward=torch.zeros(shape),
+            terminated=torch.zeros(shape, dtype=torch.bool),
+            truncated=torch.zeros(shape, dtype=torch.bool),
+            final_value=torch.zeros(shape),
+            last_value=torch.zeros(num_envs),
+        )
+
+
+def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
+    """Give generalised advantage estimates `[T, N]` (Schulman et al. 2016, equation 16).
+
+    What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
+    observation after a truncation. The sum over later steps stops at either.
+    """
+    done = rollout.terminated | rollout.truncated
+    next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])
+    next_value = torch.where(done, rollout.final_value.masked_fill(rollout.terminated, 0.0), next_value)
+    delta = rollout.reward + gamma * next_value - rollout.value  # [T, N]
+    decay = gamma * gae_lambda * (~done).float()
+    advantage = torch.zeros_like(delta)
+    running = torch.zeros_like(rollout.last_value)
+    for t in reversed(range(len(delta))):
+        running = delta[t] + decay[t] * running
+        advantage[t] = running
+    return advantage
