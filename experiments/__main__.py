@@ -47,7 +47,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         code = _exit_code(error)
         if debug or code is None:
             raise
-        print(f"regista: {error}", file=sys.stderr)
+        # An error in a program begins with its place, file:line:column, where editors look for it.
+        print(error if getattr(error, "place", None) else f"regista: {error}", file=sys.stderr)
         return code
 
 

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 from experiments.errors import UsageError, nearest
 
 if TYPE_CHECKING:
+    from envs.football.config import FootballConfig
     from envs.football.render import FootballPainter
-    from envs.football.config import FootballConfig, FootballVectorEnv
+    from envs.football.vector_env import FootballVectorEnv
     from experiments.config import TrainConfig
     from minigames.suites import Minigame
+    from scenic_lite import Program
 
 METHODS = {
     "dr": "domain randomisation: a new uniform level for every episode",
@@ -55,6 +57,14 @@ def test_scenes(game: Minigame) -> dict[str, Path]:
     return {TRAINING_SCENE: game.program, **dict(game.tests)}
 
 
+def load_program(path: Path, dialect: int) -> Program:
+    """Compile a program of football. Raises `ScenicError` for a broken one."""
+    from envs.football.domain import FOOTBALL
+    from scenic_lite import load
+
+    return load(path, FOOTBALL, dialect)
+
+
 def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
     """Compile a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
     import numba
@@ -80,8 +90,9 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     return Paired(upomdp, config.ppo, config.paired, config.seed)
 
 
-def make_painter(upomdp: Any) -> FootballPainter:
-    """Make what draws the levels of these environments."""
+def make_painter(program: Program) -> FootballPainter:
+    """Make what draws the levels of a program."""
+    from envs.football.casting import Casting
     from envs.football.render import FootballPainter
 
-    return FootballPainter(upomdp)
+    return FootballPainter(Casting(program))

@@ -99,7 +99,7 @@ def report(runs: Sequence[RunFolder], scenes: TestScenes, folder: Path) -> None:
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
-    painter = build.make_painter(scenes.scenes[build.TRAINING_SCENE])
+    painter = build.make_painter(scenes.scenes[build.TRAINING_SCENE].program)
     plots.learning_curves(by_method, folder / "learning_curves.png")
     level_plots.levels(by_method, painter, folder / "levels.png")
     name = build.find_minigame(runs[0].config.minigame).name

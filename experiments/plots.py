@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -87,6 +87,19 @@ def save(figure: Figure, path: Path) -> None:
         raise cannot_write(path, error) from error
     finally:
         plt.close(figure)
+
+
+def marker_legend(figure: Figure, painter: Any) -> None:
+    """Say beneath a figure which colour stands for whom, for those who are there."""
+    from matplotlib.lines import Line2D
+
+    from envs.football.render import PAPER_COLOURS
+
+    handles = [
+        Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
+        for kind in sorted(set(painter.classes.tolist()))
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))
 
 
 # ---------------------------------------------------------------- learning curves

@@ -53,7 +53,7 @@ class RunRecorder:
 
     def _open(self, upomdp: Any, updates: int) -> None:
         config = self.run.config
-        self.painter = build.make_painter(upomdp)
+        self.painter = build.make_painter(upomdp.program)
         self.stage = build.make_upomdp(
             build.find_minigame(config.minigame).program, 1, config.env, config.seed, config.threads
         )

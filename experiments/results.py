@@ -109,7 +109,7 @@ def render_table(results: Sequence[Result]) -> str:
     for title, pick in (("env_steps", lambda row: row.env_steps), ("updates", lambda row: row.updates)):
         counts = [[pick(row) for row in select(results, method, scenes[0])] for method in methods]
         body.append([title, "", *(f"{round(np.mean(values)):_}" if any(values) else "–" for values in counts)])
-    return _align([head, *body])
+    return align([head, *body], foot=3)
 
 
 def _signed(estimate: Estimate) -> str:
@@ -120,11 +120,13 @@ def _percent(estimate: Estimate) -> str:
     return f"{estimate.value:.0%} [{estimate.low:.0%}, {estimate.high:.0%}]"
 
 
-def _align(rows: list[list[str]]) -> str:
+def align(rows: list[list[str]], foot: int = 0) -> str:
+    """Give rows as columns of text: a rule beneath the first row, and one above the last `foot` rows."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     rule = "─" * max(map(len, lines))
-    return "\n".join([lines[0], rule, *lines[1:-3], rule, *lines[-3:]])
+    body = lines[1 : len(lines) - foot]
+    return "\n".join([lines[0], rule, *body, *([rule, *lines[-foot:]] if foot else [])])
 
 
 # ---------------------------------------------------------------- files

@@ -24,6 +24,7 @@ from envs.football.constants import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from envs.football.casting import Casting
     from envs.football.vector_env import FootballVectorEnv
 
 Colour = tuple[int, int, int]
@@ -56,7 +57,7 @@ MARGIN = 3.0  # m of grass around the pitch
 
 
 class FootballPainter:
-    """Tell what the levels of one football environment look like. It is a `ued.recorder.ScenePainter`.
+    """Tell what the levels of one football program look like. It is a `ued.recorder.ScenePainter`.
 
     Attributes:
         classes: `[K]` the class of each point, an index into `MARKERS`; the P players in the order of the match, then
@@ -69,14 +70,15 @@ class FootballPainter:
     line_colour = CHALK
     markers = MARKERS
 
-    def __init__(self, env: FootballVectorEnv) -> None:
-        self._casting = env.casting
-        teams, roles = np.asarray(env.casting.lineup.teams), np.asarray(env.casting.lineup.roles)
+    def __init__(self, casting: Casting) -> None:
+        self._casting = casting
+        teams, roles = np.asarray(casting.lineup.teams), np.asarray(casting.lineup.roles)
         classes = np.where(teams == LEFT, LEFT_PLAYER, RIGHT_PLAYER) + (roles == GK)
         self.classes = np.append(classes, BALL)
-        ego = np.flatnonzero(env.casting.players == 0)
+        ego = np.flatnonzero(casting.players == 0)
         self.focus = int(ego[0]) if len(ego) else len(classes)
-        corners = np.vstack([np.zeros((1, env.theta_dim)), np.eye(env.theta_dim), -np.eye(env.theta_dim)])
+        dim = casting.program.dim
+        corners = np.vstack([np.zeros((1, dim)), np.eye(dim), -np.eye(dim)])
         field = self.positions(corners)[:, self.classes != LEFT_KEEPER]
         x_low = -MARGIN if (field[..., 0] > 0).all() else -HALF_LENGTH - MARGIN
         self.bounds = (x_low, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)

@@ -1,0 +1,213 @@
+"""`regista inspect`: look into a program: its free parameters, its rules, its scenes, its text as tokens or nodes.
+
+    regista inspect 1v1Free
+    regista inspect mine.scenic --show nodes
+    regista inspect 1v1Free --png scenes.png --n 12 --seed 3
+
+Read next: `scenic_lite.program`, which is what is shown.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from experiments import arguments, build
+from experiments.arguments import positional
+from experiments.errors import UsageError
+from experiments.results import align
+from ued.config import setting
+
+if TYPE_CHECKING:
+    from scenic_lite import Program
+
+DESCRIPTION = "Show what a program describes: its free parameters θ, its objects, how many draws are valid, scenes."
+DRAWS = 4096  # for the report of acceptance
+INDENT = "  "
+
+
+@dataclass(frozen=True)
+class InspectConfig:
+    """What is typed after `regista inspect`."""
+
+    program: str = positional("a minigame's name, or the path of a .scenic program", default="")
+    show: Literal["theta", "scenes", "tokens", "nodes"] = setting(
+        "theta", "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text"
+    )
+    png: Path | None = setting(None, "draw --n scenes to this picture")
+    n: int = setting(6, "scenes to draw or to print")
+    seed: int = setting(0, "seed of the scenes")
+    theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
+    dialect: int = setting(2, "version of Scenic that the program is written in: 2 or 3")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
+    if not config.program:
+        raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
+    if config.n < 1:
+        raise UsageError(f"--n must be at least 1, got {config.n}")
+    path = build.find_minigame(config.program).program
+    if config.show in ("tokens", "nodes"):
+        print_text(path, config)
+        return 0
+    program = build.load_program(path, config.dialect)
+    theta = choose_theta(program, config)
+    if config.show == "scenes":
+        print(render_scenes(program, theta))
+    else:
+        print(render_theta(program, theta if config.theta else None))
+    if config.png is not None:
+        draw_scenes(program, theta, config.png)
+        print(f"\n{len(theta)} scene{'s' * (len(theta) > 1)} drawn to {config.png}")
+    return 0
+
+
+def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
+    """Give the θ that was typed, or valid random ones: `[n, D]`."""
+    if not config.theta:
+        return program.sample(config.n, np.random.default_rng(config.seed))[0]
+    theta = np.array(config.theta)
+    if len(theta) != program.dim or np.abs(theta).max() > 1:
+        raise UsageError(
+            f"--theta takes {program.dim} numbers in [-1, 1] for {program.file}, got {_join(config.theta)}"
+        )
+    return theta[None]
+
+
+# ---------------------------------------------------------------- θ, objects, acceptance
+
+
+def render_theta(program: Program, theta: np.ndarray | None) -> str:
+    """Give the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
+    parts = [f"{program.file}: D = {program.dim} free parameter{'s' * (program.dim != 1)}"]
+    if program.draws:
+        parts.append(_draws_table(program, theta))
+    parts += [_objects_table(program), str(program.report(DRAWS, np.random.default_rng(0)))]
+    if theta is not None:
+        parts.append("this θ describes " + ("a valid scene" if program.valid(theta)[0] else "no valid scene"))
+    return "\n\n".join(parts)
+
+
+def _draws_table(program: Program, theta: np.ndarray | None) -> str:
+    rows = [["θ", "name", "kind", "from", "to", "line"]]
+    values = None if theta is None else program.describe(theta[0])
+    if values is not None:
+        rows[0] += ["θ value", "means"]
+    for column, draw in enumerate(program.draws):
+        row = [str(column), draw.name, draw.kind, _number(draw.low), _number(draw.high), _line(program, draw.place)]
+        if theta is not None and values is not None:
+            row += [f"{theta[0, column]:+.2f}", _number(values[draw.name])]
+        rows.append(row)
+    return align(rows)
+
+
+def _objects_table(program: Program) -> str:
+    rows = [["object", "class", "behavior", "line"]]
+    for index, info in enumerate(program.objects):
+        name = info.name or ("ego" if index == 0 else "")
+        rows.append([name, info.class_name, info.behavior or "", _line(program, info.place)])
+    return align(rows)
+
+
+def _line(program: Program, place: Any) -> str:
+    return str(place.line) if place.file == program.file else f"{Path(place.file).name}:{place.line}"
+
+
+def _number(value: Any) -> str:
+    if not isinstance(value, int | float):
+        return str(value)
+    return "varies" if np.isnan(value) else f"{value:g}"
+
+
+def _join(values: Sequence[float]) -> str:
+    return " ".join(f"{value:g}" for value in values)
+
+
+# ---------------------------------------------------------------- scenes
+
+
+def render_scenes(program: Program, theta: np.ndarray) -> str:
+    """Give the places of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
+    scenes = program.instantiate(theta)
+    parts = []
+    for index in range(len(theta)):
+        rows = [["object", "class", "x", "y", "heading"]]
+        for k, info in enumerate(program.objects):
+            x, y = scenes.positions[index, k]
+            rows.append(
+                [info.name, info.class_name, f"{x:.2f}", f"{y:.2f}", f"{np.degrees(scenes.headings[index, k]):.0f}°"]
+            )
+        validity = "" if scenes.ok[index] else "   (not valid)"
+        parts.append(f"scene {index}: θ = {_join(theta[index])}{validity}\n{align(rows)}")
+    return "\n\n".join(parts)
+
+
+def draw_scenes(program: Program, theta: np.ndarray, path: Path) -> None:
+    """Draw the scenes of θ `[N, D]`, each on its own pitch."""
+    import matplotlib.pyplot as plt
+
+    from experiments import plots
+
+    painter = build.make_painter(program)
+    columns = min(3, len(theta))
+    rows = -(-len(theta) // columns)
+    width, height = painter.bounds[1] - painter.bounds[0], painter.bounds[3] - painter.bounds[2]
+    with plots.style():
+        figure, grid = plt.subplots(
+            rows, columns, figsize=(3.4 * columns, 3.4 * rows * height / width + 0.5), squeeze=False
+        )
+        for axes in grid.flat[len(theta) :]:
+            axes.set_visible(False)
+        for axes, row in zip(grid.flat, theta, strict=False):
+            painter.draw(axes, row[None])
+        plots.marker_legend(figure, painter)
+        figure.tight_layout(rect=(0, 0.03, 1, 1))
+        plots.save(figure, path)
+
+
+# ---------------------------------------------------------------- text
+
+
+def print_text(path: Path, config: InspectConfig) -> None:
+    """Print the tokens or the tree of a program's text."""
+    from scenic_lite.lexer import tokens
+    from scenic_lite.parser import parse
+
+    text = path.read_text()
+    if config.show == "tokens":
+        for token in tokens(text, str(path)):
+            place = f"{token.line}:{token.column + 1}"
+            print(f"{place:<8}{token.kind:<10}{token.text!r}")
+        return
+    for line in render_node(parse(text, str(path), config.dialect), 0):
+        print(line)
+
+
+def render_node(node: Any, depth: int, label: str = "") -> Iterator[str]:
+    """Give a tree as indented lines: the class of each node, its plain fields, its line."""
+    simple, nested = [], []
+    for name, value in ast.iter_fields(node):
+        if isinstance(value, ast.AST) or (isinstance(value, list) and any(isinstance(v, ast.AST) for v in value)):
+            nested.append((name, value))
+        elif value not in (None, []):
+            simple.append(f"{name}={value!r}")
+    place = f"   line {node.lineno}" if isinstance(node, ast.stmt) else ""
+    prefix = f"{label}: " if label else ""
+    yield f"{INDENT * depth}{prefix}{type(node).__name__} {' '.join(simple)}".rstrip() + place
+    for name, value in nested:
+        if isinstance(value, ast.AST):
+            if not isinstance(value, ast.expr_context):
+                yield from render_node(value, depth + 1, name)
+            continue
+        for item in value:
+            if isinstance(item, ast.AST):
+                yield from render_node(item, depth + 1, name)
+            else:
+                yield f"{INDENT * (depth + 1)}{name}: {item!r}"
