@@ -21,9 +21,7 @@ TAB = 8
 
 _DIGITS = r"[0-9](?:_?[0-9])*"
 _FLOAT = rf"(?:{_DIGITS}\.(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][-+]?{_DIGITS})?|{_DIGITS}[eE][-+]?{_DIGITS}"
-_NUMBER = (
-    rf"0[xX](?:_?[0-9a-fA-F])+|0[bB](?:_?[01])+|0[oO](?:_?[0-7])+|(?:{_FLOAT})[jJ]?|{_DIGITS}[jJ]?"
-)
+_NUMBER = rf"0[xX](?:_?[0-9a-fA-F])+|0[bB](?:_?[01])+|0[oO](?:_?[0-7])+|(?:{_FLOAT})[jJ]?|{_DIGITS}[jJ]?"
 _PREFIX = r"(?:[rR][bBfF]?|[bBfF][rR]?|[uU])?"
 _STRING = (
     _PREFIX + r"(?:"
@@ -118,9 +116,7 @@ class Source:
         self, message: str, place: tuple[int, int, int, int], hint: str = "", kind: str = "syntax"
     ) -> ScenicError:
         """An error at place (line, column, end line, end column)."""
-        return ScenicError(
-            kind, message, Place(self.file, *place), hint=hint, source_line=self.line(place[0])
-        )
+        return ScenicError(kind, message, Place(self.file, *place), hint=hint, source_line=self.line(place[0]))
 
 
 def tokens(text: str, file: str = "<program>") -> list[Token]:
@@ -248,9 +244,7 @@ class _Lexer:
             if plain <= self.indents[-1][1]:
                 raise self.mixed_tabs(token)
             if len(self.indents) > MAX_INDENTS:
-                raise self.source.error(
-                    f"blocks are nested more than {MAX_INDENTS} deep", token[2:], kind="budget"
-                )
+                raise self.source.error(f"blocks are nested more than {MAX_INDENTS} deep", token[2:], kind="budget")
             self.indents.append((column, plain))
             self.tokens.append(token)
             return
@@ -273,9 +267,7 @@ class _Lexer:
         """Push an opening bracket, or compare a closing one with its partner."""
         if token.text in _CLOSING:
             if len(self.brackets) >= MAX_BRACKETS:
-                raise self.source.error(
-                    f"brackets are nested more than {MAX_BRACKETS} deep", token[2:], kind="budget"
-                )
+                raise self.source.error(f"brackets are nested more than {MAX_BRACKETS} deep", token[2:], kind="budget")
             self.brackets.append(token)
             return
         if not self.brackets:

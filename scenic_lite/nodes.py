@@ -2,192 +2,262 @@
 
 Scenic is Python plus a few forms, so its tree is Python's plus a few nodes: a plain Python program gives exactly what
 `ast.parse` gives, and `ast.walk`, `ast.dump` and `ast.NodeVisitor` work on everything. Every node carries `lineno`,
-`col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text. Nothing here is ever handed to `compile`: a
-program is data.
+`col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text; columns count characters. Nothing here is ever
+handed to `compile`: a program is data.
 
-The docstring of a class is its production. Read next: `parser`, which makes these.
+The docstring of a class is its production, the names below it are its fields; a name with a default is an attribute
+beside the fields, which `ast.walk` does not follow. Read next: `parser`, which makes these.
 """
 
 from __future__ import annotations
 
 import ast
+import inspect
+from collections.abc import Sequence
+from typing import dataclass_transform
+
+
+@dataclass_transform()
+class Expression(ast.expr):
+    """What Scenic adds to the expressions; annotated names of a subclass become its fields."""
+
+    def __init_subclass__(cls) -> None:
+        _declare(cls)
+
+
+@dataclass_transform()
+class Statement(ast.stmt):
+    """What Scenic adds to the statements; annotated names of a subclass become its fields."""
+
+    def __init_subclass__(cls) -> None:
+        _declare(cls)
+
+
+def _declare(cls: type[ast.AST]) -> None:
+    """Set `_fields` and `_attributes`, which `ast` goes by, from the annotations of a class."""
+    names = inspect.get_annotations(cls)
+    cls._fields = tuple(name for name in names if name not in cls.__dict__)
+    cls._attributes = (*cls._attributes, *(name for name in names if name in cls.__dict__))
+
 
 # ---------------------------------------------------------------- expressions
 
 
-class New(ast.expr):
+class New(Expression):
     """`[new] Class spec, spec, ...`
 
-    `cls`: expr, the class. `specifiers`: list of Specifier. `certain`: False for the forms that might be an operator
-    or a plain name (`Name at V`, `Name in R`, `Name offset by V`, a capitalised name alone): those are an instance only
-    if the name turns out to be a Scenic class.
+    `certain` is False for the forms that might be an operator or a plain name (`Name at V`, `Name in R`,
+    `Name offset by V`, a capitalised name alone): those are an instance only if the name turns out to be a Scenic
+    class. Otherwise they are what `operator` says, or, where that is None, the plain name.
     """
 
-    _fields = ("cls", "specifiers")
-    _attributes = (*ast.expr._attributes, "certain", "operator")
-    # operator: for `Name at V`, `Name in R`, `Name offset by V` the expression it is if Name is no Scenic class; None
-    # otherwise.
+    cls: ast.expr
+    specifiers: list[Specifier]
+    certain: bool = True
+    operator: ast.expr | None = None
 
 
-class Specifier(ast.expr):
+class Specifier(Expression):
     """One specifier of an instance; `name` says which, `arguments` are its operands in the order of the text.
 
     with P V: ("with", [Constant P, V]) · at V · in R · on R · contained in R: ("contained in", [R]) ·
     left of X [by D]: ("left of", [X, D or None]), `right of`, `ahead of`, `behind` alike · offset by V ·
-    offset along H by V · beyond X by D [from Y] · visible [from P] · not visible [from P] · following F [from X] for D ·
-    facing H · facing toward V · facing away from V · facing directly toward V · facing directly away from V ·
+    offset along H by V · beyond X by D [from Y] · visible [from P] · not visible [from P] ·
+    following F [from X] for D · facing H · facing toward V · facing away from V · facing directly toward V · facing directly away from V ·
     apparently facing H [from V] · above X [by D] · below X [by D]
     """
 
-    _fields = ("name", "arguments")
+    name: str
+    arguments: list[ast.expr | None]
 
 
-class Operator(ast.expr):
+class Operator(Expression):
     """A Scenic operator; `name` says which, `operands` are in the order given here, None for one left out.
 
     X @ Y: ("@", [X, Y]) is Python's BinOp with MatMult, not this class. X deg: ("deg", [X]) ·
-    distance [from X] to Y: ("distance", [X, Y]) · angle [from X] to Y: ("angle", [X, Y]) ·
+    distance [from X] [to Y]: ("distance", [X, Y]) · angle [from X] [to Y]: ("angle", [X, Y]) ·
     relative heading of H [from H2] · relative position of X [from Y] · apparent heading of P [from V] ·
     distance past V [of P]: ("distance past", [V, P]) · F at V: ("at", [F, V]) · X relative to Y ·
     X offset by Y · X offset along H by Y: ("offset along", [X, H, Y]) · X can see Y · X intersects Y ·
-    follow F from V for D: ("follow", [F, V, D]) · visible R · not visible R · R visible from P: ("visible from", [R, P]) ·
+    follow F from V for D: ("follow", [F, V, D]) · visible R · not visible R ·
+    R visible from P: ("visible from", [R, P]) · R not visible from P ·
     front of O, back of O, left of O, right of O, front left of O, ...: ("front left of", [O]) ·
     always P, eventually P, next P, P until Q, P implies Q · initial scenario: ("initial scenario", [])
     """
 
-    _fields = ("name", "operands")
+    name: str
+    operands: list[ast.expr | None]
 
 
 # ---------------------------------------------------------------- statements
 
 
-class Model(ast.stmt):
-    """`model a.b.c`; `name`: str."""
+class Model(Statement):
+    """`model a.b.c`."""
 
-    _fields = ("name",)
-
-
-class Param(ast.stmt):
-    """`param n = e, 'quoted name' = e`; `names`: list of str, `values`: list of expr, `places`: list of expr (the names)."""
-
-    _fields = ("names", "values")
-    _attributes = (*ast.stmt._attributes, "places")
+    name: str
 
 
-class Require(ast.stmt):
-    """`require[p] condition [as name]`; `probability`: expr or None, `name`: str or None."""
+class Param(Statement):
+    """`param n = e, 'quoted name' = e`; `places`: where the names stand."""
 
-    _fields = ("condition", "probability", "name")
-
-
-class RequireMonitor(ast.stmt):
-    """`require monitor M(args)`; `call`: expr."""
-
-    _fields = ("call",)
+    names: list[str]
+    values: list[ast.expr]
+    places: Sequence[ast.expr] = ()
 
 
-class Mutate(ast.stmt):
-    """`mutate [a, b] [by scale]`; `targets`: list of expr (empty: every object), `scale`: expr or None."""
+class Require(Statement):
+    """`require[p] condition [as name]`; `probability` is a number from 0 to 1."""
 
-    _fields = ("targets", "scale")
+    condition: ast.expr
+    probability: ast.expr | None
+    name: str | None
 
 
-class Record(ast.stmt):
+class RequireMonitor(Statement):
+    """`require monitor M(args)`."""
+
+    call: ast.expr
+
+
+class Mutate(Statement):
+    """`mutate [a, b] [by scale]`; no targets: every object."""
+
+    targets: list[ast.expr]
+    scale: ast.expr | None
+
+
+class Record(Statement):
     """`record [initial | final] e [every n steps] [after m steps] [as name] [to file]`.
 
-    `when`: "each", "initial" or "final"; `every`, `delay`, `file`: expr or None; the units: "seconds", "steps" or None.
+    `when` is "each", "initial" or "final"; the units are "seconds" or "steps".
     """
 
-    _fields = ("value", "when", "name", "every", "every_unit", "delay", "delay_unit", "file")
+    value: ast.expr
+    when: str
+    name: str | None
+    every: ast.expr | None
+    every_unit: str | None
+    delay: ast.expr | None
+    delay_unit: str | None
+    file: ast.expr | None
 
 
-class Simulator(ast.stmt):
-    """`simulator e`; `value`: expr."""
+class Simulator(Statement):
+    """`simulator e`."""
 
-    _fields = ("value",)
-
-
-class TerminateWhen(ast.stmt):
-    """`terminate [simulation] when condition [as name]`; `scope`: "scenario" or "simulation", `name`: str or None."""
-
-    _fields = ("condition", "scope", "name")
+    value: ast.expr
 
 
-class TerminateAfter(ast.stmt):
+class TerminateWhen(Statement):
+    """`terminate [simulation] when condition [as name]`; `scope`: "scenario" or "simulation"."""
+
+    condition: ast.expr
+    scope: str
+    name: str | None
+
+
+class TerminateAfter(Statement):
     """`terminate after n seconds | steps`; `unit`: "seconds" or "steps"."""
 
-    _fields = ("duration", "unit")
+    duration: ast.expr
+    unit: str
 
 
-class PropertyDefault(ast.stmt):
-    """`property[attributes]: default`, in a class body; `attributes`: list of str."""
+class PropertyDefault(Statement):
+    """`property[attributes]: default`, in a class body."""
 
-    _fields = ("name", "attributes", "value")
+    name: str
+    attributes: list[str]
+    value: ast.expr
 
 
-class Behavior(ast.stmt):
+class Behavior(Statement):
     """`behavior B(args):`, `monitor M[(args)]:`, with `precondition: c` and `invariant: c` lines taken out of the body.
 
-    `kind`: "behavior" or "monitor"; `args`: ast.arguments; `docstring`: str or None, no longer in the body. `started`:
-    True for `monitor M:` without brackets, which Scenic 2 starts by itself.
+    `kind` is "behavior" or "monitor"; the docstring is taken out of the body, too. `started` is True for `monitor M:`
+    without brackets, which Scenic 2 starts by itself.
     """
 
-    _fields = ("name", "args", "preconditions", "invariants", "body", "kind", "docstring")
-    _attributes = (*ast.stmt._attributes, "started")
+    name: str
+    args: ast.arguments
+    preconditions: list[ast.expr]
+    invariants: list[ast.expr]
+    body: list[ast.stmt]
+    kind: str
+    docstring: str | None
+    started: bool = False
 
 
-class Scenario(ast.stmt):
+class Scenario(Statement):
     """`scenario S(args):` with `setup:` and `compose:` blocks; a body without them is the setup."""
 
-    _fields = ("name", "args", "preconditions", "invariants", "setup", "compose", "docstring")
+    name: str
+    args: ast.arguments
+    preconditions: list[ast.expr]
+    invariants: list[ast.expr]
+    setup: list[ast.stmt]
+    compose: list[ast.stmt]
+    docstring: str | None
 
 
-class TryInterrupt(ast.stmt):
-    """`try: ... interrupt when c: ... except E: ...`; `interrupts`: list of Interrupt, `handlers`: as in `ast.Try`."""
+class TryInterrupt(Statement):
+    """`try: ... interrupt when c: ... except E: ...`; `handlers` and the rest as in `ast.Try`."""
 
-    _fields = ("body", "interrupts", "handlers", "orelse", "finalbody")
+    body: list[ast.stmt]
+    interrupts: list[Interrupt]
+    handlers: list[ast.ExceptHandler]
+    orelse: list[ast.stmt]
+    finalbody: list[ast.stmt]
 
 
-class Interrupt(ast.stmt):
+class Interrupt(Statement):
     """`interrupt when condition:`"""
 
-    _fields = ("condition", "body")
+    condition: ast.expr
+    body: list[ast.stmt]
 
 
-class Take(ast.stmt):
-    """`take a, b`; `actions`: list of expr."""
+class Take(Statement):
+    """`take a, b`."""
 
-    _fields = ("actions",)
-
-
-class Wait(ast.stmt):
-    """`wait`, `wait for n seconds | steps`, `wait until c`; `duration`, `unit`, `until`: None where absent."""
-
-    _fields = ("duration", "unit", "until")
+    actions: list[ast.expr]
 
 
-class Do(ast.stmt):
+class Wait(Statement):
+    """`wait`, `wait for n seconds | steps`, `wait until c`."""
+
+    duration: ast.expr | None
+    unit: str | None
+    until: ast.expr | None
+
+
+class Do(Statement):
     """`do B(), C() [for n seconds | steps] [until c]`, `do choose ...`, `do shuffle ...`.
 
-    `calls`: list of expr; `how`: "all", "choose" or "shuffle"; `weights`: list of expr or None, beside `calls`.
+    `how` is "all", "choose" or "shuffle"; `weights`, if there are any, stand beside `calls`.
     """
 
-    _fields = ("calls", "how", "weights", "duration", "unit", "until")
+    calls: list[ast.expr]
+    how: str
+    weights: list[ast.expr] | None
+    duration: ast.expr | None
+    unit: str | None
+    until: ast.expr | None
 
 
-class Abort(ast.stmt):
+class Abort(Statement):
     """`abort`, in an interrupt handler."""
 
-    _fields = ()
 
-
-class Terminate(ast.stmt):
+class Terminate(Statement):
     """`terminate`, `terminate simulation`; `scope`: "scenario" or "simulation"."""
 
-    _fields = ("scope",)
+    scope: str
 
 
-class Override(ast.stmt):
-    """`override obj spec, ...`; `target`: expr, `specifiers`: list of Specifier."""
+class Override(Statement):
+    """`override obj spec, ...`."""
 
-    _fields = ("target", "specifiers")
+    target: ast.expr
+    specifiers: list[Specifier]

@@ -10,10 +10,10 @@ import ast
 from scenic_lite.lexer import Token
 from scenic_lite.nodes import Interrupt, TryInterrupt
 from scenic_lite.parser_cursor import describe
-from scenic_lite.parser_patterns import Patterns
 from scenic_lite.parser_operators import SEE
+from scenic_lite.parser_patterns import Patterns
 
-COMPOUND = frozenset("if while for with try def class async".split())
+COMPOUND = frozenset(["if", "while", "for", "with", "try", "def", "class", "async"])
 
 
 class Blocks(Patterns):
@@ -127,7 +127,7 @@ class Blocks(Patterns):
 
     def if_statement(self) -> ast.stmt:
         """`if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
-        parts = []
+        parts: list[tuple[Token, ast.expr, list[ast.stmt]]] = []
         while not parts or self.token.text == "elif":
             start = self.advance()
             condition = self.condition()

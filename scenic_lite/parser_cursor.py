@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 import difflib
+import keyword
 from collections.abc import Iterable
 from typing import NoReturn, TypeVar
 
@@ -17,12 +18,9 @@ Node = TypeVar("Node", bound=ast.AST)
 
 LOAD, STORE, DELETE = ast.Load(), ast.Store(), ast.Del()
 
-PYTHON_KEYWORDS = frozenset(
-    "False None True and as assert async await break class continue def del elif else except finally for from global "
-    "if import in is lambda nonlocal not or pass raise return try while with yield".split()
-)
+PYTHON_KEYWORDS = frozenset(keyword.kwlist)
 # Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
-SCENIC_KEYWORDS = frozenset("at by do new of on require to until".split())
+SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
 VALUES = frozenset({"True", "False", "None", "not", "lambda", "await"})
 
 # Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
@@ -235,6 +233,6 @@ _KINDS = {
 
 def kind_of(node: ast.expr) -> str:
     """What an expression is, in words."""
-    if isinstance(node, ast.Constant) and node.value in (True, False, None, ...):
-        return "None True False ...".split()[[None, True, False, ...].index(node.value)]
+    if isinstance(node, ast.Constant) and isinstance(node.value, bool | None):
+        return str(node.value)
     return _KINDS.get(type(node), "this")

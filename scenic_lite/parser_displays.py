@@ -344,9 +344,7 @@ class Displays(Instances):
             self.bare_generator = value
         return value
 
-    def check_generators(
-        self, arguments: list[ast.expr], keywords: list[ast.keyword], opening: Token
-    ) -> None:
+    def check_generators(self, arguments: list[ast.expr], keywords: list[ast.keyword], opening: Token) -> None:
         """A generator without brackets must be the only argument; Python counts the call's brackets as its own."""
         bare, self.bare_generator = self.bare_generator, None
         if bare is None or bare not in arguments:
@@ -468,7 +466,7 @@ class Displays(Instances):
         default = self.expression() if self.accept("=") else None
         if star:
             found.kwonlyargs.append(parameter)
-            found.kw_defaults.append(default)  # type: ignore[arg-type]
+            found.kw_defaults.append(default)
             return
         found.args.append(parameter)
         if default is not None:

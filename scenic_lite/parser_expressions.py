@@ -26,10 +26,10 @@ from scenic_lite.parser_operators import (
     PREFIXES,
     PYTHON_TABLE,
     RELATIVE,
+    SCENIC_TABLE,
     SEE,
     SIGNS,
     SPECIAL,
-    SCENIC_TABLE,
     TEMPORAL,
     TEMPORAL_TABLE,
     UNARY,
@@ -333,4 +333,3 @@ class Expressions(Displays):
         if self.token.text == "=":
             self.fail('"=" assigns and cannot stand in a condition', '"==" compares')
         return value
-

@@ -47,7 +47,7 @@ class Patterns(SimpleStatements):
         start = self.advance()
         subject = self.expressions()
         self.expect(":", 'after the value of "match"')
-        self.indented("the value of \"match\"")
+        self.indented('the value of "match"')
         cases: list[ast.match_case] = []
         while self.token.kind != "dedent":
             cases.append(self.case())

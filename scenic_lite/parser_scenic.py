@@ -9,10 +9,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite import literals, nodes
+from scenic_lite import nodes
 from scenic_lite.lexer import Token
 from scenic_lite.parser_blocks import Blocks
-from scenic_lite.parser_cursor import LOAD, describe, nearest
+from scenic_lite.parser_cursor import LOAD, STORE, describe, nearest
+from scenic_lite.parser_operators import SIGNS
 from scenic_lite.parser_statements import AUGMENTED
 
 UNITS = ("seconds", "steps")
@@ -48,8 +49,13 @@ class ScenicStatements(Blocks):
         return self.scenario() if text == "scenario" else self.behavior()
 
     def is_statement(self, following: Token) -> bool:
-        """Does a value follow the word, so that it is a statement?"""
-        return self.starts_value(following, "([{-+~*") and following.text not in self.operators
+        """Does a value follow the word, so that it is a statement? `take -x` is one, `take - x` is a difference."""
+        if following.text == "not":
+            return self.peek(2).text != "in"
+        if following.text in SIGNS or following.text == "*":
+            adjacent = self.peek(2).column == following.end_column
+            return adjacent and following.column > self.token.end_column
+        return self.starts_value(following) and following.text not in self.operators
 
     # ------------------------------------------------------------ the whole scene
 
@@ -69,24 +75,25 @@ class ScenicStatements(Blocks):
         places: list[ast.expr] = []
         values: list[ast.expr] = []
         while not names or self.accept(","):
-            places.append(self.param_name())
-            names.append(places[-1].value if isinstance(places[-1], ast.Constant) else places[-1].id)  # type: ignore
-            self.expect("=", f'after the name of the parameter "{names[-1]}"', 'write "param name = value"')
+            place, name = self.param_name()
+            self.expect("=", f'after the name of the parameter "{name}"', 'write "param name = value"')
+            places.append(place)
+            names.append(name)
             values.append(self.expression())
         node = nodes.Param(names, values)
-        node.places = places  # type: ignore[attr-defined]
+        node.places = places
         return node
 
-    def param_name(self) -> ast.expr:
-        """A name, or one in quotes."""
+    def param_name(self) -> tuple[ast.expr, str]:
+        """A name, or one in quotes: its place and its text."""
         start = self.token
         if start.kind != "string":
             self.name("the name of a parameter")
-            return self.at(start, ast.Name(start.text, LOAD))
+            return self.at(start, ast.Name(start.text, LOAD)), start.text
         value = self.strings()
         if not isinstance(value, ast.Constant) or not isinstance(value.value, str):
-            self.fail("the name of a parameter must be plain text", at=start)
-        return value
+            self.fail("a name in quotes must be plain text", at=start)
+        return value, value.value
 
     def require(self, following: Token) -> ast.stmt | None:
         """`require[p] condition [as name]`, `require monitor M(...)`."""
@@ -132,8 +139,7 @@ class ScenicStatements(Blocks):
         if not self.accept("as"):
             return None
         if self.token.kind == "string":
-            value = self.param_name()
-            return value.value if isinstance(value, ast.Constant) else None
+            return self.param_name()[1]
         return self.name("the name of a requirement or record").text
 
     def mutate(self, following: Token) -> ast.stmt | None:
@@ -157,10 +163,11 @@ class ScenicStatements(Blocks):
         if self.token.text in ("initial", "final") and self.is_statement(self.peek()):
             when = self.advance().text if self.peek().text != "scenario" else when
         value = self.expression()
-        every = self.duration("every") if self.accept("every") else (None, None)
-        delay = self.duration("after") if self.accept("after") else (None, None)
+        every, every_unit = self.optional_duration("every")
+        delay, delay_unit = self.optional_duration("after")
         name = self.as_name()
-        return nodes.Record(value, when, name, *every, *delay, self.expression() if self.accept("to") else None)
+        file = self.expression() if self.accept("to") else None
+        return nodes.Record(value, when, name, every, every_unit, delay, delay_unit, file)
 
     def simulator(self, following: Token) -> ast.stmt | None:
         """`simulator value`."""
@@ -224,15 +231,15 @@ class ScenicStatements(Blocks):
         self.advance()
         how = "all"
         if self.token.text in ("choose", "shuffle") and self.is_statement(self.peek()):
-            if self.peek().text != "(" or self.dialect == 3:
-                how = self.advance().text
+            called = self.peek().text == "(" and self.dialect == 2
+            how = how if called else self.advance().text
         calls, weights = self.calls(how)
         if self.accept("until"):
             return nodes.Do(calls, how, weights, None, None, self.condition())
-        length = self.duration("for") if self.accept("for") else (None, None)
+        length, unit = self.optional_duration("for")
         if self.token.text == "until":
             self.fail('"for" and "until" cannot both stand after "do"')
-        return nodes.Do(calls, how, weights, *length, None)
+        return nodes.Do(calls, how, weights, length, unit, None)
 
     def calls(self, how: str) -> tuple[list[ast.expr], list[ast.expr] | None]:
         """The behaviors after `do`; with weights if `choose` or `shuffle` has a dictionary."""
@@ -245,6 +252,10 @@ class ScenicStatements(Blocks):
         while self.accept(","):
             found.append(self.expression())
         return found, None
+
+    def optional_duration(self, word: str) -> tuple[ast.expr, str] | tuple[None, None]:
+        """`[word n seconds | steps]`."""
+        return self.duration(word) if self.accept(word) else (None, None)
 
     def duration(self, word: str) -> tuple[ast.expr, str]:
         """`n seconds`, `n steps`; without a unit seconds are meant, which Scenic 3 does not allow."""
@@ -318,14 +329,10 @@ class ScenicStatements(Blocks):
         value = self.expression()
         if self.token.text == "=" and not attributes:
             self.advance()
-            target = self.at_token(start, ast.Name(start.text, ast.Store()))
+            target = ast.Name(start.text, STORE)
+            target.lineno, target.col_offset, target.end_lineno, target.end_col_offset = start[2:]
             return ast.AnnAssign(target, value, self.assigned_value(), 1)
         return nodes.PropertyDefault(start.text, attributes, value)
-
-    def at_token(self, token: Token, node: ast.expr) -> ast.expr:
-        """Place a node exactly on a token."""
-        node.lineno, node.col_offset, node.end_lineno, node.end_col_offset = token[2:]
-        return node
 
     # ------------------------------------------------------------ behaviors, monitors, scenarios
 
@@ -348,7 +355,7 @@ class ScenicStatements(Blocks):
             body.extend(self.statement())
         self.end_block()
         node = nodes.Behavior(name, arguments, preconditions, invariants, body, kind, docstring)
-        node.started = kind == "monitor" and not brackets  # type: ignore[attr-defined]
+        node.started = kind == "monitor" and not brackets
         return self.at_last_line(start, node)
 
     def begin_definition(self, owner: str) -> None:

@@ -116,13 +116,7 @@ class Instances(Strings):
             self.more_specifiers(specifiers)
         elif self.is_name(self.token) and self.token.text not in INFIX_WORDS:
             self.unknown_specifier()
-        return self.certain(self.at(start, New(cls, specifiers)))
-
-    def certain(self, node: New, operator: ast.expr | None = None) -> New:
-        """Mark an instance as one without doubt, or as perhaps an operator."""
-        node.certain = operator is None  # type: ignore[attr-defined]
-        node.operator = operator  # type: ignore[attr-defined]
-        return node
+        return self.at(start, New(cls, specifiers))
 
     def starts_instance(self) -> bool:
         """After a name: does a specifier follow that cannot be an operator?"""
@@ -168,13 +162,16 @@ class Instances(Strings):
         value = self.operation(OPERATOR_FORMS[words])
         operator = self.at(start, _operator(cls, words, value, heading))
         whole = self.conditional(self.continued(value, OR, value_start), value_start)
-        arguments = [whole] if heading is None else [heading, whole]
+        arguments: list[ast.expr | None] = [whole] if heading is None else [heading, whole]
         if words[-1] == "from":
             words = words[:-1]
         specifiers = [self.at(place, Specifier(" ".join(words), arguments))]
         self.more_specifiers(specifiers)
-        operator = _grafted(whole, value, operator) if len(specifiers) == 1 else None
-        return self.certain(self.at(start, New(cls, specifiers)), operator)
+        node = self.at(start, New(cls, specifiers))
+        if len(specifiers) == 1:
+            node.certain = False
+            node.operator = _grafted(whole, value, operator)
+        return node
 
     def lone_class(self, value: ast.expr, start: Token) -> ast.expr:
         """In dialect 2 a capitalised name alone, as a statement or assigned, may be an instance."""
@@ -182,8 +179,8 @@ class Instances(Strings):
             return value
         if start.text == "(":
             return value
-        node = self.certain(self.at(start, New(value, [])))
-        node.certain = False  # type: ignore[attr-defined]
+        node = self.at(start, New(value, []))
+        node.certain = False
         return node
 
     # ------------------------------------------------------------ specifiers
@@ -319,13 +316,11 @@ class Instances(Strings):
             self.fail(f'expected a comma before the specifier "{self.token.text}"')
 
 
-def _operator(
-    cls: ast.expr, words: tuple[str, ...], value: ast.expr, heading: ast.expr | None
-) -> ast.expr:
+def _operator(cls: ast.expr, words: tuple[str, ...], value: ast.expr, heading: ast.expr | None) -> ast.expr:
     """What the words mean if Name is no class."""
     if words == ("in",):
         return ast.Compare(cls, [ast.In()], [value])
-    operands = [cls, value] if heading is None else [cls, heading, value]
+    operands: list[ast.expr | None] = [cls, value] if heading is None else [cls, heading, value]
     return Operator(" ".join(words), operands)
 
 

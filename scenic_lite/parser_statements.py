@@ -32,11 +32,11 @@ AUGMENTED: dict[str, ast.operator] = {
     "@=": ast.MatMult(),
 }
 
-STATEMENT_WORDS = frozenset(
-    "abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor "
-    "mutate override param precondition raise record require return scenario setup simulator take terminate try wait "
-    "while with".split()
-)
+_WORDS = """
+abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor mutate
+override param precondition raise record require return scenario setup simulator take terminate try wait while with
+"""
+STATEMENT_WORDS = frozenset(_WORDS.split())
 # What other languages, or other spellings, would write.
 _FOREIGN = {
     "behaviour": 'it is spelt "behavior"',
@@ -162,8 +162,7 @@ class SimpleStatements(Expressions):
                 self.fail(f'cannot use "{text}" here', at=value)
             self.advance()
             self.stored(value)
-            node = ast.AugAssign(value, AUGMENTED[text], self.assigned_value())  # type: ignore[arg-type]
-            return self.at(start, node)
+            return self.at(start, ast.AugAssign(value, AUGMENTED[text], self.assigned_value()))
         if text == ":" and isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
             return self.annotation(start, value)
         return self.at(start, ast.Expr(self.lone_class(value, start)))
@@ -192,7 +191,7 @@ class SimpleStatements(Expressions):
             self.fail('expected a value after "="')
         return self.expressions()
 
-    def annotation(self, start: Token, target: ast.expr) -> ast.stmt:
+    def annotation(self, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
         """`target: annotation [= value]`."""
         self.advance()
         if self.token.kind == "newline":
@@ -200,8 +199,8 @@ class SimpleStatements(Expressions):
         annotation = self.expression()
         value = self.assigned_value() if self.accept("=") else None
         simple = int(isinstance(target, ast.Name) and start.text != "(")
-        node = ast.AnnAssign(self.stored(target), annotation, value, simple)  # type: ignore[arg-type]
-        return self.at(start, node)
+        self.stored(target)
+        return self.at(start, ast.AnnAssign(target, annotation, value, simple))
 
     def word_hint(self, start: Token) -> str:
         """For `esle:` and its like."""

@@ -214,4 +214,3 @@ class _FormatString:
     def fail(self, message: str, position: int, hint: str = "") -> NoReturn:
         line, column = self.source.line_and_column(position)
         raise self.source.error(message, (line, column, line, column + 1), hint)
-
