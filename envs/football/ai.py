@@ -5,8 +5,10 @@ Read next: `keeper`, `attack`, `defence`.
 
 from __future__ import annotations
 
-from envs.football.constants import GK, NOBODY
-from envs.football.control import chase, run_to
+from envs.football.attack import play_ball, support
+from envs.football.constants import GK, NOBODY, NORMAL
+from envs.football.control import chase
+from envs.football.defence import defend, hunt
 from envs.football.keeper import think_keeper
 from scenic_lite.jit import kernel
 
@@ -19,7 +21,19 @@ def think(match, i):
         return
     if player.role == GK:
         think_keeper(match, i)
-    elif match.chaser[player.team] == i and match.carrier != i and match.carrier == NOBODY:
+    elif match.carrier == i:
+        play_ball(match, i)
+    elif match.carrier == NOBODY and match.chaser[player.team] == i and match.game_mode == NORMAL:
         chase(match, i, player.top_speed)
+    elif ours(match, player.team):
+        support(match, i)
+    elif match.chaser[player.team] == i and match.carrier != NOBODY:
+        hunt(match, i)
     else:
-        run_to(player, player.start_x, player.start_y, 5.0)
+        defend(match, i)
+
+
+@kernel
+def ours(match, team):
+    """Tell whether `team` has the ball, or had it last."""
+    return match.last_touch != NOBODY and match.players[match.last_touch].team == team

@@ -24,13 +24,14 @@ MISS_WAIT = 0.5  # s
 # Tackles
 TACKLE_REACH, SLIDE_REACH = 0.85, 1.15  # m from the body to the ball
 TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.62, 0.4, 0.85
+SWERVE = 10.0  # m/s across the tackler's reach at which the ball cannot be won
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
 
 # Keepers
 CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
-CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.55, 1.2, 1.0  # chance against a carrier; s when beaten
+CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.72, 1.2, 1.0  # chance against a carrier; s when beaten
 SAVE_REACH = 1.2  # m
-CATCH_NEAR, CATCH_CHANCE, CATCH_LATE = 0.8, 0.75, 0.5  # m; chances that a save is a catch
+CATCH_NEAR, CATCH_CHANCE, CATCH_DIVING = 0.6, 0.7, 0.08  # m; chances that a save is a catch
 PARRY_KEEP, PARRY_LIFT = 0.3, 1.2  # share of speed; m/s
 DIVE_DOWN = 0.8  # s on the ground after a dive
 HANDS_HEIGHT = 1.2  # m, a ball that is held
@@ -72,11 +73,11 @@ def meet(match, i, distance):
     hands = player.role == GK and in_own_box(player)
     if match.saver == i:
         if match.save_wait < STEP:
-            save(match, i, distance)
+            save(match, i)
     elif match.carrier != NOBODY:
         if match.players[match.carrier].team == player.team:
             return
-        if hands and distance < CLAIM_REACH and ball.z < CLAIM_BELOW:
+        if player.role == GK and distance < CLAIM_REACH and ball.z < (CLAIM_BELOW if hands else HEADER_FROM):
             claim(match, i)
         elif distance < (SLIDE_REACH if player.sliding else TACKLE_REACH) and ball.z < HEADER_FROM:
             tackle(match, i)
@@ -136,7 +137,7 @@ def tackle(match, i):
     """Let player i try to take the ball off the carrier's feet."""
     player, carrier = match.players[i], match.players[match.carrier]
     behind = (player.x - carrier.x) * carrier.facing_x + (player.y - carrier.y) * carrier.facing_y < -0.2
-    chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * player.skill
+    chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * player.skill * within_reach(match, i)
     if behind:
         chance *= TACKLE_BEHIND
     if uniform(match) < chance:
@@ -148,12 +149,25 @@ def tackle(match, i):
 
 
 @kernel
+def within_reach(match, i):
+    """Share of player i's chance to win the ball that is left by a carrier who swerves across his reach."""
+    player, ball, carrier = match.players[i], match.ball, match.players[match.carrier]
+    dx, dy = ball.x - player.x, ball.y - player.y
+    swerve = abs(carrier.vx * dy - carrier.vy * dx) / (length(dx, dy) + 1e-9)
+    return max(1.0 - swerve / SWERVE, 0.0)
+
+
+@kernel
 def claim(match, i):
-    """Let keeper i try to pick the ball off the carrier's feet; beaten, he lies on the ground for a while."""
+    """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
     player, carrier = match.players[i], match.players[match.carrier]
-    if uniform(match) < CLAIM_CHANCE * (0.5 + 0.5 * player.skill):
+    chance = CLAIM_CHANCE * (0.5 + 0.5 * player.skill) * within_reach(match, i)
+    if uniform(match) < chance:
         carrier.touch_wait = ROBBED_WAIT
-        hold(match, i)
+        if in_own_box(player):
+            hold(match, i)
+        else:
+            take(match, i)
         return
     player.touch_wait, player.down = CLAIM_WAIT, CLAIM_DOWN
 
@@ -170,17 +184,15 @@ def catch(match, i):
 
 
 @kernel
-def save(match, i, distance):
+def save(match, i):
     """Carry out what was drawn when the shot was taken: a catch, a parry, or nothing."""
     player, ball = match.players[i], match.ball
-    late = match.save_wait
     succeeds = match.save_succeeds and ball.z < CLAIM_BELOW + 0.5
     match.saver = NOBODY
     if not succeeds:
         player.touch_wait, player.down = CLAIM_WAIT, DIVE_DOWN
         return
-    near = distance < CATCH_NEAR and late > -STEP
-    if uniform(match) < (CATCH_CHANCE if near else CATCH_LATE):
+    if uniform(match) < (CATCH_CHANCE if match.save_gap < CATCH_NEAR else CATCH_DIVING):
         hold(match, i)
     else:
         parry(match, i)

@@ -33,6 +33,8 @@ KICK_PATIENCE = 6  # steps that a kick waits for the ball to come into reach
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 5.1, 4.1  # m/s with the ball
 CARRY_SPRINT, CARRY_KNOCK_ON = 0.93, 0.98  # of top speed with the ball
+HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
+ROUND = 1.0  # m beside a body that is run round
 SLIDE_SPEED = 5.0  # m/s at least
 
 
@@ -160,3 +162,22 @@ def run_to(player, x, y, speed):
         return
     speed = min(speed, 4.0 * distance + 0.5)
     player.want_x, player.want_y = dx / distance * speed, dy / distance * speed
+
+
+@kernel
+def go_for_ball(match, i, speed):
+    """Run to where the carried ball will be, round the carrier's body if that is in the way."""
+    player, ball = match.players[i], match.ball
+    carrier = match.players[match.carrier]
+    distance = apart(ball, player)
+    time = min(distance / 8.0, HUNT_LEAD)
+    x, y = ball.x + time * ball.vx, ball.y + time * ball.vy
+    ball_x, ball_y = ball.x - carrier.x, ball.y - carrier.y
+    from_x, from_y = player.x - carrier.x, player.y - carrier.y
+    if ball_x * from_x + ball_y * from_y < 0.0 and distance < 3.0:
+        size = length(from_x, from_y) + 1e-9
+        side = ROUND if from_x * ball_y - from_y * ball_x >= 0.0 else -ROUND
+        x, y = carrier.x - side * from_y / size, carrier.y + side * from_x / size
+    dx, dy = x - player.x, y - player.y
+    size = length(dx, dy) + 1e-9
+    player.want_x, player.want_y = dx / size * speed, dy / size * speed

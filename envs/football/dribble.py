@@ -10,41 +10,44 @@ import math
 
 from envs.football.ball import GROUND_DRAG, GROUND_FRICTION
 from envs.football.constants import BALL_RADIUS, NOBODY, STEP
+from envs.football.vectors import toward
 from scenic_lite.jit import kernel
 
 TOUCH_REACH = 1.15  # m from the body to a ball that the foot can still play
 TOUCH_BELOW = 0.9  # m
 WALKING = 0.5  # m/s, slower players keep the ball at the foot
-AHEAD_STANDING, AHEAD_RUNNING, AHEAD_SPRINTING, AHEAD_KNOCKED_ON = 0.36, 0.48, 0.98, 1.9  # m
+AHEAD_STANDING, AHEAD_RUNNING, AHEAD_SPRINTING, AHEAD_KNOCKED_ON = 0.38, 0.49, 0.98, 2.3  # m
 TOUCH_TIME, TOUCH_TIME_SPRINTING, TOUCH_TIME_KNOCKED_ON = 0.1, 0.2, 0.6  # s
 SPRINTING = 5.8  # m/s
-TOUCH_SPEED = 5.0  # m/s at most, relative to the player
+TOUCH_SPEED = 3.0  # m/s at most, relative to the player
 
 
 @kernel
 def lead_ball(match):
     """Let the carrier touch the ball if it is his turn to."""
     i = match.carrier
-    if i == NOBODY or match.holder != NOBODY or match.kicker == i or match.game_mode != 0:
+    if i == NOBODY or match.holder != NOBODY or match.game_mode != 0:
         return
     player, ball = match.players[i], match.ball
-    if player.touch_wait > 0.0 or player.down > 0.0 or ball.z > TOUCH_BELOW:
+    if (player.touch_wait > 0.0 and match.kicker != i) or player.down > 0.0 or ball.z > TOUCH_BELOW:
         return
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH:
         return
-    vx, vy = player.vx + 0.75 * STEP * player.ax, player.vy + 0.75 * STEP * player.ay
-    touch(ball, player, vx, vy)
+    touch(ball, player, match.kicker == i)
 
 
 @kernel
-def touch(ball, player, vx, vy):
-    """Play the ball to its place ahead of a player who runs at (vx, vy)."""
+def touch(ball, player, kicking):
+    """Play the ball to its place ahead of a player, or to the foot that is about to kick it."""
+    vx, vy = player.vx, player.vy
     speed = math.sqrt(vx * vx + vy * vy)
     want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
     ahead, time = AHEAD_RUNNING, TOUCH_TIME
     ux, uy = player.facing_x, player.facing_y
-    if speed > SPRINTING and want > SPRINTING:
+    if kicking:
+        ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
+    elif speed > SPRINTING and want > SPRINTING:
         ux, uy = vx / speed, vy / speed
         ahead, time = AHEAD_SPRINTING, TOUCH_TIME_SPRINTING
         if player.dribble and player.sprint:

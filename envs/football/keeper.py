@@ -22,7 +22,7 @@ from envs.football.constants import (
     NOBODY,
     RUN_SPEED,
 )
-from envs.football.control import chase, run_to
+from envs.football.control import chase, go_for_ball, run_to
 from envs.football.possession import ball_speed, meeting_time
 from envs.football.rng import uniform
 from envs.football.vectors import apart, length
@@ -36,13 +36,19 @@ ADVANCE = 0.3  # share of the way to the ball while his team has it
 # Coming out
 CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
 CLAIM_RANGE = 30.0  # m from the goal line
+RUSH_NEAR, RUSH_SHARE = 2.5, 0.6  # m; share of his distance at which he joins the line from ball to goal
 READY = 4  # "turning" of a body that already moves: no lag
 
-# Saves: logit P(goal) = base − slope × time + gap × m, fitted to 434 measured shots on target
-SAVE_BASE, SAVE_TIME, SAVE_GAP = 2.22, 7.41, 0.77
-BODY_GAP, BODY_BEATEN = 0.45, 0.12  # m; chance of beating him when shot straight at him
+# Saves: logit P(goal) = base − slope × time + wide × (0 .. 1 over the gaps), fitted to 433 measured shots on target
+SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.6, 9.5, 2.4
+GAP_NEAR, GAP_WIDE = 1.0, 0.5  # m from the shot's line: within, he hardly moves; this much further, he must dive
+BODY_GAP, BODY_BEATEN = 0.45, 0.25  # m; at most this chance of beating him when shot straight at him
+FOOT_GAP, FOOT_CHANCE = 1.2, 0.6  # m; outside his box he has his feet only
 MEASURED_SKILL, SAVE_SKILL = 0.72, 2.0  # skill of the measured keeper; logit per unit of skill
-DIVE_SPEED, DIVE_REACH, DIVE_DELAY = 7.0, 1.0, 0.1  # m/s, m, s: nothing beyond this is ever saved
+DIVE_REACH, DIVE_COVER, DIVE_DELAY = 1.2, 4.5, 0.1  # m, m/s, s: nothing beyond this is ever saved
+DIVE_SPEED = 7.5  # m/s
+STRIDE = 0.15  # s for which he keeps his velocity
+MEETING_PLACES = 4
 SHOT_SPEED = 9.0  # m/s, slower balls are not shots
 GOAL_MARGIN = 1.1  # goal widths within which he goes for the ball
 
@@ -78,7 +84,10 @@ def think_keeper(match, i):
     elif match.carrier == i:
         kick_out(match, i)
     elif should_come_out(match, i):
-        chase(match, i, player.top_speed)
+        if match.carrier == NOBODY:
+            chase(match, i, player.top_speed)
+        else:
+            rush(match, i)
     else:
         stand(match, i)
 
@@ -107,6 +116,20 @@ def dive(match, player):
     speed = min(distance / max(match.save_wait, 0.1), DIVE_SPEED)
     share = speed / distance if distance > 0.05 else 0.0
     player.want_x, player.want_y = share * dx, share * dy
+
+
+@kernel
+def rush(match, i):
+    """Run at the carrier, from afar along the line from the ball to the goal so as to narrow the angle."""
+    player, ball = match.players[i], match.ball
+    distance = apart(ball, player)
+    goal_x = own_goal_x(player.team)
+    to_goal = length(goal_x - ball.x, ball.y)
+    if distance < RUSH_NEAR or distance > to_goal:
+        go_for_ball(match, i, player.top_speed)
+        return
+    share = RUSH_SHARE * distance / (to_goal + 1e-9)
+    run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
 
 
 @kernel
@@ -200,29 +223,30 @@ def foresee_shot(match, team):
         return
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team and player.role == GK and player.down <= 0.0 and in_own_box(player):
+        if player.team != team and player.role == GK and player.down <= 0.0:
             plan_save(match, i, goal_x, line_y, speed)
             return
 
 
 @kernel
 def plan_save(match, i, goal_x, line_y, speed):
-    """Choose keeper i's better chance, at the foot of the perpendicular or at the goal line, and draw the result."""
+    """Choose keeper i's best chance between the shot's closest point and the goal line, and draw the result."""
     player, ball = match.players[i], match.ball
     ux, uy = ball.vx / speed, ball.vy / speed
     along = (player.x - ball.x) * ux + (player.y - ball.y) * uy
     to_line = length(goal_x - ball.x, line_y - ball.y)
-    if along < -0.3:
-        along = to_line
+    along = to_line if along < -0.3 else min(max(along, 0.3), to_line)
+    here_x, here_y = player.x + STRIDE * player.vx, player.y + STRIDE * player.vy
     match.saver = i
     best = -1.0
-    for candidate in range(2):
-        distance = min(max(along, 0.3), to_line) if candidate == 0 else to_line
+    for k in range(MEETING_PLACES):
+        distance = along + k / (MEETING_PLACES - 1) * (to_line - along)
         x, y = ball.x + distance * ux, ball.y + distance * uy
-        chance = save_chance(player, length(x - player.x, y - player.y), flight_time(speed, distance))
+        gap, time = length(x - here_x, y - here_y), flight_time(speed, distance)
+        chance = save_chance(player, gap, time)
         if chance > best:
             best = chance
-            match.save_x, match.save_y, match.save_wait = x, y, flight_time(speed, distance)
+            match.save_x, match.save_y, match.save_gap, match.save_wait = x, y, gap, time
     match.save_succeeds = uniform(match) < best and height_at(ball, match.save_wait) < GOAL_HEIGHT + 0.2
     player.turning = READY
 
@@ -230,12 +254,14 @@ def plan_save(match, i, goal_x, line_y, speed):
 @kernel
 def save_chance(player, gap, time):
     """Chance of saving a shot that passes `gap` m away in `time` s."""
-    if gap > DIVE_REACH + DIVE_SPEED * max(time - DIVE_DELAY, 0.0):
+    if gap > DIVE_REACH + DIVE_COVER * max(time - DIVE_DELAY, 0.0):
         return 0.0
-    if gap < BODY_GAP:
-        return 1.0 - BODY_BEATEN
-    logit = SAVE_BASE - SAVE_TIME * time + SAVE_GAP * gap + SAVE_SKILL * (MEASURED_SKILL - player.skill)
-    return 1.0 / (1.0 + math.exp(logit))
+    if not in_own_box(player):
+        return 1.0 - BODY_BEATEN if gap < BODY_GAP else (FOOT_CHANCE if gap < FOOT_GAP else 0.0)
+    wide = min(max((gap - GAP_NEAR) / GAP_WIDE, 0.0), 1.0)
+    logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * (MEASURED_SKILL - player.skill)
+    chance = 1.0 / (1.0 + math.exp(logit))
+    return max(chance, 1.0 - BODY_BEATEN) if gap < BODY_GAP else chance
 
 
 @kernel

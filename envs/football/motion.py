@@ -1,4 +1,4 @@
-"""How players run: from the velocity a command asks for to the acceleration of one step.
+"""How players run: from the velocity a command asks for to the velocity of one step.
 
 A body answers late (it finishes the stride), brakes hard across and against the new direction, and gathers
 speed along it; with the ball at the feet everything is gentler, and a sprint turns only in a wide arc. The
@@ -15,15 +15,18 @@ from scenic_lite.jit import kernel
 SETTLED = 0.2  # m/s, command and velocity this close are the same
 AT_REST = 0.3  # m/s
 # Share of full effort in the steps since command and velocity differ: the body's lag.
-LAG_FROM_REST = (0.0, 1.0)
+LAG_FROM_REST = (0.0, 1.0, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
-LAG_WITH_BALL = (0.2, 1.0)
-BRAKING = 28.0  # m/s²
-BRAKING_WITH_BALL = 11.0
+LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
+LAG_WITH_BALL = (0.4, 0.6, 0.8, 1.0)
+LAG_SPRINTING_WITH_BALL = (0.0, 0.1, 0.5, 1.0)
+SPRINTING = 6.0  # m/s
+BRAKING = 30.0  # m/s²
+BRAKING_WITH_BALL = 11.5
 ACCELERATION_START, START_SPEED = 13.3, 2.6  # m/s² up to this speed in m/s
-ACCELERATION = 8.2  # m/s² from there on
-ACCELERATION_TIME = 0.47  # s, approach to top speed beyond RUN_SPEED
-ARC = 0.6 * STEP  # rad turned in a step when sprinting with the ball
+ACCELERATION = 8.2  # m/s² from there to RUN_SPEED
+ACCELERATION_SPRINT, ACCELERATION_TIME = 5.0, 0.47  # m/s² and s, from there on: approach to top speed
+ARC = 0.5 * STEP  # rad turned in a step when sprinting with the ball
 ARC_COS, ARC_SIN = math.cos(ARC), math.sin(ARC)
 ARC_SPEED = 5.5  # m/s, slower players turn on the spot
 SLIDE_TIME, SLIDE_GLIDE = 1.8, 1.4  # s on the ground; he glides until this much of it is left
@@ -36,7 +39,7 @@ BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
 
 @kernel
 def plan_motion(match, i):
-    """Set player i's acceleration for this step, and where he looks."""
+    """Set player i's velocity for this step, and where he looks."""
     player = match.players[i]
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     if player.down > 0.0:
@@ -45,7 +48,7 @@ def plan_motion(match, i):
         vx, vy = thrown(player)
     else:
         vx, vy = pursued(match, i, speed)
-    player.ax, player.ay = (vx - player.vx) / STEP, (vy - player.vy) / STEP
+    player.vx, player.vy = vx, vy
     player.tired = min(player.tired + TIRING * speed * STEP, TIRED_OUT)
     new_speed = math.sqrt(vx * vx + vy * vy)
     if new_speed > AT_REST and player.kick_wait <= 0.0:
@@ -103,11 +106,12 @@ def pursued(match, i, speed):
 @kernel
 def effort_now(steps, speed, with_ball):
     """Share of full effort after so many steps of turning."""
-    if speed < AT_REST:
-        return LAG_FROM_REST[min(steps, 1)]
+    steps = min(steps, 3)
+    if speed < START_SPEED:
+        return LAG_FROM_REST[steps]
     if with_ball:
-        return LAG_WITH_BALL[min(steps, 1)]
-    return LAG_RUNNING[min(steps, 3)]
+        return LAG_SPRINTING_WITH_BALL[steps] if speed > SPRINTING else LAG_WITH_BALL[steps]
+    return LAG_SPRINTING[steps] if speed > SPRINTING else LAG_RUNNING[steps]
 
 
 @kernel
@@ -118,10 +122,10 @@ def redirect(player, want, braking, effort):
     across_x, across_y = player.vx - along * ux, player.vy - along * uy
     across = math.sqrt(across_x * across_x + across_y * across_y)
     keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
-    if along < 0.0:
-        along = min(along + braking, 0.0)
+    if along < -1e-6:
+        along = min(along + braking, ACCELERATION_START * STEP)
     elif along < want:
-        along = min(along + acceleration(along, player.top_speed) * effort * STEP, want)
+        along = min(along + acceleration(along, player.top_speed) * effort * effort * STEP, want)
     else:
         along = max(along - braking, want)
     return along * ux + across_x * keep, along * uy + across_y * keep
@@ -132,7 +136,9 @@ def acceleration(speed, top_speed):
     """Acceleration in m/s² of a player who runs straight as hard as he can."""
     if speed < START_SPEED:
         return ACCELERATION_START
-    return min(ACCELERATION, max(top_speed - speed, 0.0) / ACCELERATION_TIME + max(RUN_SPEED - speed, 0.0) * 8.0)
+    if speed < RUN_SPEED:
+        return ACCELERATION
+    return min(ACCELERATION_SPRINT, max(top_speed - speed, 0.0) / ACCELERATION_TIME)
 
 
 @kernel
@@ -152,8 +158,6 @@ def arc(player, speed, want, cosine):
 @kernel
 def advance_player(player):
     """Move a player on by one frame of 10 ms."""
-    player.vx += player.ax * DT
-    player.vy += player.ay * DT
     player.x += player.vx * DT
     player.y += player.vy * DT
 
@@ -163,10 +167,10 @@ def keep_on_pitch(player):
     """Stop a player at the edge of the grass, a little beyond the lines."""
     if abs(player.x) > HALF_LENGTH + APRON:
         player.x = math.copysign(HALF_LENGTH + APRON, player.x)
-        player.vx, player.ax = 0.0, 0.0
+        player.vx = 0.0
     if abs(player.y) > HALF_WIDTH + APRON:
         player.y = math.copysign(HALF_WIDTH + APRON, player.y)
-        player.vy, player.ay = 0.0, 0.0
+        player.vy = 0.0
 
 
 @kernel
@@ -183,14 +187,17 @@ def crowded(match):
 
 @kernel
 def part_bodies(match):
-    """Push overlapping players apart, half each, and take away the speed with which they close in."""
+    """Push overlapping players apart and take away the speed with which they close in.
+
+    Who runs faster gives way more, so that nobody is shoved about the pitch; one can jump over who lies down.
+    """
     for i in range(1, match.num_players):
         a = match.players[i]
         for j in range(i):
             b = match.players[j]
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
-            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and squared > 0.0:
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and squared > 0.0 and a.down <= 0.0 and b.down <= 0.0:
                 part(a, b, dx, dy, math.sqrt(squared))
 
 
@@ -198,14 +205,16 @@ def part_bodies(match):
 def part(a, b, dx, dy, distance):
     """Part two overlapping bodies; (dx, dy) leads from b to a."""
     nx, ny = dx / distance, dy / distance
-    push = 0.5 * (2.0 * BODY_RADIUS - distance)
-    a.x += push * nx
-    a.y += push * ny
-    b.x -= push * nx
-    b.y -= push * ny
+    energy_a, energy_b = a.vx * a.vx + a.vy * a.vy + 0.01, b.vx * b.vx + b.vy * b.vy + 0.01
+    share = energy_a / (energy_a + energy_b)
+    push = 2.0 * BODY_RADIUS - distance
+    a.x += share * push * nx
+    a.y += share * push * ny
+    b.x -= (1.0 - share) * push * nx
+    b.y -= (1.0 - share) * push * ny
     closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
     if closing < 0.0:
-        a.vx -= 0.5 * closing * nx
-        a.vy -= 0.5 * closing * ny
-        b.vx += 0.5 * closing * nx
-        b.vy += 0.5 * closing * ny
+        a.vx -= share * closing * nx
+        a.vy -= share * closing * ny
+        b.vx += (1.0 - share) * closing * nx
+        b.vy += (1.0 - share) * closing * ny

@@ -115,7 +115,7 @@ def score(match, team):
 @kernel
 def stand_still(player):
     """Stop a player and clear what he was about to do."""
-    player.vx, player.vy, player.ax, player.ay = 0.0, 0.0, 0.0, 0.0
+    player.vx, player.vy = 0.0, 0.0
     player.want_x, player.want_y = 0.0, 0.0
     player.down, player.touch_wait, player.turning, player.sliding = 0.0, 0.0, 0, False
     forget_kick(player)

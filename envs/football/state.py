@@ -31,8 +31,6 @@ PLAYER_FIELDS = (
     ("y", "f8", (), "m", ""),
     ("vx", "f8", (), "m/s", "velocity"),
     ("vy", "f8", (), "m/s", ""),
-    ("ax", "f8", (), "m/s²", "acceleration during the present step"),
-    ("ay", "f8", (), "m/s²", ""),
     ("facing_x", "f8", (), "", "unit vector, where the body looks"),
     ("facing_y", "f8", (), "", ""),
     ("want_x", "f8", (), "m/s", "velocity that the player's command asks for"),
@@ -92,6 +90,7 @@ MATCH_FIELDS = (
     ("save_x", "f8", (), "m", "where he means to meet it"),
     ("save_y", "f8", (), "m", ""),
     ("save_wait", "f8", (), "s", "until the ball is there"),
+    ("save_gap", "f8", (), "m", "from where he was to there, when the shot left the foot"),
     ("save_succeeds", "?", (), "", "drawn when the shot left the foot"),
     # What the last step brought
     ("goal", "i8", (), "", "+1 the left team scored in this step, -1 the right one"),

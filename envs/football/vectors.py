@@ -20,3 +20,10 @@ def length(x, y):
 def apart(a, b):
     """Return the distance in m between two of players and ball."""
     return length(a.x - b.x, a.y - b.y)
+
+
+@kernel
+def toward(x, y):
+    """Return the unit vector along (x, y); the zero vector for no direction."""
+    size = math.sqrt(x * x + y * y)
+    return (x / size, y / size) if size > 0.0 else (0.0, 0.0)
