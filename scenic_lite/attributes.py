@@ -72,7 +72,7 @@ def of_instance(instance: Instance, name: str) -> Value:
         return side_of(instance, name)
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
-        return getattr(position, name)
+        return position.x if name == "x" else position.y
     if name in VECTOR_METHODS and position is not None:
         return Bound(VECTOR_METHODS[name], position)
     known = [*instance.properties, *VECTOR_METHODS, "x", "y"]

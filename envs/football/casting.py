@@ -6,7 +6,6 @@ Read next: `vector_env`.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 
@@ -67,14 +66,13 @@ class Casting:
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Team and role of one object."""
-        info = self.program.objects[index]
-        team, role = (_constant(scene.properties.get(name, ())[index]) for name in ("team", "role"))
-        if team not in TEAMS:
-            raise CastingError(f"{self.program.file}: {info.class_name} is in no team; use a Left... or Right... class")
-        if role not in ROLES:
-            raise CastingError(
-                f"{self.program.file}: {info.class_name} has the role {role!r}, not one of {list(ROLES)}"
-            )
+        name = self.program.objects[index].class_name
+        team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
+        if not isinstance(team, str) or team not in TEAMS:
+            raise CastingError(f"{self.program.file}: {name} is in no team; use a Left... or Right... class")
+        if not isinstance(role, str) or role not in ROLES:
+            found = "a random role" if isinstance(role, np.ndarray) else f"the role {role!r}"
+            raise CastingError(f"{self.program.file}: {name} has {found}; give it one of {', '.join(ROLES)}")
         return TEAMS[team], ROLES[role]
 
     def _check_teams(self) -> None:
@@ -89,13 +87,6 @@ class Casting:
                 raise CastingError(
                     f"{self.program.file}: {count} {name} players; a team has at most {MAX_PLAYERS // 2}"
                 )
-
-
-def _constant(value: Any) -> Any:
-    """The one value of a property that is the same in all scenes."""
-    if isinstance(value, np.ndarray):
-        return value.flat[0].item() if value.size else None
-    return value
 
 
 def _settings(program: Program) -> MatchConfig:

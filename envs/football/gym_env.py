@@ -13,7 +13,7 @@ import numpy as np
 
 from envs.football.config import FootballConfig
 from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING
-from envs.football.render import frame
+from envs.football.render import FootballPainter, picture
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import Program
 
@@ -50,6 +50,7 @@ class FootballEnv(gymnasium.Env):
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
+        self._painter = FootballPainter(self.batch.casting)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
@@ -88,7 +89,7 @@ class FootballEnv(gymnasium.Env):
 
     def render(self) -> np.ndarray | None:
         """Give the match as a picture, uint8 `[height, width, 3]`; None without a render mode."""
-        return frame(self.batch.matches[0]) if self.render_mode else None
+        return picture(self._painter, self._painter.frame(self.batch)) if self.render_mode else None
 
     def _first(self, observations: Any) -> Any:
         """Row 0 of a batch, scalars as the spaces of one match want them."""
