@@ -63,8 +63,8 @@ class Specifier(Expression):
     with P V: ("with", [Constant P, V]) · at V · in R · on R · contained in R: ("contained in", [R]) ·
     left of X [by D]: ("left of", [X, D or None]), `right of`, `ahead of`, `behind` alike · offset by V ·
     offset along H by V · beyond X by D [from Y] · visible [from P] · not visible [from P] ·
-    following F [from X] for D · facing H · facing toward V · facing away from V · facing directly toward V · facing directly away from V ·
-    apparently facing H [from V] · above X [by D] · below X [by D]
+    following F [from X] for D · facing H · facing toward V · facing away from V · facing directly toward V ·
+    facing directly away from V · apparently facing H [from V] · above X [by D] · below X [by D]
     """
 
     name: str

@@ -1,9 +1,9 @@
 """Program text to syntax tree: a hand-written recursive descent over the tokens, for Scenic 2 and 3 in one grammar.
 
-`parser_cursor` walks the tokens; `parser_strings`, `parser_specifiers`, `parser_displays` and `parser_expressions`
-read values; `parser_statements`, `parser_patterns`, `parser_blocks` and `parser_scenic` read statements. No text is
-ever given to Python's compiler. Read next: `nodes`, for what comes out, and `check`, for the rules that need the whole
-tree.
+Each file is one layer of a class, in this order: `parser_cursor` walks the tokens; `parser_strings`,
+`parser_specifiers`, `parser_displays`, `parser_calls` and `parser_expressions` read values; `parser_statements`,
+`parser_patterns`, `parser_blocks` and `parser_scenic` read statements. No text is ever given to Python's compiler.
+Read next: `nodes`, for what comes out, and `check`, for the rules that need the whole tree.
 """
 
 from __future__ import annotations

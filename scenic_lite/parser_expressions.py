@@ -2,7 +2,7 @@
 
 Dialect 2 differs from 3 in two points: the last operand of a word operator such as `distance from X to Y` also takes
 `relative to` and `offset by` (Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand
-of a sum. Read next: `parser_displays`, for what is in brackets.
+of a sum. Read next: `parser_statements`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Mapping
 from scenic_lite.errors import ScenicError
 from scenic_lite.lexer import Token
 from scenic_lite.nodes import Operator
+from scenic_lite.parser_calls import Calls
 from scenic_lite.parser_cursor import LOAD, PYTHON_KEYWORDS, describe
-from scenic_lite.parser_displays import Displays
 from scenic_lite.parser_operators import (
     ALONG,
     COMPARE,
@@ -38,7 +38,7 @@ from scenic_lite.parser_operators import (
 )
 
 
-class Expressions(Displays):
+class Expressions(Calls):
     """The productions of expressions, loosest first."""
 
     operators: Mapping[str, tuple[Infix, ...]] = PYTHON_TABLE

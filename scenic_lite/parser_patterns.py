@@ -45,7 +45,9 @@ class Patterns(SimpleStatements):
     def match_statement(self) -> ast.stmt:
         """`match values:` with its cases."""
         start = self.advance()
-        subject = self.expressions()
+        subject = self.element()
+        if self.token.text == ",":
+            subject = self.at(subject, ast.Tuple(self.elements(":", subject), LOAD))
         self.expect(":", 'after the value of "match"')
         self.indented('the value of "match"')
         cases: list[ast.match_case] = []
