@@ -33,7 +33,8 @@ CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.72, 1.2, 1.0  # chance against a carrie
 SAVE_REACH = 1.2  # m
 CATCH_NEAR, CATCH_CHANCE, CATCH_DIVING = 0.6, 0.7, 0.08  # m; chances that a save is a catch
 PARRY_KEEP, PARRY_LIFT = 0.3, 1.2  # share of speed; m/s
-DIVE_DOWN = 0.8  # s on the ground after a dive
+PARRY_ASIDE, PARRY_SPREAD = 0.5, 1.5  # tangent of the angle off straight back
+BLOCK_DOWN, DIVE_DOWN = 0.1, 0.7  # s on the ground after a block on the spot, after a dive
 HANDS_HEIGHT = 1.2  # m, a ball that is held
 
 
@@ -196,7 +197,7 @@ def save(match, i):
         hold(match, i)
     else:
         parry(match, i)
-        player.down = DIVE_DOWN
+        player.down = BLOCK_DOWN if match.save_gap < CATCH_NEAR else DIVE_DOWN
 
 
 @kernel
@@ -224,7 +225,7 @@ def parry(match, i):
     speed = PARRY_KEEP * length(ball.vx, ball.vy)
     side = ball.y - player.y
     back = -1.0 if ball.vx > 0.0 else 1.0
-    sideways = math.copysign(0.3 + 0.9 * uniform(match), side)
+    sideways = math.copysign(PARRY_ASIDE + PARRY_SPREAD * uniform(match), side)
     size = math.sqrt(1.0 + sideways * sideways)
     ball.vx, ball.vy, ball.vz = speed * back / size, speed * sideways / size, PARRY_LIFT
     ball.spin_x, ball.spin_y = 0.0, 0.0

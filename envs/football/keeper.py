@@ -233,10 +233,10 @@ def plan_save(match, i, goal_x, line_y, speed):
     """Choose keeper i's best chance between the shot's closest point and the goal line, and draw the result."""
     player, ball = match.players[i], match.ball
     ux, uy = ball.vx / speed, ball.vy / speed
-    along = (player.x - ball.x) * ux + (player.y - ball.y) * uy
+    here_x, here_y = player.x + STRIDE * player.vx, player.y + STRIDE * player.vy
+    along = (here_x - ball.x) * ux + (here_y - ball.y) * uy
     to_line = length(goal_x - ball.x, line_y - ball.y)
     along = to_line if along < -0.3 else min(max(along, 0.3), to_line)
-    here_x, here_y = player.x + STRIDE * player.vx, player.y + STRIDE * player.vy
     match.saver = i
     best = -1.0
     for k in range(MEETING_PLACES):
