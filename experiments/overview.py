@@ -74,11 +74,11 @@ def _draw_goals(axes: Axes, found: Comparison) -> None:
             rows = select(found.results, method, scene)
             if not rows:
                 continue
-            estimate = goal_rate(rows)
+            interval = goal_rate(rows)
             shade, label = plots.colour(method), plots.title(method) if index == 0 else None
-            axes.bar(index + offset, 100 * estimate.value, 0.9 * reach / len(methods), color=shade, label=label)
-            span = [[100 * (estimate.value - estimate.low)], [100 * (estimate.high - estimate.value)]]
-            axes.errorbar(index + offset, 100 * estimate.value, span, color=plots.INK, elinewidth=0.9, capsize=2)
+            axes.bar(index + offset, 100 * interval.estimate, 0.9 * reach / len(methods), color=shade, label=label)
+            span = [[100 * (interval.estimate - interval.low)], [100 * (interval.high - interval.estimate)]]
+            axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
     axes.set_xticks(range(len(scenes)), [scene.replace(" distribution", "\ndistribution") for scene in scenes])
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)

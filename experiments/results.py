@@ -10,7 +10,7 @@ import csv
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from experiments.table import cannot_write
 
 if TYPE_CHECKING:
     from ued.evaluation import Evaluation
+    from ued.statistics import Interval
+
+BOOTSTRAP_SEED = 0  # a table of the same results is the same table
 
 
 @dataclass(frozen=True)
@@ -38,14 +41,6 @@ class Result:
     @property
     def goal_rate(self) -> float:
         return self.goals / self.episodes
-
-
-class Estimate(NamedTuple):
-    """A value and its 95 % interval."""
-
-    value: float
-    low: float
-    high: float
 
 
 def summarise(found: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
@@ -70,25 +65,31 @@ def select(results: Sequence[Result], method: str, scene: str) -> list[Result]:
     return [row for row in results if row.method == method and row.scene == scene]
 
 
-def goal_rate(rows: Sequence[Result]) -> Estimate:
+def goal_rate(rows: Sequence[Result]) -> Interval:
     """Estimate the goal rate of a method on a scene: bootstrap over runs, or Wilson's interval for a single one."""
     from ued.statistics import bootstrap_interval, wilson
 
     if len(rows) == 1:
-        return Estimate(rows[0].goal_rate, *wilson(rows[0].goals, rows[0].episodes))
-    rates = np.array([row.goal_rate for row in rows])
-    return Estimate(float(rates.mean()), *bootstrap_interval(rates))
+        return wilson(rows[0].goals, rows[0].episodes)
+    return bootstrap_interval(np.array([row.goal_rate for row in rows]), np.random.default_rng(BOOTSTRAP_SEED))
 
 
-def mean_return(rows: Sequence[Result]) -> Estimate:
+def mean_return(rows: Sequence[Result]) -> Interval:
     """Estimate the mean return of a method on a scene: bootstrap over runs, or normal for a single run."""
-    from ued.statistics import bootstrap_interval
+    from ued.statistics import Interval, bootstrap_interval
 
     if len(rows) == 1:
-        reach = 1.96 * rows[0].return_std / np.sqrt(rows[0].episodes)
-        return Estimate(rows[0].mean_return, rows[0].mean_return - reach, rows[0].mean_return + reach)
-    means = np.array([row.mean_return for row in rows])
-    return Estimate(float(means.mean()), *bootstrap_interval(means))
+        mean, reach = rows[0].mean_return, 1.96 * rows[0].return_std / np.sqrt(rows[0].episodes)
+        return Interval(mean, mean - reach, mean + reach)
+    return bootstrap_interval(np.array([row.mean_return for row in rows]), np.random.default_rng(BOOTSTRAP_SEED))
+
+
+def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
+    """Estimate by how much one method's mean return on a scene exceeds another's, resampling whole runs of both."""
+    from ued.statistics import bootstrap_difference
+
+    values, others = (np.array([row.mean_return for row in each]) for each in (rows, reference))
+    return bootstrap_difference(values, others, np.random.default_rng(BOOTSTRAP_SEED))
 
 
 def unique(values: Sequence[str]) -> list[str]:
@@ -97,27 +98,33 @@ def unique(values: Sequence[str]) -> list[str]:
 
 
 def render_table(results: Sequence[Result]) -> str:
-    """Give scenes x methods as text: mean return with its interval, and beneath it the goal rate with its own."""
+    """Give scenes x methods as text: mean return with its interval, and beneath it the goal rate with its own.
+
+    A last column compares the trained methods with the first of them, where each has several runs.
+    """
     scenes, methods = unique([row.scene for row in results]), unique([row.method for row in results])
-    head = ["scene", "", *methods]
+    several = [method for method in methods if len(select(results, method, scenes[0])) > 1]
+    pairs = [(method, several[0]) for method in several[1:]]
     body: list[list[str]] = []
     for scene in scenes:
-        cells = [select(results, method, scene) for method in methods]
-        body.append([scene, "return", *(_signed(mean_return(rows)) if rows else "" for rows in cells)])
-        body.append(["", "goals", *(_percent(goal_rate(rows)) if rows else "" for rows in cells)])
-    body.append(["runs", "", *(str(len(select(results, method, scenes[0]))) for method in methods)])
-    for title, pick in (("env_steps", lambda row: row.env_steps), ("updates", lambda row: row.updates)):
-        counts = [[pick(row) for row in select(results, method, scenes[0])] for method in methods]
-        body.append([title, "", *(f"{round(np.mean(values)):_}" if any(values) else "–" for values in counts)])
-    return align([head, *body], foot=3)
+        rows = {method: select(results, method, scene) for method in methods}
+        gains = [_signed(advantage(rows[one], rows[other])) for one, other in pairs]
+        body.append([scene, "return", *(_signed(mean_return(rows[method])) for method in methods), *gains])
+        body.append(["", "goals", *(_percent(goal_rate(rows[method])) for method in methods), *([""] * len(pairs))])
+    foot = [["runs", "", *(str(len(select(results, method, scenes[0]))) for method in methods)]]
+    for title in ("env_steps", "updates"):
+        counts = [[getattr(row, title) for row in select(results, method, scenes[0])] for method in methods]
+        foot.append([title, "", *(f"{round(np.mean(values)):_}" if any(values) else "–" for values in counts)])
+    head = ["scene", "", *methods, *(f"{one} − {other}" for one, other in pairs)]
+    return align([head, *body, *(line + [""] * len(pairs) for line in foot)], foot=len(foot))
 
 
-def _signed(estimate: Estimate) -> str:
-    return f"{estimate.value:+.2f} [{estimate.low:+.2f}, {estimate.high:+.2f}]"
+def _signed(interval: Interval) -> str:
+    return f"{interval.estimate:+.2f} [{interval.low:+.2f}, {interval.high:+.2f}]"
 
 
-def _percent(estimate: Estimate) -> str:
-    return f"{estimate.value:.0%} [{estimate.low:.0%}, {estimate.high:.0%}]"
+def _percent(interval: Interval) -> str:
+    return f"{interval.estimate:.0%} [{interval.low:.0%}, {interval.high:.0%}]"
 
 
 def align(rows: list[list[str]], foot: int = 0) -> str:

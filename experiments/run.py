@@ -18,6 +18,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from experiments import build
 from experiments import config as configs
 from experiments.config import ConfigError, TrainConfig
 from experiments.errors import CommandError
@@ -58,10 +59,10 @@ class RunFolder:
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
-        fixed = [name for name in configs.differences(self.config, config) if name not in MAY_CHANGE]
-        if fixed:
-            old, new = configs.differences(self.config, config)[fixed[0]]
-            raise ConfigError(f"{self.path} was trained with {fixed[0]} = {old}; it cannot continue with {new}")
+        for name, (old, new) in configs.differences(self.config, config).items():
+            of_others = name.partition(".")[0] in set(build.METHODS) - {config.method}
+            if name not in MAY_CHANGE and not of_others:
+                raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         self.config = config
         configs.save(config, self.path / "config.json")
 
