@@ -7,6 +7,7 @@ is largest where tanh saturates, and would drive all levels into the corners. Re
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -30,7 +31,7 @@ class AdversaryConfig:
     """Settings of the adversary and its learning."""
 
     learning_rate: float = setting(1e-3, "step size of Adam")
-    ent_coef: float = setting(0.1, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
+    ent_coef: float = setting(0.2, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
     update_epochs: int = setting(5, "gradient steps for each batch of levels")
     clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
     vf_coef: float = setting(0.5, "weight of the baseline's loss")
@@ -156,8 +157,8 @@ class Adversary:
     def state_dict(self) -> dict[str, Any]:
         """Give weights, optimiser, regret statistics and generator."""
         return {
-            "network": self.network.state_dict(),
-            "optimizer": self.optimizer.state_dict(),
+            "network": copy.deepcopy(self.network.state_dict()),  # torch gives its own tensors, which learning changes
+            "optimizer": copy.deepcopy(self.optimizer.state_dict()),
             "generator": self.generator.get_state(),
             "scale": [self.scale.mean, self.scale.square, self.scale.weight],
         }
@@ -165,7 +166,7 @@ class Adversary:
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` gave."""
         self.network.load_state_dict(state["network"])
-        self.optimizer.load_state_dict(state["optimizer"])
+        self.optimizer.load_state_dict(copy.deepcopy(state["optimizer"]))
         self.generator.set_state(state["generator"])
         self.scale.mean, self.scale.square, self.scale.weight = state["scale"]
 

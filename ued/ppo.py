@@ -5,6 +5,7 @@ Written once, for every method. Read next: `methods.dr`, the simplest use of it.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -155,8 +156,8 @@ class PPO:
     def state_dict(self) -> dict[str, Any]:
         """Give the student's weights and statistics, the optimiser and the generator."""
         return {
-            "student": self.student.state_dict(),
-            "optimizer": self.optimizer.state_dict(),
+            "student": copy.deepcopy(self.student.state_dict()),  # torch gives its own tensors, which learning changes
+            "optimizer": copy.deepcopy(self.optimizer.state_dict()),
             "generator": self.generator.get_state(),
             "updates": self.updates,
         }
@@ -164,7 +165,7 @@ class PPO:
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` gave."""
         self.student.load_state_dict(state["student"])
-        self.optimizer.load_state_dict(state["optimizer"])
+        self.optimizer.load_state_dict(copy.deepcopy(state["optimizer"]))
         self.generator.set_state(state["generator"])
         self.updates = state["updates"]
 

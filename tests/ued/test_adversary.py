@@ -1,0 +1,111 @@
+"""The adversary on a landscape of regret that stands still: it finds the peak, and it keeps its spread."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+import torch
+
+from ued.adversary import Adversary, AdversaryConfig, RunningScale, squashed_entropy
+from ued.networks import Gaussian
+from ued.streams import torch_stream
+
+PEAK = 0.5
+UNIFORM_STD = 1 / math.sqrt(3)
+
+
+def landscape(theta, rng, noise=0.5):
+    """A bump of height 1 and width 0.4 at (0.5, 0.5), under noise as of a few episodes."""
+    height = np.exp(-((theta - PEAK) ** 2).sum(1) / (2 * 0.4**2))
+    return height + noise * rng.normal(size=len(theta))
+
+
+def taught(config, updates=150, seed=0, of=landscape):
+    adversary, rng = Adversary(2, config, torch_stream(seed)), np.random.default_rng(seed)
+    for _ in range(updates):
+        proposals = adversary.propose(128)
+        metrics = adversary.learn(proposals, of(proposals.theta, rng))
+    return adversary.propose(2000).theta, metrics
+
+
+def test_proposals_begin_uniform_and_inside():
+    theta = Adversary(6, AdversaryConfig(), torch_stream(0)).propose(4000).theta
+    assert theta.shape == (4000, 6) and theta.dtype == np.float64
+    assert np.abs(theta).max() <= 1.0
+    assert theta.std(0) == pytest.approx(np.full(6, UNIFORM_STD), abs=0.04)
+    quarters = np.stack([np.histogram(column, 4, (-1, 1))[0] for column in theta.T]) / len(theta)
+    assert np.abs(quarters - 0.25).max() < 0.06
+
+
+def test_without_entropy_the_proposals_collapse():
+    theta, metrics = taught(AdversaryConfig(ent_coef=0.0))
+    assert np.abs(theta.mean(0) - PEAK).max() < 0.15
+    assert theta.std(0).max() < 0.12
+    assert metrics["entropy"] < -2
+
+
+def test_with_the_default_they_keep_their_spread_and_still_move():
+    theta, metrics = taught(AdversaryConfig())
+    assert theta.std(0).min() > 0.15
+    assert np.abs(theta.mean(0) - PEAK).max() < 0.2
+    assert landscape(theta, np.random.default_rng(0), noise=0).mean() > 0.7  # uniform proposals reach 0.23
+    assert (np.abs(theta) > 0.95).mean() < 0.05  # and do not flee into the corners
+
+
+def test_pure_entropy_keeps_them_uniform():
+    theta, metrics = taught(AdversaryConfig(ent_coef=1.0), of=lambda theta, rng: rng.normal(size=len(theta)))
+    assert theta.std(0) == pytest.approx([UNIFORM_STD, UNIFORM_STD], abs=0.06)
+    assert metrics["entropy"] == pytest.approx(2 * math.log(2), abs=0.1)
+
+
+def test_entropy_is_measured_in_the_space_of_theta():
+    """Against the density of θ itself, by the change of variables."""
+    mean, log_std = torch.tensor([[0.3, -1.0]]).expand(200_000, 2), torch.tensor([-0.5, 0.2])
+    gaussian = Gaussian(mean, log_std)
+    estimate = squashed_entropy(gaussian, torch_stream(0)).mean()
+    raw = gaussian.sample(torch_stream(1))
+    log_density = gaussian.log_prob(raw) - torch.log1p(-torch.tanh(raw.double()) ** 2).sum(-1)
+    assert float(estimate) == pytest.approx(-float(log_density.mean()), abs=0.01)
+
+
+def test_learning_does_not_depend_on_the_unit_of_regret():
+    one, _ = taught(AdversaryConfig(), updates=40)
+    other, _ = taught(AdversaryConfig(), updates=40, of=lambda theta, rng: 1000 * landscape(theta, rng) - 300)
+    assert np.abs(one.mean(0) - other.mean(0)).max() < 0.1
+
+
+def test_the_scale_follows_what_it_sees():
+    scale = RunningScale()
+    scale.track(np.array([4.0, 6.0]))
+    assert scale(np.array([4.0, 6.0])) == pytest.approx([-1, 1], abs=0.01)
+    for _ in range(60):
+        scale.track(np.array([0.0, 0.0]))
+    assert scale(np.array([0.0])) == pytest.approx([0.0], abs=0.1)
+
+
+def test_it_resumes_to_the_same_numbers():
+    config, rng = AdversaryConfig(context_size=4), np.random.default_rng(0)
+    one, two = Adversary(3, config, torch_stream(0)), Adversary(3, config, torch_stream(9))
+    proposals = one.propose(64)
+    one.learn(proposals, rng.normal(size=64))
+    two.load_state_dict(one.state_dict())
+    regret = rng.normal(size=64)
+    first, second = (adversary.learn(adversary.propose(64), regret) for adversary in (one, two))
+    assert first == second
+
+
+def test_without_free_parameters_there_is_nothing_to_choose():
+    with pytest.raises(ValueError) as error:
+        Adversary(0, AdversaryConfig(), torch_stream(0))
+    assert str(error.value) == (
+        "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 columns); "
+        "use domain randomisation, or give the program a random value"
+    )
+
+
+def test_the_thesis_settings_and_refused_ones():
+    config = AdversaryConfig.thesis()
+    assert (config.ent_coef, config.update_epochs, config.max_grad_norm, config.learning_rate) == (0.01, 5, 0.5, 8e-5)
+    with pytest.raises(ValueError, match="update_epochs must be at least 1, got 0"):
+        dataclasses.replace(config, update_epochs=0)
