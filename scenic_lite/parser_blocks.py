@@ -6,12 +6,14 @@ Read next: `parser_scenic`, for the blocks and statements of Scenic.
 from __future__ import annotations
 
 import ast
+from typing import NoReturn
 
 from scenic_lite.lexer import Token
 from scenic_lite.nodes import Interrupt, TryInterrupt
 from scenic_lite.parser_cursor import describe
 from scenic_lite.parser_operators import SEE
 from scenic_lite.parser_patterns import Patterns
+from scenic_lite.parser_specifiers import SPECIFIER_WORDS
 
 COMPOUND = frozenset(["if", "while", "for", "with", "try", "def", "class", "async"])
 
@@ -30,7 +32,7 @@ class Blocks(Patterns):
         """One compound statement, or a line of simple ones."""
         start = self.token
         if start.kind == "indent":
-            self.fail("the line is indented deeper than the one before", "only a block is indented, after a colon")
+            self.unexpected_indent()
         if start.kind == "name":
             if start.text in COMPOUND:
                 return [self.compound(start)]
@@ -42,8 +44,17 @@ class Blocks(Patterns):
             return [self.decorated()]
         return self.simple_line()
 
+    def unexpected_indent(self) -> NoReturn:
+        """Report an indented line that no colon or comma announces."""
+        hint = "only a block is indented, after a colon"
+        if self.peek().text in SPECIFIER_WORDS:
+            hint = "a comma at the end of the line before lets its specifiers go on"
+        self.fail("the line is indented deeper than the one before", hint, at=self.peek())
+
     def compound(self, start: Token) -> ast.stmt:
         """A statement that begins with a word of COMPOUND."""
+        if self.peek().text == "=":
+            self.fail(f'"{start.text}" is a word of the language and cannot be the name of a variable')
         if start.text == "async":
             return self.asynchronous()
         if start.text == "if":
@@ -89,6 +100,8 @@ class Blocks(Patterns):
             self.fail('"=" assigns and cannot stand in a condition', '"==" compares')
         if self.token.text != ":":
             hint = self.missing_operator_hint()
+            if owner == 'the head of "with"' and self.token.kind != "newline":
+                hint = "a specifier follows a class, or a comma after another specifier"
             self.fail(f'expected ":" after {owner}, found {describe(self.token)}', hint)
         self.advance()
 
@@ -132,7 +145,7 @@ class Blocks(Patterns):
             start = self.advance()
             condition = self.condition()
             parts.append((start, condition, self.block(f'the condition of "{start.text}"')))
-            self.check_chain(len(parts))
+            self.check_chain(len(parts), "conditions")
         rest = self.else_block()
         for start, condition, body in reversed(parts):
             rest = [self.spanning(start, ast.If(condition, body, rest), rest or body)]

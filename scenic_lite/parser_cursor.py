@@ -25,7 +25,7 @@ VALUES = frozenset({"True", "False", "None", "not", "lambda", "await"})
 
 # Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
 MAX_NESTING = 90
-MAX_CHAIN = 250
+MAX_CHAIN = 100
 
 
 class Cursor:
@@ -86,6 +86,13 @@ class Cursor:
     def previous(self) -> Token:
         """The token read last."""
         return self.tokens[self.index - 1] if self.index else self.token
+
+    def last_word(self) -> Token | None:
+        """The token read last that is more than layout."""
+        index = self.index - 1
+        while index >= 0 and self.tokens[index].kind in LAYOUT:
+            index -= 1
+        return self.tokens[index] if index >= 0 else None
 
     # ------------------------------------------------------------ moving
 
@@ -165,10 +172,10 @@ class Cursor:
         if self.nesting > MAX_NESTING:
             self.fail("the program is nested too deeply here", "give parts of it names", kind="budget")
 
-    def check_chain(self, links: int) -> None:
+    def check_chain(self, links: int, what: str = "operators") -> None:
         """Refuse endless rows of operators, whose trees would be too deep for whoever walks them."""
         if links > MAX_CHAIN:
-            self.fail(f"more than {MAX_CHAIN} operators in one row", "give parts of it names", kind="budget")
+            self.fail(f"more than {MAX_CHAIN} {what} in one row", "give parts of it names", kind="budget")
 
     def fail(
         self, message: str, hint: str = "", *, at: Token | ast.AST | None = None, kind: str = "syntax"
@@ -185,17 +192,20 @@ class Cursor:
         else:
             token = at or self.token
             # The end of a line is reported just behind its last word, wherever comments or blanks end it.
-            if token.kind in ("newline", "end", "dedent") and token is self.token and self.index:
-                last = self.previous
+            last = self.last_word() if token is self.token and token.kind in LAYOUT else None
+            if last is not None and token.kind != "indent":
                 place = (last.end_line, last.end_column, last.end_line, last.end_column + 1)
             else:
                 place = (token.line, token.column, token.end_line, token.end_column)
         return self.source.error(message, place, hint, kind)
 
 
+LAYOUT = ("newline", "indent", "dedent", "end")
+
+
 def describe(token: Token) -> str:
     """A token in words, for error messages."""
-    if token.kind in ("newline", "indent", "dedent", "end"):
+    if token.kind in LAYOUT:
         return {
             "newline": "the end of the line",
             "indent": "a deeper indentation",

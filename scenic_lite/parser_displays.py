@@ -55,7 +55,18 @@ class Displays(Instances):
         if text == "...":
             self.advance()
             return self.at(token, ast.Constant(...))
-        self.fail(f"expected a value, found {describe(token)}")
+        self.no_value(token)
+
+    def no_value(self, token: Token) -> NoReturn:
+        """Report a sign where a value should be."""
+        before, hint = self.previous.text, ""
+        if token.text in ("&", "|") and before == token.text:
+            hint = f'it is written "{"and" if before == "&" else "or"}"'
+        elif token.kind == "newline" and before in ("+", "-") and self.index > 1 and self.peek(-2).text == before:
+            hint = f'write "{before}= 1"'
+        elif token.text == "=":
+            hint = '"==" compares'
+        self.fail(f"expected a value, found {describe(token)}", hint)
 
     def number(self, token: Token) -> int | float | complex:
         """The value of a number token."""
@@ -260,7 +271,7 @@ class Displays(Instances):
             while self.accept("if"):
                 conditions.append(self.filter())
             found.append(ast.comprehension(target, values, conditions, asynchronous))
-            self.check_chain(len(found))
+            self.check_chain(len(found), '"for"')
         return found
 
     def filter(self) -> ast.expr:

@@ -300,7 +300,10 @@ class Expressions(Calls):
         """`[await] atom` followed by attributes, calls and indices."""
         if start.text == "await":
             self.advance()
-            return self.at(start, ast.Await(self.primary(self.token)))
+            self.deeper()
+            value: ast.expr = self.at(start, ast.Await(self.primary(self.token)))
+            self.nesting -= 1
+            return value
         value = self.atom(start)
         links = 0
         while True:

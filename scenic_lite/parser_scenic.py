@@ -237,6 +237,8 @@ class ScenicStatements(Blocks):
         if self.accept("until"):
             return nodes.Do(calls, how, weights, None, None, self.condition())
         length, unit = self.optional_duration("for")
+        if self.token.kind == "name" and (hint := nearest(self.token.text, ("until", "for"))):
+            self.fail(f"unexpected {describe(self.token)} after the behavior", hint)
         if self.token.text == "until":
             self.fail('"for" and "until" cannot both stand after "do"')
         return nodes.Do(calls, how, weights, length, unit, None)

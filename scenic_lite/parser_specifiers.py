@@ -158,6 +158,7 @@ class Instances(Strings):
         if words == ("offset", "along"):
             heading = self.operation(RELATIVE)
             self.expect("by", 'after "offset along" and its heading', 'write "offset along H by V"')
+        self.needs_value(" ".join(words))
         value_start = self.token
         value = self.operation(OPERATOR_FORMS[words])
         operator = self.at(start, _operator(cls, words, value, heading))
@@ -166,6 +167,7 @@ class Instances(Strings):
         if words[-1] == "from":
             words = words[:-1]
         specifiers = [self.at(place, Specifier(" ".join(words), arguments))]
+        self.check_end(None, " ".join(words))
         self.more_specifiers(specifiers)
         node = self.at(start, New(cls, specifiers))
         if len(specifiers) == 1:
@@ -271,7 +273,7 @@ class Instances(Strings):
         arguments: list[ast.expr | None] = [self.specifier_value(name)] if form.value else []
         for word, needed in form.parts:
             if self.accept(word):
-                arguments.append(self.expression())
+                arguments.append(self.specifier_value(f"{name} ... {word}"))
             elif needed:
                 self.missing_part(name, word)
             else:
@@ -282,9 +284,13 @@ class Instances(Strings):
 
     def specifier_value(self, name: str) -> ast.expr:
         """The value after the words of a specifier."""
+        self.needs_value(name)
+        return self.expression()
+
+    def needs_value(self, name: str) -> None:
+        """The line or argument must not end after the words of a specifier."""
         if self.token.kind in ("newline", "end") or self.token.text in (",", ")"):
             self.fail(f'expected a value after "{name}", found {describe(self.token)}')
-        return self.expression()
 
     def with_property(self) -> Specifier:
         """`with property value`."""

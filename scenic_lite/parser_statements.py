@@ -122,6 +122,8 @@ class SimpleStatements(Expressions):
             self.fail(f'unknown statement "{before.text}"', _FOREIGN[before.text], at=before)
         if alone and (hint := nearest(before.text, STATEMENT_WORDS)):
             self.fail(f'unknown statement "{before.text}"', hint, at=before)
+        if token.text == "with":
+            self.fail(f'expected a property name after "with", found {describe(self.peek())}', at=self.peek())
         if before.text[:1].isupper() and token.text not in INFIX_WORDS:
             hint = nearest(token.text, SPECIFIER_NAMES) or LIST_OF_SPECIFIERS
             self.fail(f'unknown specifier "{token.text}"', hint)
@@ -138,15 +140,15 @@ class SimpleStatements(Expressions):
     def missing_operator_hint(self) -> str:
         """What might be missing before the present token."""
         token, before = self.token, self.previous
-        if before.kind == "number" and token.text in _FOREIGN:
+        if token.text in _FOREIGN:
             return _FOREIGN[token.text]
-        if token.kind == "number" and before.text in ("-", "+"):
-            return ""
-        if token.text == "(" or before.text == ")":
-            return "is an operator or a comma missing?"
-        if token.kind == "number" and any(self.peek(-k).text in ("of", "behind") for k in (2, 3, 4) if self.index >= k):
-            return 'a distance is written with "by": "ahead of X by 2"'
-        return ""
+        if before.text in ("distance", "angle"):
+            return f'write "{before.text} from X to Y"'
+        if before.text == "print":
+            return 'a function is called with brackets: "print(...)"'
+        if self.class_body and before.kind == "name":
+            return f'a property is written "{before.text}: default"'
+        return "is an operator or a comma missing?" if self.starts_value(token) else ""
 
     # ------------------------------------------------------------ expressions and assignments
 
@@ -174,7 +176,7 @@ class SimpleStatements(Expressions):
             targets.append(self.stored(self.not_an_instance(value)))
             place = self.token
             value = self.assigned_value()
-            self.check_chain(len(targets))
+            self.check_chain(len(targets), "targets")
         return self.at(start, ast.Assign(targets, self.lone_class(value, place)))
 
     def not_an_instance(self, value: ast.expr) -> ast.expr:
@@ -195,7 +197,9 @@ class SimpleStatements(Expressions):
         """`target: annotation [= value]`."""
         self.advance()
         if self.token.kind == "newline":
-            self.fail('expected an annotation after ":"', self.word_hint(start))
+            if hint := self.word_hint(start):
+                self.fail(f'unknown statement "{start.text}"', hint, at=start)
+            self.fail('expected an annotation after ":"')
         annotation = self.expression()
         value = self.assigned_value() if self.accept("=") else None
         simple = int(isinstance(target, ast.Name) and start.text != "(")
