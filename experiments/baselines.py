@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete
 
-from envs.football.constants import SHOT
+from envs.football.constants import DIRECTION_RIGHT, SHOT
 
 
 class RandomPolicy:
@@ -27,11 +27,15 @@ class RandomPolicy:
 
 
 class ShootPolicy:
-    """Shoot at once: the shot in every step."""
+    """Shoot at once: towards the goal and the shot in turns, for a kick leaves the foot when its button is released."""
+
+    def __init__(self) -> None:
+        self.shot = False
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
         """Give one action for each row of `observation` `[N, size]`."""
-        return np.full(len(observation), SHOT)
+        self.shot = not self.shot
+        return np.full(len(observation), SHOT if self.shot else DIRECTION_RIGHT)
 
 
 def make_baselines(action_space: Discrete) -> dict[str, Any]:

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+WIDTH = 11.5  # inches
+COLUMNS = 4  # pitches in a row
+
+
 @dataclass(frozen=True)
 class Comparison:
     """What a comparison has brought: run folders by method, all results, and how to draw levels."""
@@ -29,23 +33,42 @@ class Comparison:
 
 
 def overview(found: Comparison, path: Path) -> None:
-    """Draw the picture."""
+    """Draw the picture: curves and goals above, a row of pitches for each method beneath."""
     import matplotlib.pyplot as plt
 
+    x_low, x_high, y_low, y_high = found.painter.bounds
+    rows = _level_rows(found.runs)
+    pitch = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low)  # height of one, inches
     with plots.style():
-        rows = len(found.runs)
-        figure = plt.figure(figsize=(11.5, 3.9 + 3.2 * rows))
-        grid = figure.add_gridspec(1 + rows, 6, height_ratios=[1.15, *[1.0] * rows], hspace=0.32, wspace=0.55)
-        _draw_learning(figure.add_subplot(grid[0, :3]), found)
-        _draw_goals(figure.add_subplot(grid[0, 3:]), found)
-        for row, (method, paths) in enumerate(found.runs.items(), start=1):
-            for column, (period, span) in enumerate(PERIODS.items()):
-                axes = figure.add_subplot(grid[row, 2 * column : 2 * column + 2])
+        figure = plt.figure(figsize=(WIDTH, 3.6 + len(rows) * (pitch + 0.35)))
+        above, below = figure.subfigures(2, 1, height_ratios=[3.6, len(rows) * (pitch + 0.35)])
+        left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
+        _draw_learning(left, found)
+        _draw_goals(right, found)
+        above.suptitle(_heading(found), x=0.01, y=0.99, ha="left", fontsize=13, fontweight="bold")
+        above.subplots_adjust(left=0.06, right=0.99, top=0.80, bottom=0.23, wspace=0.16)
+        grid = below.subplots(len(rows), COLUMNS, squeeze=False)
+        for line, panels in zip(grid, rows, strict=True):
+            for axes, (heading, paths, span) in zip(line, panels, strict=True):
                 draw_levels(axes, found.painter, [read_theta(run, span) for run in paths])
-                axes.set_title(f"{plots.title(method)}: levels of the {period}")
-        team_legend(figure)
-        figure.suptitle(_heading(found), x=0.125, y=0.995, ha="left", fontsize=13, fontweight="bold")
+                axes.set_title(heading)
+        team_legend(below)
+        below.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.12, wspace=0.05, hspace=0.15)
         plots.save(figure, path)
+
+
+def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
+    """Give rows of panels (heading, runs, share of the training): for each curriculum, what it is compared with first.
+
+    Domain randomisation is the same at all times, so one panel shows it whole.
+    """
+    uniform = [("Levels: domain randomisation", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
+    others = [method for method in runs if method != "dr"] or list(runs)
+    rows = []
+    for method in others:
+        panels = [(f"{plots.title(method)}, {period}", runs[method], span) for period, span in PERIODS.items()]
+        rows.append(([*uniform, *panels] + panels)[:COLUMNS] if uniform else [panels[0], *panels])
+    return rows
 
 
 def _heading(found: Comparison) -> str:
@@ -84,4 +107,4 @@ def _draw_goals(axes: Axes, found: Comparison) -> None:
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
     axes.set_title("Goals scored after training (% of episodes)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=len(methods), columnspacing=1.2)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=len(methods), columnspacing=1.2)

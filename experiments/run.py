@@ -14,7 +14,10 @@ Read next: `train`.
 
 from __future__ import annotations
 
+import fcntl
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +69,16 @@ class RunFolder:
         self.config = config
         configs.save(config, self.path / "config.json")
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other processes from training this run meanwhile. Raises `CommandError` if one does already."""
+        with open(self.path / "config.json") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise CommandError(f"{self.path} is being trained by another process") from None
+            yield
+
     # ------------------------------------------------------------ the checkpoint
 
     @property
@@ -83,14 +96,10 @@ class RunFolder:
         return state
 
     def save(self, state: dict[str, Any]) -> None:
-        """Replace the checkpoint in one step. Raises `CommandError` if the disk refuses; the old one stays."""
+        """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
         from ued import checkpoint
 
-        try:
-            checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
-        except (OSError, RuntimeError) as error:  # torch raises RuntimeError when a disk is full
-            self.checkpoint.with_name(self.checkpoint.name + ".part").unlink(missing_ok=True)
-            raise cannot_write(self.checkpoint, error) from error
+        checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
         self.saved_update = state["update"]
         self._saved_at = time.monotonic()
 

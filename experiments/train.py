@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from experiments import arguments, build
+from experiments import arguments, build, plots
 from experiments.arguments import group
 from experiments.config import TrainConfig, presets
 from experiments.errors import UsageError
@@ -40,8 +40,9 @@ class TrainFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     run = _open_run(argv)
-    with StopRequest() as stop:
+    with run.locked(), StopRequest() as stop:
         done = train(run, stop)
+    plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code

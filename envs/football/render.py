@@ -63,7 +63,8 @@ class FootballPainter:
         classes: `[K]` the class of each point, an index into `MARKERS`; the P players in the order of the match, then
             the ball, so K = P + 1.
         focus: the point that stands for a level: the program's ego.
-        bounds: x low, x high, y low, y high in metres: the right half if everybody but the left keeper starts there.
+        bounds: x low, x high, y low, y high in metres: what matters of the right half if everybody but the left keeper
+            starts there, else the whole pitch.
     """
 
     background = GRASS
@@ -80,8 +81,11 @@ class FootballPainter:
         dim = casting.program.dim
         corners = np.vstack([np.zeros((1, dim)), np.eye(dim), -np.eye(dim)])
         field = self.positions(corners)[:, self.classes != LEFT_KEEPER]
-        x_low = -MARGIN if (field[..., 0] > 0).all() else -HALF_LENGTH - MARGIN
-        self.bounds = (x_low, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
+        if (field[..., 0] > 0).all():
+            reach = min(max(np.abs(field[..., 1]).max(), BOX_HALF_WIDTH) + 2 * MARGIN, HALF_WIDTH + MARGIN)
+            self.bounds = (-MARGIN, HALF_LENGTH + MARGIN, -reach, reach)
+        else:
+            self.bounds = (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
 
     def lines(self) -> list[np.ndarray]:
         """Give the markings of the pitch, those of the half that is shown."""

@@ -26,6 +26,8 @@ DRAWS = (Column("place.x", -50.0, 50.0), Column("place.y", -30.0, 30.0), Column(
 class ProbeUPOMDP(UPOMDP):
     """Episodes of one step; the observation is θ."""
 
+    program = None
+
     def __init__(self, num_envs: int = 1) -> None:
         super().__init__(num_envs, Box(-1.0, 1.0, (3,), np.float32), Discrete(2), DRAWS)
 
@@ -84,3 +86,52 @@ class ProbePainter:
     def positions(self, theta):
         walker = theta[:, :2] * (50.0, 30.0)
         return np.stack([walker, walker + (5.0, 0.0)], 1)
+
+    def frame(self, upomdp):
+        return self.positions(upomdp.levels["theta"])[0]
+
+
+class ProbePolicy:
+    """Answers right with a skill between 0 and 1."""
+
+    def __init__(self) -> None:
+        self.skill = 0.0
+
+    def play(self, observation, generator, greedy=False):
+        import torch
+
+        right = torch.rand(len(observation), generator=generator).numpy() < 0.5 + self.skill / 2
+        return np.where(right, observation[:, 0] > 0, observation[:, 0] <= 0).astype(int)
+
+
+class ProbeMethod:
+    """Grows more skilful with every update, in a way that depends on all of its state."""
+
+    def __init__(self, config, upomdp) -> None:
+        self.upomdp, self.rng = upomdp, np.random.default_rng(config.seed)
+        self.student = ProbePolicy()
+        self.students = {"protagonist": self.student, "antagonist": ProbePolicy()}
+        self.updates = self.env_steps = 0
+        self.last = None
+
+    def update(self):
+        self.updates += 1
+        self.env_steps += 1000
+        self.student.skill = min(1.0, self.student.skill + 0.02 * self.rng.random())
+        self.last = batch(self.updates, self.rng, 8)
+        metrics = {"return/protagonist": self.student.skill, "regret": float(self.last.score.mean()), "time/sim": 0.01}
+        return metrics | ({"late": 1.0} if self.updates > 3 else {})
+
+    def state_dict(self):
+        return {
+            "rng": self.rng.bit_generator.state,
+            "skill": self.student.skill,
+            "updates": self.updates,
+            "env_steps": self.env_steps,
+            "upomdp": self.upomdp.get_state(),
+        }
+
+    def load_state_dict(self, state):
+        self.rng.bit_generator.state = state["rng"]
+        self.student.skill, self.updates, self.env_steps = state["skill"], state["updates"], state["env_steps"]
+        self.upomdp.set_state(state["upomdp"])

@@ -1,0 +1,101 @@
+"""The command line from dataclasses: flags, groups, types, what is refused and how."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import pytest
+
+from experiments.arguments import group, parse, positional, typed_settings
+from experiments.errors import UsageError
+from ued.config import setting
+
+
+@dataclass(frozen=True)
+class Inner:
+    learning_rate: float = setting(1e-3, "step size")
+    layers: int = setting(2, "hidden layers")
+
+    def __post_init__(self):
+        if self.layers < 1:
+            raise ValueError(f"layers must be at least 1, got {self.layers}")
+
+
+@dataclass(frozen=True)
+class Teacher:
+    fraction: float = setting(0.5, "share")
+    inner: Inner = group(Inner, "inner", prefix="inner.")
+
+
+@dataclass(frozen=True)
+class Outer:
+    game: str = positional("what to play", default="chess")
+    num_envs: int = setting(64, "environments")
+    out: Path | None = setting(None, "where to")
+    record: bool = setting(True, "record it")
+    kind: Literal["fast", "slow"] = setting("fast", "how")
+    words: tuple[str, ...] = setting(("a", "b"), "some words")
+    ppo: Inner = group(Inner, "PPO")
+    teacher: Teacher = group(Teacher, "teacher", prefix="teacher.")
+
+
+def read(*argv):
+    return parse(Outer(), argv, "play", "Play.")
+
+
+def test_nothing_typed_leaves_the_base_as_it_is():
+    assert read() == Outer()
+    assert typed_settings(Outer(), [], "play", "") == {}
+
+
+def test_every_kind_of_field():
+    found = read("go", "--num-envs", "128", "--out", "x/y", "--no-record", "--kind", "slow", "--words", "c", "d", "e")
+    assert found == Outer(game="go", num_envs=128, out=Path("x/y"), record=False, kind="slow", words=("c", "d", "e"))
+
+
+def test_nested_fields_are_flat_or_prefixed_at_every_depth():
+    found = read("--learning-rate", "0.1", "--teacher.fraction", "0.25", "--teacher.inner.layers", "3")
+    assert found.ppo == Inner(learning_rate=0.1)
+    assert found.teacher == Teacher(fraction=0.25, inner=Inner(layers=3))
+
+
+@pytest.mark.parametrize(("text", "number"), [("5e6", 5_000_000), ("2_000", 2000), ("-3", -3)])
+def test_whole_numbers_may_be_written_short(text, number):
+    assert read(f"--num-envs={text}").num_envs == number
+
+
+@pytest.mark.parametrize(
+    ("argv", "sentence"),
+    [
+        (["--num-env", "3"], "unknown flag --num-env (did you mean '--num-envs'?)"),
+        (["--teacher.fracton=1"], "unknown flag --teacher.fracton (did you mean '--teacher.fraction'?)"),
+        (["go", "further"], "unexpected argument 'further'"),
+        (["--num-envs", "many"], "--num-envs: 'many' is not a number; see regista play --help"),
+        (["--num-envs", "1.5"], "--num-envs: '1.5' is not a whole number; see regista play --help"),
+        (["--learning-rate", "nan"], "--learning-rate: 'nan' is not a finite number; see regista play --help"),
+        (["--num-envs"], "--num-envs: expected one argument; see regista play --help"),
+        (["--layers", "0"], "layers must be at least 1, got 0"),
+    ],
+)
+def test_what_is_refused_and_how(argv, sentence):
+    with pytest.raises(UsageError) as found:
+        read(*argv)
+    assert str(found.value) == sentence
+    assert found.value.exit_code == 2
+
+
+def test_help_names_every_flag_with_its_default(capsys):
+    with pytest.raises(SystemExit) as found:
+        read("--help")
+    assert found.value.code == 0
+    text = capsys.readouterr().out
+    assert text.startswith("usage: regista play GAME [flags]\n")
+    for piece in (
+        "--num-envs N",
+        "(default 64)",
+        "--record, --no-record",
+        "--teacher.inner.layers N",
+        "PPO:",
+        "{fast,slow}",
+    ):
+        assert piece in text

@@ -1,0 +1,79 @@
+"""Configurations as JSON: there and back, and what is refused."""
+
+import dataclasses
+import json
+
+import pytest
+
+from experiments import config as configs
+from experiments.config import ConfigError, TrainConfig, presets
+
+
+@pytest.mark.parametrize("name", ["fast", "thesis"])
+def test_json_there_and_back(name, tmp_path):
+    config = presets()[name]
+    configs.save(config, tmp_path / "config.json")
+    assert configs.load(TrainConfig, tmp_path / "config.json") == config
+
+
+def test_thesis_is_table_4_2():
+    config = presets()["thesis"]
+    ppo = config.ppo
+    assert (ppo.learning_rate, ppo.clip_coef, ppo.gamma, ppo.gae_lambda) == (8e-5, 0.27, 0.993, 0.95)
+    assert (ppo.num_steps, ppo.num_minibatches, ppo.update_epochs, ppo.ent_coef, ppo.vf_coef) == (128, 8, 4, 0.01, 0.5)
+    assert (config.paired.adversary.ent_coef, config.paired.adversary.update_epochs) == (0.01, 5)
+    assert config.total_env_steps == 5_000_000
+
+
+def changed(**changes):
+    data = configs.to_dict(TrainConfig())
+    for path, value in changes.items():
+        *heads, last = path.split("__")
+        place = data
+        for head in heads:
+            place = place[head]
+        place[last] = value
+    return data
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        (changed(ppo__gama=0.9), "c.json: unknown key 'ppo.gama' (did you mean 'gamma'?)"),
+        (changed(num_envs="many"), "c.json: 'num_envs' must be int, got \"many\""),
+        (changed(num_envs=True), "c.json: 'num_envs' must be int, got true"),
+        (changed(ppo=3), "c.json: ppo must be an object, got 3"),
+        (changed(num_envs=0), "c.json: num_envs must be at least 1, got 0"),
+        ([], "c.json: the whole must be an object, got []"),
+    ],
+)
+def test_what_is_refused_and_how(data, sentence):
+    with pytest.raises(ConfigError) as found:
+        configs.from_dict(TrainConfig, data, "c.json")
+    assert str(found.value) == sentence
+
+
+def test_a_missing_key_is_named():
+    data = configs.to_dict(TrainConfig())
+    del data["ppo"]["gamma"]
+    with pytest.raises(ConfigError, match=r"c.json: key 'ppo.gamma' is missing"):
+        configs.from_dict(TrainConfig, data, "c.json")
+
+
+def test_a_whole_number_serves_as_float():
+    assert configs.from_dict(TrainConfig, changed(ppo__gamma=1), "c.json").ppo.gamma == 1.0
+
+
+def test_what_is_no_json(tmp_path):
+    (tmp_path / "config.json").write_text("{")
+    with pytest.raises(ConfigError, match="is not JSON"):
+        configs.load(TrainConfig, tmp_path / "config.json")
+
+
+def test_differences_are_named_by_path():
+    other = dataclasses.replace(TrainConfig(), seed=3, ppo=dataclasses.replace(TrainConfig().ppo, gamma=0.5))
+    assert configs.differences(TrainConfig(), other) == {"seed": (0, 3), "ppo.gamma": (TrainConfig().ppo.gamma, 0.5)}
+
+
+def test_every_setting_survives_json():
+    assert json.loads(json.dumps(configs.to_dict(TrainConfig()))) == configs.to_dict(TrainConfig())

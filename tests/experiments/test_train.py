@@ -1,0 +1,216 @@
+"""Runs: what is in the folder, how they stop and go on, what is refused. On a probe, with football at the end."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from experiments.__main__ import main
+from experiments.run import RunFolder
+from experiments.table import read_columns, read_rows
+
+ROOT = Path(__file__).parents[2]
+SHORT = ["--total-env-steps", "20000", "--eval-every", "5000", "--eval-episodes", "16", "--no-record"]
+
+
+def without_time(path):
+    """The rows of a table without its wall-clock columns."""
+    return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
+
+
+def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
+    names = {path.name for path in (tmp_path / "run").iterdir()}
+    wanted = {"config.json", "metrics.csv", "levels.csv", "checkpoint.pt", "curriculum.rrd", "learning_curve.png"}
+    assert names == wanted
+    metrics = read_columns(tmp_path / "run" / "metrics.csv")
+    assert metrics["update"].tolist() == list(range(1, 21))
+    assert metrics["env_steps"].tolist() == list(range(1000, 20001, 1000))
+    evaluated = [
+        update for update, value in zip(metrics["update"], metrics["eval/easy"], strict=True) if value == value
+    ]
+    assert evaluated == [1, 5, 10, 15, 20]
+    levels = read_columns(tmp_path / "run" / "levels.csv")
+    assert len(levels["update"]) == 20 * 8
+    assert {"theta/place.x", "return/protagonist", "score"} <= set(levels)
+    assert "20k env_steps, 20 updates" in capsys.readouterr().out
+
+
+def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
+    command = ["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]
+    assert main(command) == 0
+    before = (tmp_path / "run" / "metrics.csv").read_bytes()
+    assert main(command) == 1
+    path = f"{tmp_path}/run"
+    sentence = f"regista: {path} holds a run already; continue it with --resume {path}, or choose another --out\n"
+    assert capsys.readouterr().err == sentence
+    assert (tmp_path / "run" / "metrics.csv").read_bytes() == before
+
+
+def test_a_stopped_run_continues_to_the_same_numbers(probe, tmp_path, monkeypatch, capsys):
+    from tests.experiments.probe import ProbeMethod
+
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "whole"), *SHORT]) == 0
+    update = ProbeMethod.update
+
+    def interrupted(self):
+        if self.updates == 7:
+            os.kill(os.getpid(), signal.SIGINT)
+        return update(self)
+
+    monkeypatch.setattr(ProbeMethod, "update", interrupted)
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "cut"), *SHORT]) == 130
+    assert f"continue with: regista train --resume {tmp_path}/cut" in capsys.readouterr().out
+    assert len(read_rows(tmp_path / "cut" / "metrics.csv")) == 8
+    monkeypatch.setattr(ProbeMethod, "update", update)
+    assert main(["train", "--resume", str(tmp_path / "cut")]) == 0
+    for name in ("metrics.csv", "levels.csv"):
+        assert without_time(tmp_path / "cut" / name) == without_time(tmp_path / "whole" / name)
+
+
+def test_sigterm_ends_well_with_143(probe, tmp_path, monkeypatch):
+    from tests.experiments.probe import ProbeMethod
+
+    update = ProbeMethod.update
+
+    def interrupted(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        return update(self)
+
+    monkeypatch.setattr(ProbeMethod, "update", interrupted)
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]) == 143
+    assert (tmp_path / "run" / "checkpoint.pt").exists()
+
+
+def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch):
+    """A kill after the checkpoint leaves rows too many; a kill before the first leaves no checkpoint at all."""
+    from tests.experiments.probe import ProbeMethod
+
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "whole"), *SHORT]) == 0
+    update = ProbeMethod.update
+
+    class Killed(Exception):
+        pass
+
+    for updates, seconds in ((7, "0"), (7, "1000")):
+        path = tmp_path / f"killed{seconds}"
+
+        def killed(self, updates=updates):
+            if self.updates == updates:
+                raise Killed
+            return update(self)
+
+        monkeypatch.setattr(ProbeMethod, "update", killed)
+        with pytest.raises(Killed):
+            main(["train", "1v1Restricted", "--out", str(path), *SHORT, "--checkpoint-seconds", seconds])
+        with open(path / "metrics.csv", "a") as file:
+            file.write("8,80")
+        monkeypatch.setattr(ProbeMethod, "update", update)
+        assert main(["train", "--resume", str(path)]) == 0
+        assert without_time(path / "metrics.csv") == without_time(tmp_path / "whole" / "metrics.csv")
+        assert without_time(path / "levels.csv") == without_time(tmp_path / "whole" / "levels.csv")
+
+
+def test_a_resumed_recording_is_a_second_part(probe, tmp_path):
+    command = ["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]
+    assert main(command) == 0
+    assert main(["train", "--resume", str(tmp_path / "run"), "--total-env-steps", "24000"]) == 0
+    parts = sorted(path.name for path in (tmp_path / "run").glob("*.rrd"))
+    assert parts == ["curriculum.2.rrd", "curriculum.rrd"]
+
+
+def test_what_a_resumed_run_may_not_change(probe, tmp_path, capsys):
+    path = str(tmp_path / "run")
+    assert main(["train", "1v1Restricted", "--out", path, *SHORT]) == 0
+    assert main(["train", "--resume", path, "--seed", "3"]) == 1
+    assert capsys.readouterr().err == f"regista: {path} was trained with seed = 0; it cannot continue with 3\n"
+    assert main(["train", "--resume", path, "--out", "elsewhere"]) == 2
+
+
+def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, capsys):
+    from ued.recorder import CurriculumRecorder
+
+    def fail(*_):
+        raise RuntimeError("the viewer is on strike")
+
+    monkeypatch.setattr(CurriculumRecorder, "record", fail)
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
+    warnings = [line for line in capsys.readouterr().err.splitlines() if line.startswith("regista: ")]
+    assert warnings == ["regista: nothing more is recorded: RuntimeError: the viewer is on strike"]
+
+
+def test_a_full_disk_is_one_sentence_and_keeps_the_checkpoint(probe, tmp_path, monkeypatch, capsys):
+    import torch
+
+    path = tmp_path / "run"
+    assert main(["train", "1v1Restricted", "--out", str(path), *SHORT]) == 0
+    before = (path / "checkpoint.pt").read_bytes()
+
+    def full(*_):
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(torch, "save", full)
+    assert main(["train", "--resume", str(path), "--total-env-steps", "24000"]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(f"regista: cannot write {path}/checkpoint.pt: ") and "No space left on device" in error
+    assert len(error.splitlines()) == 1
+    assert (path / "checkpoint.pt").read_bytes() == before
+    assert len(read_rows(path / "metrics.csv")) == 24
+
+
+def test_an_open_run_is_locked(probe, tmp_path, capsys):
+    path = str(tmp_path / "run")
+    assert main(["train", "1v1Restricted", "--out", path, *SHORT]) == 0
+    with RunFolder.open(Path(path)).locked():
+        assert main(["train", "--resume", path]) == 1
+    assert capsys.readouterr().err == f"regista: {path} is being trained by another process\n"
+
+
+def regista(*argv, **options):
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "experiments", *argv]
+    return subprocess.Popen(
+        command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
+    )
+
+
+FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16", "--eval-episodes", "16"]
+BUDGET = ["--total-env-steps", "30000", "--eval-every", "10000", "--checkpoint-seconds", "0.5", "--no-record"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["dr", "paired"])
+def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method):
+    whole = regista("train", *FOOTBALL, *BUDGET, "--method", method, "--out", str(tmp_path / "whole"))
+    assert whole.wait(timeout=300) == 0, whole.stderr.read().decode()
+    killed = regista("train", *FOOTBALL, *BUDGET, "--method", method, "--out", str(tmp_path / "killed"))
+    deadline = time.monotonic() + 300
+    while not (tmp_path / "killed" / "checkpoint.pt").exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    killed.send_signal(signal.SIGKILL)
+    assert killed.wait() == -signal.SIGKILL
+    resumed = regista("train", "--resume", str(tmp_path / "killed"))
+    assert resumed.wait(timeout=300) == 0, resumed.stderr.read().decode()
+    for name in ("metrics.csv", "levels.csv"):
+        rows = without_time(tmp_path / "killed" / name)
+        assert rows == without_time(tmp_path / "whole" / name)
+        assert len(rows) > 10
+
+
+@pytest.mark.slow
+def test_ctrl_c_on_a_real_run(tmp_path):
+    process = regista(
+        "train", *FOOTBALL, "--total-env-steps", "100_000_000", "--no-record", "--out", str(tmp_path / "run")
+    )
+    deadline = time.monotonic() + 300
+    while not (tmp_path / "run" / "metrics.csv").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=60)
+    assert process.returncode == 130, error.decode()
+    assert f"continue with: regista train --resume {tmp_path}/run" in out.decode()
+    assert read_rows(tmp_path / "run" / "metrics.csv")
