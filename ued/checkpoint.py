@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ast
 import os
-import pickle
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -55,14 +54,21 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
 def load(path: str | Path) -> dict[str, Any]:
     """Read what `save` wrote. Raises `CheckpointError` for a file that is missing, cut short, foreign or too new."""
     path = Path(path)
+    damaged = f"{path} is no checkpoint, or one that was cut short or damaged"
     try:
-        content = torch.load(path, map_location="cpu", weights_only=True)
+        with open(path, "rb") as file:
+            if not zipfile.is_zipfile(file):
+                raise CheckpointError(damaged)
+            file.seek(0)
+            content = torch.load(file, map_location="cpu", weights_only=True)
     except FileNotFoundError as error:
         raise CheckpointError(f"there is no checkpoint at {path}") from error
     except OSError as error:
         raise CheckpointError(f"cannot read {path}: {_first_line(error)}") from error
-    except (RuntimeError, EOFError, ValueError, KeyError, pickle.UnpicklingError, zipfile.BadZipFile) as error:
-        raise CheckpointError(f"{path} is no checkpoint, or one that was cut short or damaged") from error
+    except CheckpointError:
+        raise
+    except Exception as error:  # whatever a damaged archive makes torch stumble over
+        raise CheckpointError(damaged) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CheckpointError(f"{path} is no checkpoint of this program")
     if content.get("version") != VERSION:

@@ -46,7 +46,7 @@ def test_without_entropy_the_proposals_collapse():
 
 
 def test_with_the_default_they_keep_their_spread_and_still_move():
-    theta, metrics = taught(AdversaryConfig())
+    theta, _ = taught(AdversaryConfig())
     assert theta.std(0).min() > 0.15
     assert np.abs(theta.mean(0) - PEAK).max() < 0.2
     assert landscape(theta, np.random.default_rng(0), noise=0).mean() > 0.7  # uniform proposals reach 0.23
@@ -65,7 +65,7 @@ def test_entropy_is_measured_in_the_space_of_theta():
     gaussian = Gaussian(mean, log_std)
     estimate = squashed_entropy(gaussian, torch_stream(0)).mean()
     raw = gaussian.sample(torch_stream(1))
-    log_density = gaussian.log_prob(raw) - torch.log1p(-torch.tanh(raw.double()) ** 2).sum(-1)
+    log_density = gaussian.log_prob(raw) - torch.log1p(-(torch.tanh(raw.double()) ** 2)).sum(-1)
     assert float(estimate) == pytest.approx(-float(log_density.mean()), abs=0.01)
 
 

@@ -92,7 +92,7 @@ def test_a_faster_student_stays_near_the_other_and_plays_on_meanwhile():
 
 
 def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
-    queue, made = make_queue(num_envs=4, episodes=1)
+    queue, _ = make_queue(num_envs=4, episodes=1)
     queue.first(0)
     assert len(queue.entries) == 4
     queue.renew(0, np.array([1]), np.array([0.0]))  # takes one of a block of four

@@ -1,0 +1,246 @@
+"""Checkpoints: what they hold comes back, what is wrong with a file is said, and resumed runs give the same numbers."""
+
+import copy
+import errno
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from probes import Follow, Landscape
+
+from ued import checkpoint
+from ued.checkpoint import CheckpointError
+from ued.methods.dr import DR
+from ued.methods.paired import Paired, PairedConfig
+from ued.ppo import PPOConfig
+from ued.upomdp import level_dtype
+
+PPO = PPOConfig(num_steps=10, num_minibatches=2, hidden_size=8)
+NESTED = np.dtype([("ball", [("position", np.float64, (2,)), ("owner", np.int8)]), ("clock", np.uint64)], align=True)
+
+
+def same(left, right):
+    assert type(left) is type(right)
+    if isinstance(left, dict):
+        assert left.keys() == right.keys()
+        return all(same(left[key], right[key]) for key in left)
+    if isinstance(left, (list, tuple)):
+        return len(left) == len(right) and all(map(same, left, right))
+    if isinstance(left, np.ndarray):
+        return left.dtype == right.dtype and left.shape == right.shape and left.tobytes() == right.tobytes()
+    if isinstance(left, torch.Tensor):
+        return left.dtype == right.dtype and torch.equal(left, right)
+    return left == right or left != left
+
+
+def test_everything_comes_back(tmp_path):
+    records = np.zeros((2, 3), NESTED)
+    records["ball"]["position"] = np.random.default_rng(0).normal(size=(2, 3, 2))
+    levels = np.zeros(4, level_dtype(3))
+    levels["seed"] = 2**64 - 1
+    state = {
+        "records": records,
+        "levels": levels,
+        "empty": levels[:0],
+        "no columns": np.zeros(2, level_dtype(0)),
+        "strings": np.array(["a", "bcd"]),
+        "truth": np.array(True),
+        "fortran": np.asfortranarray(np.arange(6.0).reshape(2, 3)),
+        "generator": np.random.default_rng(3).bit_generator.state,
+        "mt": np.random.Generator(np.random.MT19937(1)).bit_generator.state,
+        "torch": torch.Generator().get_state(),
+        "weights": {0: torch.ones(2, 2, dtype=torch.float64)},
+        "plain": [1, 2.5, True, None, "text", (1, (2, "three")), float("nan"), -(2**80)],
+    }
+    checkpoint.save(tmp_path / "c.pt", state)
+    assert same(checkpoint.load(tmp_path / "c.pt"), state)
+    assert os.listdir(tmp_path) == ["c.pt"]
+
+
+def test_numpy_numbers_become_plain_ones(tmp_path):
+    checkpoint.save(tmp_path / "c.pt", {"a": np.float64(0.1), "b": np.uint64(2**64 - 1), "c": np.bool_(True)})
+    assert checkpoint.load(tmp_path / "c.pt") == {"a": 0.1, "b": 2**64 - 1, "c": True}
+
+
+@pytest.mark.parametrize(
+    ("state", "message"),
+    [
+        ({"a": [0, {"b": Path("x")}]}, r"state\['a'\]\[1\]\['b'\] is a PosixPath, which a checkpoint cannot hold"),
+        ({"a": np.array([None])}, r"state\['a'\] is an array of Python objects, which a checkpoint cannot hold"),
+        ({"a": {"__array__": 1}}, "has the key '__array__'; keys must be strings or integers, and not reserved"),
+    ],
+)
+def test_what_it_cannot_hold_is_refused_and_the_old_one_stays(tmp_path, state, message):
+    path = tmp_path / "c.pt"
+    checkpoint.save(path, {"kept": 1})
+    with pytest.raises(CheckpointError, match=message):
+        checkpoint.save(path, state)
+    assert checkpoint.load(path) == {"kept": 1}
+
+
+def test_a_full_disk_leaves_the_old_one(tmp_path, monkeypatch):
+    path = tmp_path / "c.pt"
+    checkpoint.save(path, {"kept": 1})
+
+    def full(handle):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(CheckpointError) as error:
+            checkpoint.save(path, {"kept": 2})
+    assert str(error.value) == f"cannot write {path}: No space left on device; the previous checkpoint is intact"
+    assert checkpoint.load(path) == {"kept": 1} and os.listdir(tmp_path) == ["c.pt"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_torch_finding_the_disk_full_is_told_alike(tmp_path, monkeypatch):
+    path = tmp_path / "c.pt"
+    real = open
+    monkeypatch.setattr("builtins.open", lambda name, mode: real("/dev/full", mode))
+    with pytest.raises(CheckpointError, match=r"cannot write .*c.pt: "):
+        checkpoint.save(path, {"weights": torch.zeros(100_000)})
+    monkeypatch.undo()
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    with pytest.raises(CheckpointError, match=r"cannot write .*: No such file or directory"):
+        checkpoint.save(tmp_path / "none" / "c.pt", {})
+
+
+@pytest.mark.parametrize("keep", [0, 1, 100, 0.5, -1])
+def test_a_file_cut_short(tmp_path, keep):
+    path = tmp_path / "c.pt"
+    checkpoint.save(path, {"weights": torch.arange(1000.0)})
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * keep) if isinstance(keep, float) else keep])
+    with pytest.raises(CheckpointError) as error:
+        checkpoint.load(path)
+    assert str(error.value) == f"{path} is no checkpoint, or one that was cut short or damaged"
+
+
+def test_files_of_others(tmp_path):
+    path = tmp_path / "c.pt"
+    with pytest.raises(CheckpointError, match="there is no checkpoint at"):
+        checkpoint.load(path)
+    with pytest.raises(CheckpointError, match=r"cannot read .*: Is a directory"):
+        checkpoint.load(tmp_path)
+    for foreign in ("some text\n", "{}", "\x00\x01"):
+        path.write_text(foreign)
+        with pytest.raises(CheckpointError, match="is no checkpoint, or one that was cut short or damaged"):
+            checkpoint.load(path)
+    torch.save({"model": torch.ones(2)}, path)
+    with pytest.raises(CheckpointError, match="is no checkpoint of this program"):
+        checkpoint.load(path)
+    torch.save({"format": checkpoint.FORMAT, "version": 99, "state": {}}, path)
+    with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 1"):
+        checkpoint.load(path)
+
+
+class Bomb:
+    def __reduce__(self):
+        return os.system, ("touch bombed",)
+
+
+@pytest.mark.parametrize("write", [torch.save, lambda bomb, path: path.write_bytes(pickle.dumps(bomb))])
+def test_a_file_from_a_stranger_runs_no_code(tmp_path, monkeypatch, write):
+    monkeypatch.chdir(tmp_path)
+    write({"format": checkpoint.FORMAT, "version": 1, "state": Bomb()}, tmp_path / "c.pt")
+    with pytest.raises(CheckpointError):
+        checkpoint.load(tmp_path / "c.pt")
+    assert os.listdir(tmp_path) == ["c.pt"]
+
+
+# ---------------------------------------------------------------- runs
+
+MAKE = {
+    "dr": lambda seed: DR(Follow(12), PPO, seed=seed),
+    "paired": lambda seed: Paired(Landscape(12), PPO, PairedConfig(dr_fraction=0.3), seed=seed),
+}
+
+
+def numbers(metrics):
+    return {name: number for name, number in metrics.items() if not name.startswith("time/")}
+
+
+def equal(left, right):
+    return left.keys() == right.keys() and all(left[k] == right[k] or left[k] != left[k] for k in left)
+
+
+@pytest.mark.parametrize("name", MAKE)
+def test_a_resumed_run_gives_the_same_numbers(tmp_path, name):
+    whole = MAKE[name](1)
+    for _ in range(3):
+        whole.update()
+    checkpoint.save(tmp_path / "c.pt", whole.state_dict())
+    resumed = MAKE[name](99)  # whatever it drew before is overwritten
+    resumed.load_state_dict(checkpoint.load(tmp_path / "c.pt"))
+    for _ in range(4):
+        assert equal(numbers(whole.update()), numbers(resumed.update()))
+        assert all(map(np.array_equal, whole.last.returns.values(), resumed.last.returns.values()))
+        assert np.array_equal(whole.last.theta, resumed.last.theta)
+    assert same(checkpoint.encode(whole.state_dict()), checkpoint.encode(resumed.state_dict()))
+
+
+@pytest.mark.parametrize("name", MAKE)
+def test_a_state_is_a_snapshot(name):
+    method = MAKE[name](1)
+    method.update()
+    state = method.state_dict()
+    before = copy.deepcopy(state)
+    method.update()
+    other = MAKE[name](2)
+    other.load_state_dict(state)
+    other.update()
+    assert same(state, before)
+
+
+RUN = """
+    import sys
+    from pathlib import Path
+    import torch
+    from test_checkpoint import MAKE, numbers
+    from ued import checkpoint
+    torch.set_num_threads(1)
+    folder, updates = Path(sys.argv[1]), int(sys.argv[2])
+    method = MAKE["paired"](1)
+    if (folder / "c.pt").exists():
+        method.load_state_dict(checkpoint.load(folder / "c.pt"))
+    while method.updates < updates:
+        metrics = method.update()
+        with open(folder / "log", "a") as log:
+            print(method.updates, numbers(metrics), file=log)
+        checkpoint.save(folder / "c.pt", method.state_dict())
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_run_resumes_to_the_numbers_of_one_never_killed(tmp_path):
+    def start(folder, updates):
+        command = [sys.executable, "-c", textwrap.dedent(RUN), str(folder), str(updates)]
+        here = Path(__file__).parent
+        return subprocess.Popen(command, env=os.environ | {"PYTHONPATH": f"{here.parents[1]}:{here}"})
+
+    (tmp_path / "whole").mkdir(), (tmp_path / "killed").mkdir()
+    assert start(tmp_path / "whole", 12).wait() == 0
+    for updates in (3, 7):
+        run, log = start(tmp_path / "killed", 10**9), tmp_path / "killed" / "log"
+        while not log.exists() or len(log.read_text().splitlines()) < updates:
+            assert run.poll() is None
+            time.sleep(0.002)
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+    whole = (tmp_path / "whole" / "log").read_text().splitlines()
+    start(tmp_path / "killed", 12).wait()
+    killed = (tmp_path / "killed" / "log").read_text().splitlines()
+    assert set(whole) <= set(killed)  # an update that was not saved is done again, with the same numbers
+    assert len({line.split()[0] for line in killed}) == len(set(killed))
