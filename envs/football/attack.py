@@ -25,7 +25,7 @@ BACKWARD = 0.3  # weight of ground lost against width of the lane
 FEAR_RANGE, FEAR = 10.0, 1.6  # m; repulsion of opponents against a pull of 1 to the goal
 LINE_FEAR = 6.0  # m from a side line
 SPRINT_ROOM = 3.5  # m of room that makes a carrier sprint
-BLOCK_SHARE, SHAPE_X, SHAPE_Y = 0.65, 0.35, 0.75  # formation: how much follows the ball, and keeps its shape
+FOLLOW_X, FOLLOW_Y = 0.65, 0.3  # share of the ball's way by which the formation follows it
 FORWARD_RUN = 9.0  # m that a centre forward stays ahead of the ball
 
 
@@ -169,7 +169,7 @@ def support(match, i):
 def formation_place(match, i):
     """Place of player i in a block that slides with the ball and keeps the shape of the kick-off."""
     player, ball = match.players[i], match.ball
-    x = BLOCK_SHARE * ball.x + SHAPE_X * player.start_x
-    y = (1.0 - SHAPE_Y) * ball.y + SHAPE_Y * player.start_y
+    x = player.start_x + FOLLOW_X * (ball.x - match.ball_start_x)
+    y = player.start_y + FOLLOW_Y * (ball.y - match.ball_start_y)
     limit = HALF_LENGTH - 3.0
     return min(max(x, -limit), limit), min(max(y, -HALF_WIDTH + 2.0), HALF_WIDTH - 2.0)

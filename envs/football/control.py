@@ -34,7 +34,7 @@ HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 5.1, 4.1  # m/s with the ball
 CARRY_SPRINT, CARRY_KNOCK_ON = 0.93, 0.98  # of top speed with the ball
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
-ROUND = 1.0  # m beside a body that is run round
+ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
 SLIDE_SPEED = 5.0  # m/s at least
 
 
@@ -177,7 +177,8 @@ def go_for_ball(match, i, speed):
     if ball_x * from_x + ball_y * from_y < 0.0 and distance < 3.0:
         size = length(from_x, from_y) + 1e-9
         side = ROUND if from_x * ball_y - from_y * ball_x >= 0.0 else -ROUND
-        x, y = carrier.x - side * from_y / size, carrier.y + side * from_x / size
+        x = carrier.x - side * from_y / size + OVERTAKE * carrier.vx
+        y = carrier.y + side * from_x / size + OVERTAKE * carrier.vy
     dx, dy = x - player.x, y - player.y
     size = length(dx, dy) + 1e-9
     player.want_x, player.want_y = dx / size * speed, dy / size * speed

@@ -32,12 +32,13 @@ SWING_PATIENCE = -0.6  # s, `kick_wait` at which a kick that never met the ball 
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
 
 # Shots
-SHOT_STANDING, SHOT_RUNNING = 27.0, 31.0  # m/s
+SHOT_STANDING, SHOT_RUNNING = 27.4, 31.8  # m/s
 RUNNING_FROM = 1.5  # m/s
-CHARGE_STANDING, CHARGE_RUNNING, CHARGE_STEPS = 0.4, 0.9, 5  # m/s per further step that the button was held
-SHOT_TURNED = -2.0  # m/s per quarter turn
+CHARGE_STANDING, CHARGE_RUNNING, CHARGE_STEPS = 0.4, 1.0, 5  # m/s per further step that the button was held
+SHOT_TURNED = -5.0  # m/s at a quarter turn, growing with its cube
 SHOT_SPREAD = 1.0  # m/s
-LIFT_STANDING, LIFT_RUNNING, LIFT_SPREAD, LIFT_LEAST = 4.0, 2.3, 1.2, 0.3  # m/s upwards
+LIFT_STANDING, LIFT_RUNNING, LIFT_TURNED = 4.2, 2.7, 1.2  # m/s upwards
+LIFT_SPREAD, LIFT_LEAST = 1.1, 0.3  # m/s
 AIM_WIDEST, AIM_POWER = 3.33, 0.7  # m from the middle of the goal when aiming a quarter turn off
 DRIFT, DRIFT_POWER = 0.3, 1.3  # rad further out than aimed, at a quarter turn
 SCATTER, SCATTER_TURNED = 0.02, 0.07  # rad
@@ -208,10 +209,11 @@ def shoot(match, player, ux, uy):
     turns = min(quarter_turns(player.facing_x, player.facing_y, ux, uy), 1.0)
     pace = min(length(player.vx, player.vy) / RUNNING_FROM, 1.0)
     charge = min(max(player.kick_held - 1, 0), CHARGE_STEPS)
-    speed = SHOT_STANDING + (SHOT_RUNNING - SHOT_STANDING) * pace + SHOT_TURNED * turns
+    speed = SHOT_STANDING + (SHOT_RUNNING - SHOT_STANDING) * pace + SHOT_TURNED * turns * turns * turns
     speed += charge * (CHARGE_STANDING + (CHARGE_RUNNING - CHARGE_STANDING) * pace)
     speed += SHOT_SPREAD * normal(match)
-    lift = LIFT_STANDING + (LIFT_RUNNING - LIFT_STANDING) * pace + LIFT_SPREAD * normal(match)
+    lift = LIFT_STANDING + (LIFT_RUNNING - LIFT_STANDING) * pace + LIFT_TURNED * turns
+    lift += LIFT_SPREAD * normal(match)
     off = (SCATTER + SCATTER_TURNED * turns * turns) / player.skill * normal(match)
     send(match.ball, ux, uy, off, speed, max(lift, LIFT_LEAST), SHOT_SPIN)
 

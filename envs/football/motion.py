@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED, STEP
+from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RUN_SPEED, STEP
+from envs.football.vectors import toward
 from scenic_lite.jit import kernel
 
 SETTLED = 0.2  # m/s, command and velocity this close are the same
@@ -28,6 +29,8 @@ ACCELERATION = 8.2  # m/s² from there to RUN_SPEED
 ACCELERATION_SPRINT, ACCELERATION_TIME = 5.0, 0.47  # m/s² and s, from there on: approach to top speed
 ARC = 0.5 * STEP  # rad turned in a step when sprinting with the ball
 ARC_COS, ARC_SIN = math.cos(ARC), math.sin(ARC)
+TURN = 0.4  # rad turned in a step on the spot
+TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 ARC_SPEED = 5.5  # m/s, slower players turn on the spot
 SLIDE_TIME, SLIDE_GLIDE = 1.8, 1.4  # s on the ground; he glides until this much of it is left
 SLIDE_FRICTION = 14.0  # m/s²
@@ -53,6 +56,21 @@ def plan_motion(match, i):
     new_speed = math.sqrt(vx * vx + vy * vy)
     if new_speed > AT_REST and player.kick_wait <= 0.0:
         player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
+    elif match.carrier == i and player.kick == 0:
+        turn_to_goal(player)
+
+
+@kernel
+def turn_to_goal(player):
+    """Turn the body of a player who stands with the ball some way towards the goal that he attacks."""
+    goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
+    ux, uy = toward(goal_x - player.x, -player.y)
+    if player.facing_x * ux + player.facing_y * uy >= TURN_COS:
+        player.facing_x, player.facing_y = ux, uy
+        return
+    sine = TURN_SIN if player.facing_x * uy - player.facing_y * ux >= 0.0 else -TURN_SIN
+    x, y = player.facing_x, player.facing_y
+    player.facing_x, player.facing_y = x * TURN_COS - y * sine, x * sine + y * TURN_COS
 
 
 @kernel

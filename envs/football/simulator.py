@@ -1,11 +1,9 @@
-"""One step of a match as a recipe, and of many matches at once.
+"""One step of a match as a recipe.
 
 Each stage stands in the file of that name. Read next: `state` for the record, then the stages in their order.
 """
 
 from __future__ import annotations
-
-from numba import prange
 
 from envs.football.ai import think
 from envs.football.constants import BAD_ACTION, BUILTIN_AI, NUM_ACTIONS, RUNNING
@@ -69,8 +67,8 @@ def plan_motions(match):
         plan_motion(match, i)
 
 
-@kernel(parallel=True)
+@kernel
 def step_matches(matches, actions):
-    """Move matches MATCH [N] on by one step each, with actions [N] of their controlled players."""
-    for e in prange(len(matches)):
+    """Move matches MATCH [N] on by one step each, with actions [N]; bare, one after the other (see `batch`)."""
+    for e in range(len(matches)):
         step_match(matches[e], actions[e])

@@ -67,6 +67,8 @@ MATCH_FIELDS = (
     ("learner", "?", (), "", "a learner controls the left player closest to the ball"),
     ("random", "u8", (), "", "state of the stream of random numbers"),
     ("step", "i8", (), "steps", "played in this episode"),
+    ("ball_start_x", "f8", (), "m", "where the ball was at kick-off"),
+    ("ball_start_y", "f8", (), "m", ""),
     # Settings of the episode
     ("game_duration", "i8", (), "steps", ""),
     ("end_episode_on_score", "?", (), "", ""),
@@ -161,7 +163,9 @@ def kick_off(
     matches["chaser"] = NOBODY
     _settle(matches, config, seeds)
     matches["num_players"] = len(teams)
-    matches["ball"]["x"], matches["ball"]["y"] = ball[:, 0], ball[:, 1]
+    for axis, name in enumerate("xy"):
+        matches["ball"][name] = ball[:, axis]
+        matches["ball_start_" + name] = ball[:, axis]
     matches["ball"]["z"] = BALL_RADIUS
     _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
