@@ -36,7 +36,7 @@ from scenic_lite.graph import (
 )
 from scenic_lite.operators import OPERATORS, ego_of
 from scenic_lite.regions import Region
-from scenic_lite.values import Choice, Delayed, choose, describe_kind
+from scenic_lite.values import Choice, Delayed, Namespace, choose, describe_kind
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -305,6 +305,8 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
         raise ScenicError("type", "the index of a list must not be random", hint=hint)
     if isinstance(container, Vector):
         container = (container.x, container.y)
+    if isinstance(container, Namespace):
+        container = container.names
     if not isinstance(container, list | tuple | dict | str | range):
         raise ScenicError("type", f"{describe_kind(container)} has no elements to index")
     result = container[index]

@@ -296,9 +296,19 @@ def name_draws(name: str, value: Value) -> None:
     if isinstance(value, Instance | Column):
         value.name = value.name or name
     elif isinstance(value, Random):
-        for column in columns_of(value):
+        for column in (each for each in near_inputs(value) if isinstance(each, Column)):
             if column.shown is value:  # of `Uniform(1, 2)` or `Normal(0, 1)`
                 column.name = column.name or name
+
+
+def near_inputs(value: Random) -> list[Random]:
+    """The inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
+    found: list[Random] = []
+    level = [value]
+    for _ in range(4):
+        level = [each for node in level for each in node.inputs if isinstance(each, Random)][:16]
+        found += level
+    return found
 
 
 def near(name: str, names: Iterable[str]) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.errors import ScenicError
 from scenic_lite.graph import (
     ARC_TANGENT,
     COSINE,
@@ -89,15 +88,13 @@ def is_scalar(value: Value) -> bool:
 def vector_operand(value: Value, sign: str) -> Vector:
     vector = as_vector(value)
     if vector is None:
-        raise ScenicError(
-            "type", f"`{sign}` of a vector and something that is no vector", hint="a vector is written x @ y"
-        )
+        raise TypeError(f"`{sign}` of a vector and something that is no vector")
     return vector
 
 
 def scalar_operand(value: Value, sign: str) -> Value:
     if not is_scalar(value):
-        raise ScenicError("type", f"`{sign}` of a vector needs a number on the other side")
+        raise TypeError(f"`{sign}` of a vector needs a number on the other side")
     return value
 
 

@@ -133,15 +133,13 @@ def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:
-    """As `apply`, refusing operands that are no numbers (two texts may be added)."""
+    """As `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
     kinds = {kind_of(operand) for operand in operands}
     if kinds <= {"number", "truth", "any"}:
         return Random(operation.array, operands)
     if kinds <= {"text", "any"} and operation is ADD:
         return Random(operation.array, operands, "text")
-    wrong = next((operand for operand in operands if kind_of(operand) not in ("number", "truth", "any")), None)
-    found = "a text" if kind_of(wrong) == "text" else f"a {type(wrong).__name__.lower()}"
-    raise ScenicError("type", f"a number was expected here, not {found}")
+    raise TypeError("arithmetic needs numbers")
 
 
 def kind_of(value: Value) -> str:
@@ -245,10 +243,10 @@ def select(index: Random, options: tuple) -> Random:
     return Random(Table(options), (index,), kind)
 
 
-def columns_of(value: Value) -> Iterator[Column]:
-    """The columns a random value is computed from, in the order they were drawn or nearly so; each once."""
+def columns_of(*values: Value) -> Iterator[Column]:
+    """The columns that random values are computed from, each once."""
     seen: set[int] = set()
-    stack = [value]
+    stack = list(reversed(values))
     while stack:
         node = stack.pop()
         if not isinstance(node, Random) or id(node) in seen:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from scenic_lite import nodes
+from scenic_lite.check import check
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, Session, Source, near
 from scenic_lite.functions import MODULES
@@ -25,6 +26,9 @@ LARGEST_FILE = 1_000_000  # bytes
 def parsed(text: str, file: str, dialect: int) -> ast.Module:
     """The checked tree of a text; library files are the same in every program. Raises the first ScenicError."""
     tree = parse(text, file, dialect)
+    errors = [finding for finding in check(tree, text, file) if finding.kind != "warning"]
+    if errors:
+        raise errors[0]
     return tree
 
 

@@ -18,7 +18,7 @@ from scenic_lite.graph import Random, Tape, Value, columns_of
 from scenic_lite.naming import column_names, name_objects, title_of
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule, checks_of
-from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in
+from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
 from scenic_lite.values import BehaviorCall, Instance
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
@@ -71,7 +71,7 @@ class Program:
     def _lay_out(self, session: Session) -> None:
         """Find the columns that reach anything, and flatten the graph."""
         roots = list(self._roots(session.params))
-        used = {id(column) for root in roots for column in columns_of(root)}
+        used = {id(column) for column in columns_of(*roots)}
         self._columns = [column for column in session.columns if id(column) in used]
         names = column_names(self._columns)
         self.draws = tuple(
@@ -84,7 +84,9 @@ class Program:
 
     def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
         for instance in self._instances:
+            refuse_huge(instance.properties, f"a property of {instance.title()}")
             yield from randoms_in(instance)
+        refuse_huge(params, "a parameter")
         yield from randoms_in(params)
         yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
 

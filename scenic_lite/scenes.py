@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from scenic_lite.budget import exceeded
 from scenic_lite.errors import Place
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Random, Tape, Value, is_number
@@ -18,6 +19,7 @@ from scenic_lite.regions import RectangularRegion, Region, SectorRegion
 from scenic_lite.rules import Outlines
 from scenic_lite.values import BehaviorCall, Choice, Instance
 
+LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
 Plan = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
 
 
@@ -70,6 +72,18 @@ def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[Random]:
         seen.add(id(value))
     for part in parts:
         yield from randoms_in(part, seen)
+
+
+def refuse_huge(value: Value, what: str) -> None:
+    """Raise ScenicError if a value that scenes must hold is endless or very large when written out."""
+    count, stack = 0, [(value, 0)]
+    while stack:
+        each, depth = stack.pop()
+        count += 1
+        if count > LARGEST_VALUE or depth > DEEPEST_VALUE:
+            raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
+        if isinstance(each, list | tuple | set | dict):
+            stack += [(part, depth + 1) for part in parts_of(each)]
 
 
 def parts_of(value: Value) -> tuple[Value, ...]:

@@ -14,6 +14,7 @@ from scenic_lite import nodes
 from scenic_lite.errors import Place
 from scenic_lite.geometry import Vector, as_vector
 from scenic_lite.graph import Random, Value, select
+from scenic_lite.regions import Region, VectorField
 
 if TYPE_CHECKING:
     from scenic_lite.frame import Frame
@@ -198,6 +199,8 @@ KINDS: tuple[tuple[Any, str], ...] = (
     ((int, float), "a number"),
     (str, "a text"),
     (Vector, "a vector"),
+    (Region, "a region"),
+    (VectorField, "a vector field"),
     (ScenicClass, "a class"),
     ((Function, Bound, Builtin), "a function"),
     (Behavior, "a behavior without its arguments"),
