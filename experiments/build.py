@@ -5,6 +5,7 @@ Everything heavy is imported when it is asked for. Read next: `train`.
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,8 @@ METHODS = {
     "dr": "domain randomisation: a new uniform level for every episode",
     "paired": "protagonist, antagonist and an adversary that is paid their regret",
 }
+
+COMPILE_SECONDS = 20  # of all kernels, on a slow core
 
 TRAINING_SCENE = "training distribution"  # uniform θ of the training program: tested beside the test scenes
 
@@ -69,8 +72,12 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
     """Compile a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
     import numba
 
+    from envs.football.batch import step_batch
     from envs.football.vector_env import FootballVectorEnv
+    from scenic_lite.jit import compiled
 
+    if not compiled(step_batch):
+        print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
     numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
     upomdp = FootballVectorEnv(program, num_envs, config=config)
     upomdp.reset(seed=seed)

@@ -1,0 +1,221 @@
+"""`regista benchmark`: steps per second of the simulator and of training, measured side by side in one run.
+
+    regista benchmark --suite sim
+    regista benchmark --json > today.json
+
+Read next: `envs.football.batch`, the loop that is measured.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from experiments import arguments, build
+from experiments.config import TrainConfig
+from experiments.errors import UsageError
+from experiments.results import align
+from ued.config import setting
+
+DESCRIPTION = "Measure env steps per second of the simulator and of training, on this machine."
+
+# Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
+# over scenarios and observations. Measured with its own `create_environment(render=False)`.
+REFERENCE = (310, 570)
+STRETCHES = 3  # of each measurement; the best counts, for others may use the machine meanwhile
+
+
+@dataclass(frozen=True)
+class BenchmarkConfig:
+    """What is typed after `regista benchmark`."""
+
+    suite: Literal["sim", "train", "all"] = setting("all", "sim: the simulator alone; train: domain randomisation; all")
+    minigame: str = setting("1v1Free", "what is played")
+    num_envs: int = setting(256, "environments of the simulator's batch")
+    seconds: float = setting(1.0, "about how long each measurement takes")
+    json: bool = setting(False, "print JSON instead of a table")
+
+
+class Measurement(NamedTuple):
+    """One line of the table: steps of a single environment per second."""
+
+    what: str
+    steps_per_second: float
+    note: str = ""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
+    if config.num_envs < 1 or not config.seconds > 0:
+        raise UsageError("--num-envs must be at least 1 and --seconds positive")
+    build.find_minigame(config.minigame)
+    found: dict[str, list[Measurement]] = {}
+    if config.suite in ("sim", "all"):
+        found["simulator"] = simulator_suite(config)
+    if config.suite in ("train", "all"):
+        found["training"] = training_suite(config)
+    if config.json:
+        results = {suite: [row._asdict() for row in rows] for suite, rows in found.items()}
+        print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
+    else:
+        print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in found.items())]))
+    return 0
+
+
+# ---------------------------------------------------------------- the simulator
+
+
+def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
+    """Measure the vector environment with its observations, and a batch of one beside it."""
+    cores = os.cpu_count() or 1
+    rows = [first_step(config)]
+    baseline = _steps_per_second(config, config.num_envs, 1)
+    rows.append(Measurement(f"{config.num_envs} matches, 1 thread", baseline, _times_reference(baseline)))
+    for threads in sorted({2, cores} - {1}):
+        if threads <= cores:
+            speed = _steps_per_second(config, config.num_envs, threads)
+            rows.append(
+                Measurement(
+                    f"{config.num_envs} matches, {threads} threads", speed, f"{speed / baseline:.2f} x 1 thread"
+                )
+            )
+    single = _steps_per_second(config, 1, 1)
+    rows.append(
+        Measurement("1 match, through the same interface", single, f"{single / baseline:.2f} x {config.num_envs}")
+    )
+    rows.append(Measurement("levels drawn, checked and set up", _levels_per_second(config), "levels, not steps"))
+    return rows
+
+
+def first_step(config: BenchmarkConfig) -> Measurement:
+    """Say how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
+    from envs.football.batch import step_batch
+    from scenic_lite.jit import compiled
+
+    state = "from the cache" if compiled(step_batch) else "compiled now, once"
+    began = time.perf_counter()
+    env = _make_env(config, 1, 1)
+    env.step(np.zeros(1, np.int64))
+    seconds = time.perf_counter() - began
+    return Measurement("kernels, until the first step", float("nan"), f"{seconds:.1f} s, {state}")
+
+
+def _steps_per_second(config: BenchmarkConfig, num_envs: int, threads: int) -> float:
+    """Step with random actions, drawn beforehand; episodes restart as they end."""
+    env = _make_env(config, num_envs, threads)
+    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, num_envs))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 64])
+
+    step(8)
+    return num_envs * _rate(step, config.seconds)
+
+
+def _levels_per_second(config: BenchmarkConfig) -> float:
+    env = _make_env(config, config.num_envs, 1)
+
+    def renew(count: int) -> None:
+        for _ in range(count):
+            env.reset_to_levels(env.sample_levels(config.num_envs))
+
+    return config.num_envs * _rate(renew, config.seconds / 2)
+
+
+def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
+    program = build.find_minigame(config.minigame).program
+    return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+
+
+def _rate(run: Callable[[int], None], seconds: float) -> float:
+    """Give calls per second: the best of several stretches, each long enough to be measured."""
+    began = time.perf_counter()
+    run(4)
+    count = max(1, int(4 * seconds / STRETCHES / max(time.perf_counter() - began, 1e-6)))
+    best = 0.0
+    for _ in range(STRETCHES):
+        began = time.perf_counter()
+        run(count)
+        best = max(best, count / (time.perf_counter() - began))
+    return best
+
+
+# ---------------------------------------------------------------- training
+
+
+def training_suite(config: BenchmarkConfig) -> list[Measurement]:
+    """Measure domain randomisation with default settings, on one thread and on all cores, with the shares of time."""
+    rows = []
+    for threads in sorted({1, os.cpu_count() or 1}):
+        wanted = replace(TrainConfig(), minigame=config.minigame, method="dr", threads=threads)
+        program = build.find_minigame(wanted.minigame).program
+        method = build.make_method(wanted, build.make_upomdp(program, wanted.num_envs, wanted.env, 0, threads))
+        method.update()
+        rows.append(_train(method, config.seconds * STRETCHES, threads))
+    return rows
+
+
+def _train(method: Any, seconds: float, threads: int) -> Measurement:
+    steps, began, shares = method.env_steps, time.perf_counter(), {"sim": 0.0, "forward": 0.0, "learn": 0.0}
+    while time.perf_counter() - began < seconds:
+        metrics = method.update()
+        for name in shares:
+            shares[name] += metrics.get(f"time/{name}", 0.0)
+    elapsed = time.perf_counter() - began
+    words = {"sim": "simulation", "forward": "network forward", "learn": "network update"}
+    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
+    parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
+    plural = "s" * (threads > 1)
+    return Measurement(
+        f"domain randomisation, {threads} thread{plural}", (method.env_steps - steps) / elapsed, ", ".join(parts)
+    )
+
+
+# ---------------------------------------------------------------- what is printed
+
+
+def machine() -> dict[str, Any]:
+    """Say on what was measured."""
+    packages = {name: version(name) for name in ("numpy", "numba", "torch")}
+    return {"processor": _processor(), "cores": os.cpu_count(), "python": platform.python_version(), **packages}
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo") as file:
+            return next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def _machine_line() -> str:
+    facts = machine()
+    versions = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch"))
+    return f"{facts['processor']}, {facts['cores']} cores; {versions}"
+
+
+def render(suite: str, rows: Sequence[Measurement]) -> str:
+    """Give one suite as a table."""
+    lines = [[suite, "env steps/s", ""]]
+    for row in rows:
+        speed = "" if np.isnan(row.steps_per_second) else f"{row.steps_per_second:,.0f}"
+        lines.append([row.what, speed.rjust(11), row.note])
+    if suite == "simulator":
+        low, high = REFERENCE
+        lines.append(["for comparison: Google Research Football", f"{low}–{high}".rjust(11), "academies, one core"])
+    return align(lines)
+
+
+def _times_reference(speed: float) -> str:
+    low, high = REFERENCE
+    return f"{speed / high:.0f} to {speed / low:.0f} x Google Research Football"
