@@ -120,10 +120,16 @@ class Player:
         seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return seconds
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes besides the student's weights, open episodes included."""
+    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
+        """Give everything that changes besides the student's weights.
+
+        `episodes=False` leaves out the environments, whose state may be no data (as in `GymUPOMDP`); their episodes
+        then begin anew on the same levels.
+        """
         return {
-            "upomdp": self.upomdp.get_state(),
+            "upomdp": self.upomdp.get_state() if episodes else None,
+            "levels": self.upomdp.levels.copy(),
+            "np_random": self.upomdp.np_random.bit_generator.state,
             "generator": self.generator.get_state(),
             "returns": self.returns.copy(),
             "lengths": self.lengths.copy(),
@@ -132,10 +138,14 @@ class Player:
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` gave."""
-        self.observation = self.upomdp.set_state(state["upomdp"])
-        self.generator.set_state(state["generator"])
         self.returns[:] = state["returns"]
         self.lengths[:] = state["lengths"]
+        if state["upomdp"] is None:
+            self.upomdp.np_random.bit_generator.state = state["np_random"]
+            self.start(state["levels"])
+        else:
+            self.observation = self.upomdp.set_state(state["upomdp"])
+        self.generator.set_state(state["generator"])
         self.env_steps = state["env_steps"]
 
 

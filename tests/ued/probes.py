@@ -4,6 +4,7 @@ import copy
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
+from gymnasium.vector.utils import batch_space
 
 from ued.gym_upomdp import Parameter
 from ued.upomdp import UPOMDP, check_theta
@@ -106,6 +107,19 @@ class Endless(Probe):
     def outcome(self, actions):
         cut = self.t == 4
         return np.ones(self.num_envs), np.zeros_like(cut), cut
+
+
+class Reach(Probe):
+    """One step, two continuous actions in [0, 10]; reward falls with the distance from (7, 2)."""
+
+    def __init__(self, num_envs=16):
+        super().__init__(num_envs)
+        self.single_action_space = Box(0.0, 10.0, (2,), np.float32)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def outcome(self, actions):
+        assert actions.shape == (self.num_envs, 2) and (actions >= 0).all() and (actions <= 10).all()
+        return -np.linalg.norm(actions - np.array([7.0, 2.0]), axis=1), self.everyone, ~self.everyone
 
 
 class Landscape(Probe):

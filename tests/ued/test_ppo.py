@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
-from probes import Choice, Constant, Endless, Follow, TwoStep
+from probes import Choice, Constant, Endless, Follow, Reach, TwoStep
 
 from ued.methods.dr import DR
 from ued.networks import Categorical, Gaussian
@@ -56,6 +56,13 @@ def test_the_action_follows_the_observation():
     student, _ = train(Follow())
     assert probability(student, 1.0) > 0.95
     assert probability(student, -1.0) < 0.05
+
+
+def test_continuous_actions_reach_their_target():
+    student, metrics = train(Reach(), updates=80)
+    actions = student.play(np.zeros((1, 1)), torch_stream(0), greedy=True)
+    assert actions[0] == pytest.approx([7, 2], abs=0.5)
+    assert metrics["return/student"] > -2.5  # 5 at the start
 
 
 def test_a_time_limit_is_no_ending():

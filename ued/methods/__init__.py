@@ -55,8 +55,12 @@ class Method(Protocol):
     def update(self) -> dict[str, float]:
         """Do one training iteration; give its metrics."""
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything: a method made anew with the same arguments resumes from it to the same numbers."""
+    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
+        """Give everything: a method made anew with the same arguments resumes from it to the same numbers.
+
+        `episodes=False` leaves out the state of the environments, which for a `GymUPOMDP` no checkpoint can hold; open
+        episodes then begin anew.
+        """
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` gave."""

@@ -92,9 +92,9 @@ class DR:
             self.due[where] = False
         return where, self.upomdp.sample_levels(len(where))
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        return {"player": self.player.state_dict(), "ppo": self.ppo.state_dict(), "updates": self.updates}
+    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
+        """Give everything that changes; without `episodes`, all but the state of the environments."""
+        return {"player": self.player.state_dict(episodes), "ppo": self.ppo.state_dict(), "updates": self.updates}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` gave."""

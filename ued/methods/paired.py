@@ -230,10 +230,10 @@ class Paired:
 
     # ------------------------------------------------------------ save and resume
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
+    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
+        """Give everything that changes; without `episodes`, all but the state of the environments."""
         return {
-            "players": [player.state_dict() for player in self.players],
+            "players": [player.state_dict(episodes) for player in self.players],
             "ppos": [ppo.state_dict() for ppo in self.ppos],
             "adversary": self.adversary.state_dict(),
             "queue": self.queue.state_dict(),
