@@ -283,6 +283,7 @@ class Blocks(Patterns):
         returns = self.expression() if self.accept("->") else None
         body = self.block(f'the head of the function "{name}"')
         node = make(name, parameters, body, decorators, returns)
+        node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
         return self.spanning(start or word, node, body)
 
     def bracketed_parameters(self, owner: str) -> ast.arguments:
@@ -304,7 +305,9 @@ class Blocks(Patterns):
         if self.token.text == "(":
             bases, keywords = self.arguments()
         body = self.block(f'the head of the class "{name}"', of_class=True)
-        return self.spanning(start, ast.ClassDef(name, bases, keywords, body, decorators), body)
+        node = ast.ClassDef(name, bases, keywords, body, decorators)
+        node.type_params = []  # type: ignore[attr-defined]
+        return self.spanning(start, node, body)
 
     def decorated(self) -> ast.stmt:
         """`@decorator` lines before a function or class."""

@@ -2,6 +2,7 @@
 
 import ast
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -14,12 +15,13 @@ LIBRARY = Path(os.__file__).parent
 NAMES = """
 abc argparse ast base64 bisect calendar cmd codecs collections/__init__ colorsys configparser contextlib copy csv
 dataclasses datetime difflib dis enum fractions functools getopt heapq html/parser inspect ipaddress json/decoder
-keyword logging/__init__ numbers operator optparse pathlib pprint queue random selectors shlex statistics string subprocess
-textwrap threading tokenize traceback types typing uuid zipfile
+keyword logging/__init__ numbers operator optparse pathlib pprint queue random selectors shlex statistics string
+subprocess textwrap threading tokenize traceback types typing uuid zipfile
 """
 MODULES = NAMES.split()
 
 
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="a newer library is written in a newer grammar")
 @pytest.mark.parametrize("name", MODULES)
 def test_standard_library(name):
     text = (LIBRARY / f"{name}.py").read_text(encoding="utf-8")
@@ -29,6 +31,7 @@ def test_standard_library(name):
     assert sum(ours == pythons for ours, pythons in places) >= 0.995 * len(places)
 
 
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="a newer library is written in a newer grammar")
 @pytest.mark.parametrize("name", MODULES[::6])
 @pytest.mark.parametrize("dialect", [2, 3])
 def test_scenic_leaves_python_alone(name, dialect):
