@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from scenic_lite import nodes
 from scenic_lite.check_loops import endless_loop, suspends
+from scenic_lite.check_properties import doubtful_properties
 from scenic_lite.errors import ScenicError
 from scenic_lite.lexer import Source
 
@@ -35,8 +36,10 @@ class Context(NamedTuple):
 
 
 def check(tree: ast.Module, text: str, file: str) -> list[ScenicError]:
-    """Every breach of the context rules in a parsed program, sorted by place."""
+    """Every breach of the context rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
     checker = _Checker(tree, Source(text, file))
+    for specifier, message, hint in doubtful_properties(tree):
+        checker.report(specifier, message, hint, kind="warning")
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:
         node, context = pending.pop()
@@ -92,13 +95,13 @@ class _Checker:
                 elif not suspends(node.body):
                     self.idle[node.name] = node.lineno
 
-    def report(self, node: ast.AST, message: str, hint: str = "", whole: bool = False) -> None:
-        """Add an error at a node; only at its first line unless `whole`."""
+    def report(self, node: ast.AST, message: str, hint: str = "", kind: str = "syntax") -> None:
+        """Add an error at the first line of a node."""
         line, column = node.lineno, node.col_offset  # type: ignore[attr-defined]
         end_line, end_column = node.end_lineno, node.end_col_offset  # type: ignore[attr-defined]
-        if end_line != line and not whole:
+        if end_line != line:
             end_line, end_column = line, len(self.source.line(line).split("#")[0].rstrip())
-        self.errors.append(self.source.error(message, (line, column, end_line, end_column), hint))
+        self.errors.append(self.source.error(message, (line, column, end_line, end_column), hint, kind))
 
     # ------------------------------------------------------------ what may stand where
 

@@ -23,8 +23,8 @@ class ScenicError(Exception):
     """A program that cannot be read, compiled or sampled.
 
     `kind` is one of `syntax`, `name`, `type`, `value`, `specifier`, `random-control-flow`, `rejection`,
-    `budget`, `import`, `unsupported`. `str()` gives `file:line:column: message (hint)`, then the source line with
-    the culprit underlined; columns are printed from 1.
+    `budget`, `import`, `unsupported`, or `warning` for what is allowed but surely not meant. `str()` gives
+    `file:line:column: message (hint)`, then the source line with the culprit underlined; columns are printed from 1.
     """
 
     def __init__(

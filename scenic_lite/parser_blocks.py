@@ -283,7 +283,7 @@ class Blocks(Patterns):
         returns = self.expression() if self.accept("->") else None
         body = self.block(f'the head of the function "{name}"')
         node = make(name, parameters, body, decorators, returns)
-        node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
+        node.type_params = []  # type: ignore[union-attr]  # a field from Python 3.12 on
         return self.spanning(start or word, node, body)
 
     def bracketed_parameters(self, owner: str) -> ast.arguments:

@@ -60,11 +60,13 @@ class Expressions(Calls):
         """`lambda ...`, or `operation [if operation else expression]`; an instance without `new` may begin here."""
         self.deeper()
         start = self.token
+        asks_truth, self.asks_truth = self.asks_truth, False
         value: ast.expr | None
         if start.text == "lambda":
             value = self.lambda_expression()
         else:
-            value = self.possible_instance() if self.scenic and start.kind == "name" else None
+            instance = self.scenic and start.kind == "name" and not asks_truth
+            value = self.possible_instance() if instance else None
             if value is None:
                 value = self.conditional(self.operation(UNTIL if self.temporal else OR), start)
         self.nesting -= 1

@@ -134,8 +134,7 @@ class Instances(Strings):
 
     def possible_instance(self) -> ast.expr | None:
         """`Name at V` and the like at the start of an expression: New with both readings, or None."""
-        asks_truth, self.asks_truth = self.asks_truth, False
-        if asks_truth or self.in_target or self.temporal or not self.is_name(self.token):
+        if self.in_target or self.temporal or not self.is_name(self.token):
             return None
         ahead = 1
         while self.peek(ahead).text == "." and self.peek(ahead + 1).kind == "name":

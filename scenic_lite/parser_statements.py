@@ -244,6 +244,7 @@ class SimpleStatements(Expressions):
     def assert_statement(self) -> ast.stmt:
         """`assert condition [, message]`."""
         self.advance()
+        self.asks_truth = True
         condition = self.expression()
         return ast.Assert(condition, self.expression() if self.accept(",") else None)
 

@@ -128,6 +128,28 @@ def test_all_findings_at_once_sorted_by_place():
     assert [line for line, _, _ in findings(text)] == [1, 4, 5, 6, 9, 10]
 
 
+DOUBTFUL = [
+    ("LeftGK with bahavior A()", 'no class has the property "bahavior"', 'did you mean "behavior"?'),
+    (
+        "LeftGK at 1 @ 2, with HoldPosition()",
+        'this sets a property called "HoldPosition" to an empty tuple',
+        'write "with behavior HoldPosition()"',
+    ),
+    ("class A:\n  stamina: 1\nA with stamnia 3", 'no class has the property "stamnia"', 'did you mean "stamina"?'),
+]
+
+
+@pytest.mark.parametrize(("text", "message", "hint"), DOUBTFUL)
+def test_doubtful_properties_are_warnings(text, message, hint):
+    (warning,) = check(parse(text), text, "p")
+    assert (warning.kind, warning.message, warning.hint) == ("warning", message, hint)
+
+
+def test_other_properties_are_nobodys_business():
+    assert findings("LeftGK with stamina 3, with role 'GK', with width 2, with Colour ()\n")[0][2].endswith("tuple")
+    assert findings("LeftGK with stamina 3, with role 'GK', with width 2, with colour ()\n") == []
+
+
 def test_a_finding_shows_its_line():
     text = "class A:\n    width: 2\n    width: 3  # again\n"
     (error,) = check(parse(text), text, "a.scenic")

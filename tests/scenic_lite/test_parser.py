@@ -147,6 +147,8 @@ def test_a_capitalised_name_alone_may_be_an_instance_in_scenic_2():
 def test_conditions_begin_with_no_instance():
     (statement,) = statements("if Left in teams: pass")
     assert isinstance(statement.test, ast.Compare)
+    (statement,) = statements("assert 3 < f(Left at x)")
+    assert sketch(statement.test) == "(< 3 (f Left<at x>?(at Left x)))"
 
 
 MULTILINE = """
