@@ -98,39 +98,42 @@ def bounce(ball):
 
 @kernel
 def hit_goal_frame(ball, x, y, z):
-    """Bounce the ball off a post or a crossbar that it met on its way from (x, y, z) to where it is."""
+    """Bounce the ball off a post or the crossbar that it met on its way from (x, y, z) to where it is."""
     goal_x = HALF_LENGTH if ball.x > 0.0 else -HALF_LENGTH
     post_y = GOAL_HALF_WIDTH if ball.y > 0.0 else -GOAL_HALF_WIDTH
-    if ball.z < GOAL_HEIGHT:
-        share = closest_share(x - goal_x, y - post_y, ball.x - x, ball.y - y)
+    share = entry_share(x - goal_x, y - post_y, ball.x - x, ball.y - y)
+    if share >= 0.0 and ball.z < GOAL_HEIGHT:
         away_x, away_y = x + share * (ball.x - x) - goal_x, y + share * (ball.y - y) - post_y
-        squared = away_x * away_x + away_y * away_y
-        inward = ball.vx * away_x + ball.vy * away_y
-        if squared < FRAME_REACH * FRAME_REACH and inward < 0.0 and squared > 0.0:
-            ball.vx = (ball.vx - 2.0 * inward * away_x / squared) * POST_BOUNCE
-            ball.vy = (ball.vy - 2.0 * inward * away_y / squared) * POST_BOUNCE
-            ball.vz *= POST_BOUNCE
-            ball.x, ball.y = goal_x + away_x, post_y + away_y
-            return
-    if abs(ball.y) < GOAL_HALF_WIDTH:
-        share = closest_share(x - goal_x, z - GOAL_HEIGHT, ball.x - x, ball.z - z)
+        ball.vx, ball.vy = reflected(ball.vx, ball.vy, away_x, away_y)
+        ball.vz *= POST_BOUNCE
+        ball.x, ball.y = goal_x + away_x, post_y + away_y
+        return
+    share = entry_share(x - goal_x, z - GOAL_HEIGHT, ball.x - x, ball.z - z)
+    if share >= 0.0 and abs(ball.y) < GOAL_HALF_WIDTH:
         away_x, away_z = x + share * (ball.x - x) - goal_x, z + share * (ball.z - z) - GOAL_HEIGHT
-        squared = away_x * away_x + away_z * away_z
-        inward = ball.vx * away_x + ball.vz * away_z
-        if squared < FRAME_REACH * FRAME_REACH and inward < 0.0 and squared > 0.0:
-            ball.vx = (ball.vx - 2.0 * inward * away_x / squared) * POST_BOUNCE
-            ball.vz = (ball.vz - 2.0 * inward * away_z / squared) * POST_BOUNCE
-            ball.vy *= POST_BOUNCE
-            ball.x, ball.z = goal_x + away_x, max(GOAL_HEIGHT + away_z, BALL_RADIUS)
+        ball.vx, ball.vz = reflected(ball.vx, ball.vz, away_x, away_z)
+        ball.vy *= POST_BOUNCE
+        ball.x, ball.z = goal_x + away_x, GOAL_HEIGHT + away_z
 
 
 @kernel
-def closest_share(a, b, da, db):
-    """Share in [0, 1] of the way (da, db) from (a, b) at which the origin is closest."""
+def entry_share(a, b, da, db):
+    """Share in [0, 1] of the way (da, db) from (a, b) at which the frame is hit at the origin, -1 if it is not."""
     squared = da * da + db * db
-    if squared == 0.0:
-        return 0.0
-    return min(max(-(a * da + b * db) / squared, 0.0), 1.0)
+    half = a * da + b * db
+    outside = a * a + b * b - FRAME_REACH * FRAME_REACH
+    discriminant = half * half - squared * outside
+    if half >= 0.0 or outside < 0.0 or discriminant < 0.0:
+        return -1.0
+    share = (-half - math.sqrt(discriminant)) / squared
+    return share if share <= 1.0 else -1.0
+
+
+@kernel
+def reflected(va, vb, a, b):
+    """Velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
+    inward = (va * a + vb * b) / (a * a + b * b)
+    return (va - 2.0 * inward * a) * POST_BOUNCE, (vb - 2.0 * inward * b) * POST_BOUNCE
 
 
 @kernel

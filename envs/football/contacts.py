@@ -16,7 +16,7 @@ from scenic_lite.jit import kernel
 
 # Traps
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
-EASY_SPEED, HARD_SPEED = 12.0, 34.0  # m/s relative: always trapped, never trapped
+EASY_SPEED, HARD_SPEED = 20.0, 36.0  # m/s relative: always trapped, never trapped
 HEADER_FROM, HEADER_CHANCE = 0.9, 0.5  # m; above it a trap succeeds this often
 BLOCK_KEEP = 0.35  # share of its speed that a blocked ball keeps
 MISS_WAIT = 0.5  # s

@@ -23,7 +23,7 @@ LAG_WITH_BALL = (0.4, 0.6, 0.8, 1.0)
 LAG_SPRINTING_WITH_BALL = (0.0, 0.1, 0.5, 1.0)
 SPRINTING = 6.0  # m/s
 BRAKING = 30.0  # m/s²
-BRAKING_WITH_BALL = 11.5
+BRAKING_WITH_BALL, STOPPING_WITH_BALL = 11.5, 14.0
 ACCELERATION_START, START_SPEED = 13.3, 2.6  # m/s² up to this speed in m/s
 ACCELERATION = 8.2  # m/s² from there to RUN_SPEED
 ACCELERATION_SPRINT, ACCELERATION_TIME = 5.0, 0.47  # m/s² and s, from there on: approach to top speed
@@ -116,6 +116,8 @@ def pursued(match, i, speed):
             return arc(player, speed, want, along / (speed * want))
     braking = (BRAKING_WITH_BALL if with_ball else BRAKING) * effort * STEP
     if want < 1e-6:
+        if with_ball and speed < SPRINTING:
+            braking = STOPPING_WITH_BALL * STEP
         keep = max(speed - braking, 0.0) / speed
         return player.vx * keep, player.vy * keep
     return redirect(player, want, braking, effort)
@@ -141,7 +143,7 @@ def redirect(player, want, braking, effort):
     across = math.sqrt(across_x * across_x + across_y * across_y)
     keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
     if along < -1e-6:
-        along = min(along + braking, ACCELERATION_START * STEP)
+        along = min(along + braking, 0.0)
     elif along < want:
         along = min(along + acceleration(along, player.top_speed) * effort * effort * STEP, want)
     else:

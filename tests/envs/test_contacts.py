@@ -1,0 +1,147 @@
+"""Traps, tackles, claims and saves, one meeting at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pitch import OPEN, duel, play, position
+
+from envs.football.constants import (
+    CB,
+    CM,
+    DIRECTION_RIGHT,
+    FREE_KICK,
+    GK,
+    LEFT,
+    RIGHT,
+    SLIDING,
+    SPRINT,
+)
+
+MANY = range(200)
+
+
+def test_the_striker_walks_onto_a_ball_beside_him_whatever_is_pressed() -> None:
+    """The ball pulls him, as in the original; his team owns it from the first touch on."""
+    matches = duel((30.0, 0.0), (50.0, 10.0))
+    assert matches["owner"][0] == -1
+    play(matches, [DIRECTION_RIGHT] * 9)
+    assert matches["owner"][0] == 0
+    assert matches["last_owned_team"][0] == LEFT
+
+
+def test_a_trapped_ball_moves_with_the_player() -> None:
+    matches = duel((30.0, 0.0), (50.0, 10.0))
+    play(matches, [0] * 12)
+    ball, striker = matches["ball"][0], matches["players"][0, 0]
+    assert np.hypot(ball["x"] - striker["x"], ball["y"] - striker["y"]) < 0.6
+    assert np.hypot(ball["vx"], ball["vy"]) < 0.5
+
+
+def tackled(carrier_keys: list[int], defender: tuple[float, float], steps: int = 45) -> float:
+    """Share of matches in which a built-in right defender has won the ball off a carrier at (30, 0)."""
+    players = [(30.0, 0.0, LEFT, CM), (*defender, RIGHT, CB), (-50.0, 0.0, RIGHT, GK)]
+    matches = position(players, (30.4, 0.0), OPEN, MANY)
+    won = np.zeros(len(MANY), bool)
+    for action in carrier_keys + [0] * (steps - len(carrier_keys)):
+        play(matches, [action])
+        won |= matches["carrier"] == 1
+    return won.mean()
+
+
+def test_who_stands_with_the_ball_loses_it() -> None:
+    """Measured: 30 of 30 from the front, 29 of 30 from behind."""
+    assert tackled([], (38.0, 0.0)) > 0.9
+    assert tackled([], (22.0, 0.5)) > 0.85
+
+
+def test_who_runs_is_caught_from_behind_and_who_sprints_is_not() -> None:
+    """Measured: 24 of 25, and 0 of 25."""
+    assert tackled([DIRECTION_RIGHT], (26.0, 0.0)) > 0.5
+    assert tackled([SPRINT, DIRECTION_RIGHT], (26.0, 0.0), steps=30) == 0.0
+
+
+def test_a_slide_takes_a_while_and_is_no_use_with_the_ball() -> None:
+    matches = duel((30.0, 0.0), (50.0, 10.0))
+    play(matches, [0] * 10 + [SLIDING])
+    assert matches["players"]["down"][0, 0] == 0.0
+    alone = position([(0.0, 0.0, LEFT, CM), (3.0, 0.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)], (3.4, 0.0))
+    play(alone, [0] * 5 + [SLIDING])
+    assert alone["players"]["down"][0, 0] > 1.5
+    assert alone["players"]["sliding"][0, 0]
+
+
+def test_a_slide_glides_about_two_metres() -> None:
+    """Measured: 1.9 to 2.1 m out of a run, after which he lies."""
+    matches = position([(0.0, 0.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (40.0, 30.0))
+    matches["game_mode"], matches["restart_wait"] = FREE_KICK, 10**6
+    play(matches, [DIRECTION_RIGHT] * 15)
+    matches["game_mode"] = 0
+    start = matches["players"]["x"][0, 0]
+    play(matches, [SLIDING] + [0] * 12)
+    assert matches["players"]["x"][0, 0] - start == pytest.approx(2.3, abs=0.6)
+    assert matches["players"]["vx"][0, 0] < 0.5
+
+
+def through(keys: list[int], seeds: range = MANY) -> float:
+    """Share of strikers who get past a keeper that comes at them inside his box."""
+    matches = duel((38.0, -1.3), (54.0, 0.0), seeds, end_episode_on_possession_change=True)
+    play(matches, keys)
+    striker, keeper = matches["players"][:, 0], matches["players"][:, 1]
+    return np.mean(((matches["ended"] == 0) & (striker["x"] > keeper["x"] + 0.5)) | (matches["ended"] == 1))
+
+
+def test_a_sprint_straight_at_the_keeper_is_a_gamble_that_favours_him() -> None:
+    """Measured in run_to_score_with_keeper: 40 to 43 % score that way."""
+    assert 0.25 < through([0] * 8 + [SPRINT] + [DIRECTION_RIGHT] * 14) < 0.5
+
+
+def test_a_swerve_across_his_reach_beats_the_keeper_more_often() -> None:
+    """
+    S o K    the ball is in the keeper's reach: who runs at him loses it more often than who swerves
+    """
+    lost = {}
+    for name, (vx, vy) in {"straight": (7.0, 0.0), "swerve": (0.0, 7.0)}.items():
+        matches = position([(48.6, 0.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (49.2, 0.0), OPEN, MANY)
+        matches["carrier"] = matches["last_touch"] = 0
+        for thing in (matches["players"][:, 0], matches["ball"]):
+            thing["vx"], thing["vy"] = vx, vy
+        play(matches, [0])
+        lost[name] = np.mean(matches["carrier"] == 1)
+    assert 0.5 < lost["straight"] < 0.75
+    assert lost["swerve"] < 0.5 * lost["straight"]
+
+
+def test_a_beaten_keeper_lies_and_cannot_be_run_into() -> None:
+    matches = duel((38.0, -1.3), (54.0, 0.0), MANY, end_episode_on_possession_change=True)
+    play(matches, [0] * 8 + [SPRINT])
+    lay = np.zeros(len(MANY), bool)
+    for _ in range(20):
+        play(matches, [DIRECTION_RIGHT])
+        lay |= (matches["players"]["down"][:, 1] > 0.5) & (matches["ended"] == 0)
+    assert lay.mean() > 0.2
+
+
+def test_a_caught_ball_is_held_and_kicked_out() -> None:
+    """
+    K ← o   a slow ball rolls to a keeper: he holds it for 9 steps or more, then kicks it far and high
+    """
+    matches = position([(0.0, 20.0, LEFT, CM), (52.0, 0.0, RIGHT, GK)], (48.0, 0.0))
+    matches["ball"]["vx"] = 6.0
+    held, highest = 0, 0.0
+    for _ in range(60):
+        play(matches, [0])
+        held += matches["holder"][0] == 1
+        if matches["holder"][0] == 1:
+            assert matches["owner"][0] == 1
+        else:
+            highest = max(highest, matches["ball"]["z"][0])
+    assert 9 <= held <= 25
+    assert highest > 2.0
+
+
+def test_outside_his_box_a_keeper_uses_his_feet() -> None:
+    matches = position([(0.0, 30.0, LEFT, CM), (30.0, 0.0, RIGHT, GK)], (28.0, 0.0))
+    for _ in range(15):
+        play(matches, [0])
+        assert matches["holder"][0] == -1

@@ -1,0 +1,106 @@
+"""Where the keeper stands, when he comes, and what he saves, against what is measured and documented."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pitch import OPEN, play, position
+
+from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
+from envs.football.keeper import bisector_foot, save_chance
+
+
+def keeper_after(steps: int, ball: tuple[float, float], striker: tuple[float, float], with_back: bool) -> np.ndarray:
+    """Place of the right keeper, from the middle of his goal, after some steps of an idle striker."""
+    players = [(*striker, LEFT, CM), (55.0, 0.0, RIGHT, GK)]
+    if with_back:
+        players.append((50.0, 3.0, RIGHT, CM))
+    matches = position(players, ball)
+    play(matches, [0] * steps)
+    keeper = matches["players"][0, 1]
+    return np.array([keeper["x"], keeper["y"]])
+
+
+def test_he_stands_high_while_the_ball_is_in_the_other_half() -> None:
+    assert keeper_after(60, (-20.0, 10.0), (-20.4, 10.0), False) == pytest.approx([45.0, 0.0], abs=0.3)
+
+
+def test_one_on_one_he_comes_out_at_a_sprint() -> None:
+    """Measured: against a striker who stands at x = 0.75 (14 m) with the ball, he is there after 23 steps."""
+    place = keeper_after(22, (41.4, 0.0), (40.8, 0.0), False)
+    assert place[0] < 44.0
+
+
+def test_with_a_back_behind_the_ball_he_stays() -> None:
+    assert keeper_after(15, (25.0, 20.0), (24.4, 20.0), True)[0] > 52.0
+
+
+def test_the_bisector_halves_the_angle() -> None:
+    """From a ball at (-11, 8) relative to the goal: both halves of the angle to the posts are equal."""
+    foot = bisector_foot(-11.0, 8.0)
+    angles = [np.arctan2(y - 8.0, 11.0) for y in (-3.7, foot, 3.7)]
+    assert angles[1] - angles[0] == pytest.approx(angles[2] - angles[1], abs=1e-9)
+    assert bisector_foot(-11.0, 0.0) == pytest.approx(0.0)
+
+
+# seconds to the line, gap in m, measured goal rate (of 433 shots on target), from the raw table of shots
+SAVES = [
+    (0.28, 0.2, 0.39),
+    (0.40, 0.6, 0.30),
+    (0.50, 0.7, 0.10),
+    (0.60, 0.6, 0.10),
+    (0.30, 1.7, 1.00),
+    (0.40, 1.7, 0.77),
+    (0.50, 1.7, 0.52),
+    (0.60, 1.7, 0.30),
+    (0.75, 1.7, 0.16),
+    (0.50, 2.5, 0.43),
+    (0.75, 2.5, 0.15),
+]
+
+
+@pytest.mark.parametrize(("time", "gap", "goals"), SAVES)
+def test_save_odds_against_measured_shots(time: float, gap: float, goals: float) -> None:
+    matches = position([(30.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)], (30.0, 0.0))
+    assert 1.0 - save_chance(matches["players"][0, 1], gap, time) == pytest.approx(goals, abs=0.2)
+
+
+def test_nobody_saves_what_he_cannot_reach() -> None:
+    matches = position([(30.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)], (30.0, 0.0))
+    assert save_chance(matches["players"][0, 1], 8.0, 1.0) == 0.0
+    assert save_chance(matches["players"][0, 1], 3.0, 0.3) == 0.0
+
+
+def test_a_weaker_keeper_saves_less() -> None:
+    matches = position([(30.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)], (30.0, 0.0))
+    keeper = matches["players"][0, 1]
+    strong = save_chance(keeper, 1.0, 0.5)
+    keeper["skill"] = 0.3
+    assert save_chance(keeper, 1.0, 0.5) < strong - 0.1
+
+
+def shots(x: float, y: float, keeper: tuple[float, float], seeds: int = 150) -> tuple[float, float]:
+    """Shares of goals and of balls held when strikers at (x, y) shoot once, standing, facing the goal."""
+    matches = position([(x, y, LEFT, CM), (*keeper, RIGHT, GK)], (x + 0.45, y), OPEN, range(seeds))
+    goals, held = np.zeros(seeds, bool), np.zeros(seeds, bool)
+    for action in [0, SHOT] + [0] * 60:
+        play(matches, [action])
+        goals |= matches["goal"] > 0
+        held |= (matches["holder"] == 1) & ~goals
+    return goals.mean(), held.mean()
+
+
+def test_from_far_nearly_everything_is_saved() -> None:
+    """Measured from 22 m: 0 of 40, three quarters of them held."""
+    goals, held = shots(33.0, 0.0, (55.0, 0.0))
+    assert goals < 0.1
+    assert held > 0.5
+
+
+def test_off_centre_from_near_most_score() -> None:
+    """Measured from 11.9 m, a little to the side: 70 % of 40."""
+    assert 0.4 < shots(44.0, -4.2, (55.0, 0.0))[0] < 0.9
+
+
+def test_an_empty_goal_is_empty() -> None:
+    assert shots(35.0, 3.0, (40.0, -17.0))[0] > 0.85

@@ -1,0 +1,162 @@
+"""Running, turning and stopping against the measured tables, within stated tolerances in m/s."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pitch import dribbler, play, position, runner, speeds
+
+from envs.football.constants import (
+    BODY_RADIUS,
+    CM,
+    DIRECTION_BOTTOM,
+    DIRECTION_LEFT,
+    DIRECTION_RIGHT,
+    DIRECTION_TOP,
+    DIRECTION_TOP_RIGHT,
+    DRIBBLE,
+    GK,
+    LEFT,
+    RELEASE_DIRECTION,
+    RELEASE_SPRINT,
+    RIGHT,
+    SPRINT,
+)
+
+TRACES = Path(__file__).resolve().parents[3] / "shared" / "football" / "grf" / "traces"
+
+# What is pressed first, for how many steps, and then; the measured speeds from that moment on.
+WITHOUT_BALL = {
+    "run from rest": ([], DIRECTION_RIGHT, [0.0, 1.33, 2.65, 3.53, 4.32, 4.93, 5.0]),
+    "stop": ([DIRECTION_RIGHT] * 20, RELEASE_DIRECTION, [5.0, 5.0, 4.3, 1.3, 0.0]),
+    "turn 45": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP_RIGHT, [5.0, 5.0, 4.8, 4.8, 5.0]),
+    "turn 90": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP, [5.0, 5.0, 4.4, 2.5, 2.9, 3.8, 4.5, 5.0]),
+    "turn 180": ([DIRECTION_RIGHT] * 20, DIRECTION_LEFT, [5.0, 5.0, 4.3, 1.4, 0.1, 2.0, 2.9, 3.5, 4.0]),
+    "stop a sprint": ([SPRINT] + [DIRECTION_RIGHT] * 40, RELEASE_DIRECTION, [7.8, 7.4, 5.2, 2.0, 0.0]),
+    "turn a sprint 90": (
+        [SPRINT] + [DIRECTION_RIGHT] * 40,
+        DIRECTION_TOP,
+        [7.8, 7.4, 5.5, 3.2, 3.5, 4.3, 4.9, 5.5, 5.9, 6.0, 6.4, 6.8, 7.0],
+    ),
+    "release sprint": ([SPRINT] + [DIRECTION_RIGHT] * 40, RELEASE_SPRINT, [7.8, 7.4, 5.5, 5.0]),
+}
+WITH_BALL = {
+    "stop": ([DIRECTION_RIGHT] * 20, RELEASE_DIRECTION, [3.9, 2.7, 0.9, 0.0]),
+    "turn 90": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP, [4.5, 3.4, 2.8, 2.9, 3.6, 4.3, 4.9]),
+    "turn 180": ([DIRECTION_RIGHT] * 20, DIRECTION_LEFT, [4.6, 3.0, 2.2, 1.8, 1.1, 0.3, 1.1, 2.2, 3.1, 3.9, 4.9]),
+}
+
+
+@pytest.mark.parametrize("case", WITHOUT_BALL)
+def test_speeds_without_the_ball(case: str) -> None:
+    before, action, measured = WITHOUT_BALL[case]
+    matches = runner()
+    play(matches, [0] * 3 + before, player=0)
+    vx, vy = speeds(matches, [action] + [0] * (len(measured) - 1))
+    error = np.abs(np.hypot(vx, vy) - measured)
+    assert error.max() < 1.3 and error.mean() < 0.45, np.round(np.hypot(vx, vy), 2)
+
+
+@pytest.mark.parametrize("case", WITH_BALL)
+def test_speeds_with_the_ball(case: str) -> None:
+    before, action, measured = WITH_BALL[case]
+    matches = dribbler()
+    play(matches, before)
+    vx, vy = speeds(matches, [action] + [0] * (len(measured) - 1))
+    error = np.abs(np.hypot(vx, vy) - measured)
+    assert error.max() < 2.5 and error.mean() < 1.1, np.round(np.hypot(vx, vy), 2)
+
+
+@pytest.mark.parametrize(
+    ("keys", "alone", "with_ball", "ahead"),
+    [
+        ([], 5.0, 5.11, 0.48),
+        ([SPRINT], 7.83, 7.27, 0.96),
+        ([DRIBBLE], 3.5, 4.11, 0.52),
+        ([SPRINT, DRIBBLE], 7.83, 7.66, 1.81),
+    ],
+)
+def test_steady_speeds_and_distance_of_the_ball(keys: list[int], alone: float, with_ball: float, ahead: float) -> None:
+    matches = runner()
+    play(matches, [*keys, *[DIRECTION_RIGHT] * 60], player=0)
+    assert matches["players"]["vx"][0, 0] == pytest.approx(alone, abs=0.1)
+    matches = dribbler()
+    distances = []
+    play(matches, [*keys, *[DIRECTION_RIGHT] * 30])
+    for _ in range(30):
+        play(matches, [DIRECTION_RIGHT])
+        distances.append(matches["ball"]["x"][0] - matches["players"]["x"][0, 0])
+    assert matches["players"]["vx"][0, 0] == pytest.approx(with_ball, abs=0.2)
+    assert np.mean(distances) == pytest.approx(ahead, rel=0.15)
+
+
+def test_a_sprint_with_the_ball_turns_in_a_wide_arc() -> None:
+    """Measured: 45 degrees after 18 steps, at hardly any loss of speed."""
+    matches = dribbler()
+    play(matches, [SPRINT] + [DIRECTION_RIGHT] * 40)
+    vx, vy = speeds(matches, [DIRECTION_TOP] * 18)
+    assert np.degrees(np.arctan2(vy[-1], vx[-1])) == pytest.approx(42, abs=10)
+    assert np.hypot(vx, vy).min() > 6.5
+
+
+def test_idle_never_stops_a_player() -> None:
+    matches = runner()
+    play(matches, [DIRECTION_RIGHT] + [0] * 40, player=0)
+    assert matches["players"]["vx"][0, 0] == pytest.approx(5.0)
+
+
+def test_all_directions_are_equally_fast() -> None:
+    """In metres; the original's own units differ between the axes."""
+    for action, (ux, uy) in {DIRECTION_TOP_RIGHT: (1, 1), DIRECTION_BOTTOM: (0, -1)}.items():
+        matches = runner()
+        play(matches, [SPRINT] + [action] * 30, player=0)
+        velocity = np.array([matches["players"]["vx"][0, 0], matches["players"]["vy"][0, 0]])
+        assert np.hypot(*velocity) == pytest.approx(7.75, abs=0.1)
+        assert velocity @ np.array([ux, uy]) / np.hypot(ux, uy) == pytest.approx(np.hypot(*velocity))
+
+
+def test_tiredness_grows_with_distance_alone() -> None:
+    matches = runner()
+    play(matches, [0] * 50, player=0)
+    assert matches["players"]["tired"][0, 0] == 0.0
+    play(matches, [DIRECTION_RIGHT] * 100, player=0)
+    assert matches["players"]["tired"][0, 0] == pytest.approx(0.0335, rel=0.1)
+
+
+def test_nobody_runs_through_anybody() -> None:
+    """
+    a →  ← b     meeting head on, they stay a body apart
+    """
+    matches = position([(-5.0, 0.0, LEFT, CM), (0.0, 0.1, RIGHT, CM), (50.0, 0.0, RIGHT, GK)], (-4.6, 0.0))
+    for _ in range(40):
+        play(matches, [DIRECTION_RIGHT])
+        players = matches["players"][0]
+        if players["down"][0] == players["down"][1] == 0.0:
+            apart = np.hypot(players["x"][0] - players["x"][1], players["y"][0] - players["y"][1])
+            assert apart > 1.7 * BODY_RADIUS
+
+
+def test_players_stay_on_the_grass() -> None:
+    matches = runner()
+    play(matches, [SPRINT, *[DIRECTION_TOP] * 80], player=0)
+    assert matches["players"]["y"][0, 0] == pytest.approx(39.0)
+
+
+@pytest.mark.parametrize("name", ["walk_top", "walk_left", "walk_top_right", "sprint_top", "sprint_left"])
+def test_turning_against_the_raw_traces(name: str) -> None:
+    """Place 2 s after a turn without the ball, relative to the turn, within 0.6 m of the measured one."""
+    path = TRACES / f"a_turn_noball_{name}.csv"
+    if not path.exists():
+        pytest.skip("the measured traces are not beside the repository")
+    rows = list(csv.DictReader(path.open()))
+    place = np.array([[float(row["L1_x"]) * 54.4, -float(row["L1_y"]) * 83.6] for row in rows])
+    turn = max(i for i in range(1, len(rows)) if rows[i]["sticky"] != rows[i - 1]["sticky"])
+    direction = 1 + rows[turn]["sticky"].index("1")
+    matches = runner()
+    play(matches, ([SPRINT] if name.startswith("sprint") else [0]) + [DIRECTION_RIGHT] * 40, player=0)
+    vx, vy = speeds(matches, [direction] * 20)
+    ours = 0.1 * np.array([vx.sum(), vy.sum()])
+    assert np.abs(ours - (place[turn + 19] - place[turn - 1])).max() < 0.6

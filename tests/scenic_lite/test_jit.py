@@ -1,0 +1,73 @@
+"""The kernel decorator: what is cached where, and when a cache is stale."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from scenic_lite import jit
+
+
+def cache_folder(tmp_path: Path, **environment: str) -> str:
+    """The folder that a fresh process would cache in, asked without touching this one's."""
+    command = [sys.executable, "-c", "from scenic_lite import jit; print(jit.CACHE)"]
+    inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    inherited |= {"PYTHONPATH": str(jit.ROOT), "TMPDIR": str(tmp_path), **environment}
+    return subprocess.run(command, env=inherited, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def test_the_cache_is_where_the_user_wants_it(tmp_path: Path) -> None:
+    assert cache_folder(tmp_path, XDG_CACHE_HOME=str(tmp_path / "xdg")) == str(
+        tmp_path / "xdg" / "regista" / jit.digest()
+    )
+    assert cache_folder(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "numba")) == str(tmp_path / "numba" / jit.digest())
+
+
+def test_an_impossible_cache_folder_is_no_obstacle(tmp_path: Path) -> None:
+    blocker = tmp_path / "file"
+    blocker.write_text("not a folder")
+    assert cache_folder(tmp_path, NUMBA_CACHE_DIR=str(blocker)).startswith(str(tmp_path / "regista"))
+
+
+def test_old_caches_are_removed_and_foreign_files_kept(tmp_path: Path) -> None:
+    for i in range(8):
+        folder = tmp_path / f"{i:016x}"
+        folder.mkdir()
+        os.utime(folder, (1000 + i, 1000 + i))
+    (tmp_path / "mine").mkdir()
+    cache_folder(tmp_path, NUMBA_CACHE_DIR=str(tmp_path))
+    left = {path.name for path in tmp_path.iterdir()}
+    assert "mine" in left
+    assert jit.digest() in left
+    assert len(left) == 1 + jit.KEPT_CACHES
+
+
+def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for package in jit.PACKAGES:
+        (tmp_path / package).mkdir()
+    (tmp_path / "envs" / "numbers.py").write_text("G = 9.81\n")
+    (tmp_path / "envs" / "ball.py").write_text("from envs.numbers import G\nfrom scenic_lite.jit import kernel\n")
+    (tmp_path / "envs" / "drawing.py").write_text("import math\n")
+    (tmp_path / "scenic_lite" / "jit.py").write_text("\n")
+    monkeypatch.setattr(jit, "ROOT", tmp_path)
+    before = jit.digest()
+    (tmp_path / "envs" / "drawing.py").write_text("import math, os\n")
+    assert jit.digest() == before
+    (tmp_path / "envs" / "numbers.py").write_text("G = 1.62\n")
+    assert jit.digest() != before
+
+
+def test_compiled_tells_whether_a_call_will_be_quick() -> None:
+    @jit.kernel
+    def fresh(x):
+        return x + 1
+
+    if not hasattr(fresh, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    assert fresh(1) == 2
+    assert jit.compiled(fresh)
+    assert jit.compiled(len)
