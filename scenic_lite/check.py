@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from scenic_lite import nodes
+from scenic_lite.check_doubts import doubts
 from scenic_lite.check_loops import endless_loop, suspends
-from scenic_lite.check_properties import doubtful_properties
 from scenic_lite.errors import ScenicError
 from scenic_lite.lexer import Source
 
@@ -38,7 +38,7 @@ class Context(NamedTuple):
 def check(tree: ast.Module, text: str, file: str) -> list[ScenicError]:
     """Every breach of the context rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
     checker = _Checker(tree, Source(text, file))
-    for specifier, message, hint in doubtful_properties(tree):
+    for specifier, message, hint in doubts(tree):
         checker.report(specifier, message, hint, kind="warning")
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:

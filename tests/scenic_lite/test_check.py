@@ -135,12 +135,22 @@ DOUBTFUL = [
         'this sets a property called "HoldPosition" to an empty tuple',
         'write "with behavior HoldPosition()"',
     ),
+    (
+        "LeftGK at 1 @ 2, facing -90",
+        "angles are in radians, and this one makes 14 turns",
+        'degrees are written "90 deg"',
+    ),
+    (
+        "LeftGK with viewAngle 60",
+        "angles are in radians, and this one makes 10 turns",
+        'degrees are written "90 deg"',
+    ),
     ("class A:\n  stamina: 1\nA with stamnia 3", 'no class has the property "stamnia"', 'did you mean "stamina"?'),
 ]
 
 
 @pytest.mark.parametrize(("text", "message", "hint"), DOUBTFUL)
-def test_doubtful_properties_are_warnings(text, message, hint):
+def test_doubtful_specifiers_are_warnings(text, message, hint):
     (warning,) = check(parse(text), text, "p")
     assert (warning.kind, warning.message, warning.hint) == ("warning", message, hint)
 
