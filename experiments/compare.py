@@ -100,13 +100,18 @@ def report(runs: Sequence[RunFolder], scenes: TestScenes, folder: Path) -> None:
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     painter = build.make_painter(scenes.scenes[build.TRAINING_SCENE].program)
-    plots.learning_curves(by_method, folder / "learning_curves.png")
-    level_plots.levels(by_method, painter, folder / "levels.png")
     name = build.find_minigame(runs[0].config.minigame).name
-    overview(Comparison(name, by_method, results, painter), folder / "overview.png")
+    draw(Comparison(name, by_method, results, painter), folder)
     print(f"\n{table}\n")
     print(f"pictures and numbers: {folder}/overview.png, learning_curves.png, levels.png, results.csv")
     print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
+
+
+def draw(found: Comparison, folder: Path) -> None:
+    """Draw the three pictures of a comparison."""
+    plots.learning_curves(found.runs, folder / "learning_curves.png")
+    level_plots.levels(found.runs, found.painter, folder / "levels.png")
+    overview(found, folder / "overview.png")
 
 
 def _read(argv: Sequence[str]) -> CompareConfig:

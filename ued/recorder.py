@@ -30,8 +30,9 @@ import numpy as np
 
 from ued.recorder_layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH, TOP_LEVELS, Colour, ScenePainter, layout
 
-BINS = 32  # of a histogram of θ
+BINS = 24  # of a histogram of θ
 MAP_COLUMNS = 400  # of the densities over updates, at most
+MAP_BLUR = 1.2  # of those densities, in columns and bins
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
 MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
@@ -279,8 +280,7 @@ class CurriculumRecorder:
                 )
                 self.stream.log(["theta", name, "histogram"], chart)
         x = (update + 0.5) / self._horizon * MAP_WIDTH
-        bottom = len(self.names) * (MAP_HEIGHT + MAP_GAP) - MAP_GAP
-        cursor = rerun.LineStrips2D([[[x, -2.0], [x, bottom]]], colors=(255, 255, 255), radii=-0.8)
+        cursor = rerun.LineStrips2D([[[x, -2.0], [x, MAP_HEIGHT]]], colors=(255, 255, 255), radii=-0.8)
         self.stream.log("theta/over_time/cursor", cursor)
 
     def _send_metrics(self) -> None:
@@ -293,7 +293,8 @@ class CurriculumRecorder:
                 continue
             updates, steps, values = (np.array(column) for column in zip(*rows, strict=True))
             times = self._time_columns(updates, steps)
-            self.stream.send_columns(f"metrics/{name}", times, rerun.Scalars.columns(scalars=values.astype(float)))
+            path = rerun.new_entity_path(["metrics", *name.split("/")])  # a name may hold blanks
+            self.stream.send_columns(path, times, rerun.Scalars.columns(scalars=values.astype(float)))
         self._pending.clear()
 
     def _time_columns(self, updates: np.ndarray, steps: np.ndarray) -> list[Any]:
@@ -310,25 +311,20 @@ class CurriculumRecorder:
         import rerun
 
         columns, ticks, texts = self._density.shape[1], [], []
+        band = MAP_HEIGHT / max(len(self.names), 1)
         for d, name in enumerate(self.names):
-            top = d * (MAP_HEIGHT + MAP_GAP)
-            density = self._density[d] / np.maximum(self._density[d].max(1, keepdims=True), 1e-9)  # [columns, bins]
-            scale = [MAP_WIDTH / columns, MAP_HEIGHT / BINS, 1.0]
-            self.stream.log(
-                f"theta/over_time/{d}", rerun.Transform3D(translation=[0, top, 0], scale=scale), static=True
-            )
-            image = rerun.DepthImage(
-                np.ascontiguousarray(density.T[::-1], np.float32),
-                colormap="inferno",
-                depth_range=[0.0, 1.0],
-                draw_order=-5,
-            )
+            density = smooth(self._density[d], MAP_BLUR)  # [columns, bins]: an update alone has too few levels
+            density /= np.maximum(density.max(1, keepdims=True), 1e-9)
+            scale = [MAP_WIDTH / columns, (band - MAP_GAP) / BINS, 1.0]
+            place = rerun.Transform3D(translation=[0, d * band, 0], scale=scale)
+            self.stream.log(f"theta/over_time/{d}", place, static=True)
+            pixels = np.ascontiguousarray(density.T[::-1], np.float32)
+            image = rerun.DepthImage(pixels, colormap="inferno", depth_range=[0.0, 1.0], draw_order=-5)
             self.stream.log(f"theta/over_time/{d}/map", image, static=True)
-            ticks += [[-22, top + MAP_HEIGHT / 2], [-7, top + 3], [-7, top + MAP_HEIGHT - 1]]
-            texts += [name, f"{self.high[d]:g}", f"{self.low[d]:g}"]
-        bottom = len(self.names) * (MAP_HEIGHT + MAP_GAP)
+            ticks.append([-32, (d + 0.5) * band])
+            texts.append(f"{name}: {self.low[d]:g} to {self.high[d]:g}")
         for mark in np.linspace(0, self._horizon, 5):
-            ticks.append([mark / self._horizon * MAP_WIDTH, bottom])
+            ticks.append([mark / self._horizon * MAP_WIDTH, MAP_HEIGHT])
             texts.append(f"#{mark:.0f}")
         axis = rerun.Points2D(ticks, labels=texts, radii=0.001, colors=(205, 210, 215), show_labels=True)
         self.stream.log("theta/over_time/axis", axis, static=True)

@@ -15,7 +15,7 @@ Colour = tuple[int, int, int]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
-MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 26.0, 7.0  # of one density over updates, in units of its view
+MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in units of their view
 DARK: Colour = (12, 12, 14)
 
 
@@ -41,7 +41,7 @@ def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str])
     import rerun.blueprint as rrb
 
     tabs = rrb.Tabs(
-        _overview(painter, names, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
+        _overview(painter, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
     return rrb.Blueprint(
         tabs,
@@ -53,7 +53,7 @@ def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str])
     )
 
 
-def _overview(painter: ScenePainter, names: Sequence[str], students: Sequence[str]) -> Any:
+def _overview(painter: ScenePainter, students: Sequence[str]) -> Any:
     import rerun.blueprint as rrb
 
     title = "Where the levels are (colour: score) over their density"
@@ -66,8 +66,8 @@ def _overview(painter: ScenePainter, names: Sequence[str], students: Sequence[st
     curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
     if len(students) > 1:
         curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
-    curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "RightBottom"))
-    right = rrb.Vertical(*curves, _over_time(names), row_shares=[1.0] * len(curves) + [1.6])
+    curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "LeftTop"))
+    right = rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
     return rrb.Horizontal(left, right, column_shares=[1.25, 1], name="Overview")
 
 
@@ -100,7 +100,7 @@ def _theta(names: Sequence[str]) -> Any:
     ]
     columns = 2 if len(charts) <= 8 else 3
     grid = rrb.Grid(*charts, grid_columns=columns)
-    return rrb.Horizontal(grid, _over_time(names), column_shares=[1, 1.35], name="Theta")
+    return rrb.Horizontal(grid, _over_time(), column_shares=[1, 1.35], name="Theta")
 
 
 # ---------------------------------------------------------------- single views
@@ -131,13 +131,12 @@ def _curves(name: str, paths: str, corner: Corner) -> Any:
     )
 
 
-def _over_time(names: Sequence[str]) -> Any:
+def _over_time() -> Any:
     import rerun.blueprint as rrb
 
-    bottom = len(names) * (MAP_HEIGHT + MAP_GAP)
     return rrb.Spatial2DView(
         origin="/theta/over_time",
         name="θ over updates (brightness: density)",
         background=DARK,
-        visual_bounds=rrb.VisualBounds2D(x_range=[-42, MAP_WIDTH + 8], y_range=[-8, bottom + 12]),
+        visual_bounds=rrb.VisualBounds2D(x_range=[-64, MAP_WIDTH + 8], y_range=[-5, MAP_HEIGHT + 14]),
     )

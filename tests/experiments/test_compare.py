@@ -1,0 +1,158 @@
+"""Comparisons: what is kept, what is continued, what the table says."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments import compare
+from experiments.__main__ import main
+from experiments.results import Result, advantage, goal_rate, mean_return, render_table
+from experiments.run import RunFolder
+from experiments.stopping import StopRequest
+from experiments.train import train
+
+ROOT = Path(__file__).parents[2]
+SHORT = ["--total-env-steps", "5000", "--eval-every", "2000", "--eval-episodes", "8", "--episodes", "20", "--no-record"]
+
+
+@pytest.fixture
+def in_process(probe, monkeypatch):
+    """Train in this process: the probe cannot be seen from another."""
+
+    def train_all(runs, processes, stop):
+        for run in runs:
+            train(RunFolder.open(run.path), stop)
+
+    monkeypatch.setattr(compare, "train_all", train_all)
+    monkeypatch.setattr(compare, "draw", lambda found, folder: None)
+
+
+def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
+    folder = tmp_path / "demo"
+    assert main(["compare", "1v1Restricted", "--seeds", "2", *SHORT, "--out", str(folder)]) == 0
+    out = capsys.readouterr().out
+    with open(folder / "results.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == (2 * 2 + 2) * 4
+    assert {row["method"] for row in rows} == {"dr", "paired", "shoot", "random"}
+    assert all(int(row["env_steps"]) == 5000 for row in rows if row["method"] == "paired")
+    assert "paired − dr" in out and (folder / "table.txt").read_text().strip() in out
+
+
+def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path, capsys):
+    folder = tmp_path / "demo"
+    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--out", str(folder)]
+    assert main(command) == 0
+    before = (folder / "dr-0" / "metrics.csv").read_bytes()
+    capsys.readouterr()
+    assert main(command) == 0
+    assert "at a time" not in capsys.readouterr().out
+    assert (folder / "dr-0" / "metrics.csv").read_bytes() == before
+    command[command.index("5000")] = "7000"
+    assert main(command) == 0
+    assert (folder / "dr-0" / "metrics.csv").read_bytes().startswith(before)
+
+
+def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
+    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--out", str(tmp_path / "demo")]
+    assert main(command) == 0
+    assert main([*command, "--gamma", "0.5"]) == 1
+    assert "was trained with ppo.gamma = 0.993; it cannot continue with 0.5" in capsys.readouterr().err
+
+
+def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
+    path = tmp_path / "run"
+    assert main(["train", "1v1Restricted", *SHORT[:6], "--out", str(path), "--no-record"]) == 0
+    assert main(["evaluate", str(path), "--episodes", "50", "--csv", str(tmp_path / "r.csv")]) == 0
+    out = capsys.readouterr().out
+    assert "hard" in out and "shoot" in out and "5_000" in out
+    assert len((tmp_path / "r.csv").read_text().splitlines()) == 1 + 3 * 4
+
+
+def test_a_run_without_checkpoint_cannot_be_evaluated(in_process, tmp_path, capsys):
+    from experiments.config import TrainConfig
+
+    RunFolder.create(tmp_path / "run", TrainConfig())
+    assert main(["evaluate", str(tmp_path / "run")]) == 1
+    assert "has no checkpoint yet" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def row(method, seed, goals, scene="easy"):
+    return Result(method, seed, scene, 100, goals / 100, 0.4, goals, 30.0, 1000, 10)
+
+
+def test_a_single_run_has_wilson_and_several_have_the_bootstrap():
+    single = goal_rate([row("dr", 0, 50)])
+    assert single == pytest.approx((0.5, 0.4038, 0.5962), abs=1e-3)
+    several = goal_rate([row("dr", seed, goals) for seed, goals in enumerate((20, 40, 60))])
+    assert several.estimate == pytest.approx(0.4)
+    assert 0.2 <= several.low < 0.4 < several.high <= 0.6
+    assert mean_return([row("dr", 0, 50)]).high == pytest.approx(0.5 + 1.96 * 0.04)
+
+
+def test_the_advantage_of_a_better_method_is_positive():
+    better = [row("paired", seed, 80 + seed) for seed in range(3)]
+    worse = [row("dr", seed, 40 - seed) for seed in range(3)]
+    gain = advantage(better, worse)
+    assert gain.estimate == pytest.approx(0.42) and gain.low > 0.3
+
+
+def test_the_table_has_scenes_and_methods():
+    results = [
+        row(method, seed, 50, scene) for method in ("dr", "paired") for seed in (0, 1) for scene in ("easy", "hard")
+    ]
+    text = render_table([*results, row("shoot", 0, 10, "easy"), row("shoot", 0, 0, "hard")])
+    lines = text.splitlines()
+    assert lines[0].split()[:4] == ["scene", "dr", "paired", "shoot"]
+    assert lines[2].startswith("easy       return  +0.50 [+0.50, +0.50]")
+    assert "0% [0%, 4%]" in text
+    assert lines[-3].split() == ["runs", "2", "2", "1"]
+    assert lines[-2].split() == ["env_steps", "1_000", "1_000", "–"]
+    assert np.unique([len(line.rstrip()) > 0 for line in lines]).tolist() == [True]
+
+
+# ---------------------------------------------------------------- for real
+
+
+@pytest.mark.slow
+def test_a_small_comparison_from_end_to_end(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "experiments",
+        "compare",
+        "1v1Restricted",
+        "--seeds",
+        "2",
+        "--out",
+        str(tmp_path / "demo"),
+    ]
+    small = ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
+    small += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([*command, *small], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    for name in ("results.csv", "table.txt", "overview.png", "learning_curves.png", "levels.png"):
+        assert (tmp_path / "demo" / name).stat().st_size > 100
+    for method in ("dr", "paired"):
+        for seed in range(2):
+            assert (tmp_path / "demo" / f"{method}-{seed}" / "curriculum.rrd").stat().st_size > 10_000
+
+
+def test_stop_requests_are_counted():
+    import signal
+
+    with StopRequest() as stop:
+        assert not stop and stop.exit_code == 0
+        os.kill(os.getpid(), signal.SIGINT)
+        assert stop and stop.exit_code == 130
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)

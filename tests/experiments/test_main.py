@@ -1,0 +1,164 @@
+"""The command line as a user meets it: help, errors in one sentence, exit codes."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from experiments.__main__ import COMMANDS, main
+from experiments.progress import Progress, count, duration
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    ("argv", "code", "sentence"),
+    [
+        (["trian"], 2, "regista: unknown command trian (did you mean 'train'?); see regista --help"),
+        (["--verbose"], 2, "regista: unknown flag --verbose; see regista --help"),
+        (["train", "--sed", "3"], 2, "regista: unknown flag --sed (did you mean '--seed'?)"),
+        (
+            ["train", "1v1Restrictd"],
+            2,
+            "regista: unknown minigame '1v1Restrictd' (did you mean '1v1Restricted'?); known are",
+        ),
+        (["train", "nowhere.scenic"], 2, "regista: there is no program nowhere.scenic"),
+        (
+            ["train", "--method", "pared"],
+            2,
+            "regista: unknown method 'pared' (did you mean 'paired'?); known are dr, paired",
+        ),
+        (["train", "--resume", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
+        (["train", "--num-envs", "0"], 2, "regista: num_envs must be at least 1, got 0"),
+        (["train", "--clip-coef", "-1"], 2, "regista: clip_coef must be positive, got -1"),
+        (["train", "--out", "/dev/null/run"], 1, "regista: cannot write /dev/null/run: Not a directory"),
+        (["evaluate"], 2, "regista: evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0"),
+        (["evaluate", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
+        (["compare", "--seeds", "0"], 2, "regista: --seeds must be at least 1, got 0"),
+        (["compare", "--methods", "dr", "plr"], 2, "regista: unknown method 'plr'; known are dr, paired"),
+        (["inspect"], 2, "regista: inspect needs a program: a minigame's name or the path of a .scenic file"),
+        (
+            ["inspect", "1v1Free", "--theta", "0", "2"],
+            2,
+            "regista: --theta takes 6 numbers in [-1, 1] for free.scenic, got 0 2",
+        ),
+        (["benchmark", "--seconds", "0"], 2, "regista: --num-envs must be at least 1 and --seconds positive"),
+    ],
+)
+def test_errors_are_one_sentence(argv, code, sentence, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(argv) == code
+    captured = capsys.readouterr()
+    assert captured.err.startswith(sentence)
+    assert len(captured.err.splitlines()) == 1
+    assert captured.out == ""
+
+
+def test_an_error_in_a_program_shows_its_place(tmp_path, capsys):
+    path = tmp_path / "mine.scenic"
+    path.write_text("model football.model\nego = LeftCM at 0 @ 0\nBall at 1 @\n")
+    assert main(["inspect", str(path)]) == 1
+    first = capsys.readouterr().err.splitlines()[0]
+    assert ":3:" in first and "Traceback" not in first
+
+
+def test_debug_shows_the_traceback(tmp_path):
+    from experiments.errors import CommandError
+
+    with pytest.raises(CommandError):
+        main(["train", "--resume", str(tmp_path), "--debug"])
+
+
+def test_help_lists_the_commands(capsys):
+    assert main(["--help"]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in COMMANDS)
+    assert main([]) == 2
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help(command, capsys):
+    with pytest.raises(SystemExit) as found:
+        main([command, "--help"])
+    assert found.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: regista {command}")
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys; from experiments.__main__ import main; main(['--help']); "
+        "print([name for name in ('torch', 'numba', 'rerun', 'matplotlib', 'numpy') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+# ---------------------------------------------------------------- inspect, benchmark
+
+
+def test_inspect_shows_parameters_objects_and_acceptance(capsys):
+    assert main(["inspect", "1v1Free"]) == 0
+    text = capsys.readouterr().out
+    for piece in ("D = 6 free parameters", "ego.x", "opponent", "LeftCM", "% of 4096 draws are valid"):
+        assert piece in text
+
+
+def test_inspect_shows_what_a_theta_means(capsys):
+    assert main(["inspect", "1v1Free", "--theta", "0", "0", "0.5", "0.5", "0", "0"]) == 0
+    text = capsys.readouterr().out
+    assert "this θ describes a valid scene" in text and "+0.50" in text
+
+
+def test_inspect_shows_text_and_scenes(capsys, tmp_path):
+    assert main(["inspect", "1v1Free", "--show", "tokens"]) == 0
+    assert "'ego'" in capsys.readouterr().out
+    assert main(["inspect", "1v1Free", "--show", "nodes"]) == 0
+    assert "Specifier name='on'" in capsys.readouterr().out
+    png = tmp_path / "scenes.png"
+    assert main(["inspect", "1v1Free", "--show", "scenes", "--n", "4", "--png", str(png)]) == 0
+    assert "scene 3: θ = " in capsys.readouterr().out
+    assert png.stat().st_size > 10_000
+
+
+def test_benchmark_prints_json(capsys):
+    assert main(["benchmark", "--suite", "sim", "--num-envs", "4", "--seconds", "0.01", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["machine"]["cores"] >= 1
+    assert all(row["steps_per_second"] > 0 for row in found["results"]["simulator"][1:])
+
+
+# ---------------------------------------------------------------- progress
+
+
+class Screen:
+    """A stream that is a terminal, or is not."""
+
+    def __init__(self, tty):
+        self.text, self.tty = "", tty
+
+    def isatty(self):
+        return self.tty
+
+    def write(self, text):
+        self.text += text
+
+    def flush(self):
+        pass
+
+
+def test_progress_is_a_bar_on_a_terminal_and_a_line_elsewhere():
+    for tty in (True, False):
+        screen = Screen(tty)
+        progress = Progress(1000, stream=screen)
+        progress.show(500, {"return": 0.25, "regret": float("nan")})
+        assert "50%" in screen.text and "return +0.25" in screen.text and "nan" not in screen.text
+        assert ("━" in screen.text) == tty
+        progress.finish("done")
+        assert screen.text.endswith("done\n")
+
+
+def test_numbers_are_short():
+    assert [count(n) for n in (950, 12_345, 4_560_000)] == ["950", "12.3k", "4.56M"]
+    assert [duration(s) for s in (42, 180, 3900 * 2)] == ["42 s", "3 min", "2 h 10"]

@@ -1,0 +1,113 @@
+"""Pictures are drawn, are not blank, and show every method."""
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from envs.football.casting import Casting
+from envs.football.render import FootballPainter, pitch_lines
+from experiments import build, level_plots, plots
+from experiments.overview import Comparison, overview
+from experiments.results import Result
+from experiments.table import Table
+
+
+@pytest.fixture(scope="module")
+def painter():
+    program = build.load_program(build.find_minigame("1v1Restricted").program, 2)
+    return FootballPainter(Casting(program))
+
+
+@pytest.fixture
+def runs(tmp_path, painter):
+    """Two made-up runs of each method."""
+    rng = np.random.default_rng(0)
+    found = {}
+    for method in ("dr", "paired"):
+        for seed in range(2):
+            run = tmp_path / f"{method}-{seed}"
+            run.mkdir()
+            metrics, levels = Table(run / "metrics.csv"), Table(run / "levels.csv")
+            for update in range(1, 61):
+                row = {"update": update, "env_steps": 4096 * update, "return/student": update / 60 + rng.normal(0, 0.1)}
+                if update % 10 == 1:
+                    row |= {f"eval/{scene}": update / 80 + rng.normal(0, 0.05) for scene in SCENES}
+                if method == "paired":
+                    row["regret"] = 0.3 + rng.normal(0, 0.05)
+                metrics.append([row])
+                theta = rng.uniform(-1, 1, (5, 6))
+                levels.append(
+                    [{"update": update} | {f"theta/{d}": value for d, value in enumerate(row)} for row in theta]
+                )
+            found.setdefault(method, []).append(run)
+    return found
+
+
+SCENES = (build.TRAINING_SCENE, "easy", "hard")
+
+
+def ink(path):
+    """The share of a picture's pixels that are not white."""
+    image = matplotlib.image.imread(path)[..., :3]
+    assert min(image.shape[:2]) > 200
+    return float((image < 0.99).any(-1).mean())
+
+
+def has_colour(path, colour):
+    from matplotlib.colors import to_rgb
+
+    image = matplotlib.image.imread(path)[..., :3]
+    return bool((np.abs(image - to_rgb(colour)).max(-1) < 0.02).any())
+
+
+def test_learning_curves(runs, tmp_path):
+    path = tmp_path / "curves.png"
+    plots.learning_curves(runs, path)
+    assert 0.01 < ink(path) < 0.5
+    assert has_colour(path, plots.METHOD_COLOURS["dr"]) and has_colour(path, plots.METHOD_COLOURS["paired"])
+
+
+def test_levels(runs, painter, tmp_path):
+    path = tmp_path / "levels.png"
+    level_plots.levels(runs, painter, path)
+    assert ink(path) > 0.3
+
+
+def test_overview(runs, painter, tmp_path):
+    results = [
+        Result(method, seed, scene, 100, 0.5, 0.5, 50 + 10 * seed, 30.0, 1000, 10)
+        for method, seed in (("dr", 0), ("dr", 1), ("paired", 0), ("paired", 1), ("shoot", 0))
+        for scene in SCENES
+    ]
+    path = tmp_path / "overview.png"
+    overview(Comparison("1v1Restricted", runs, results, painter), path)
+    assert ink(path) > 0.2
+    assert all(has_colour(path, plots.METHOD_COLOURS[method]) for method in ("dr", "paired", "shoot"))
+
+
+def test_a_curve_averages_runs_on_one_axis(runs):
+    curve = plots.read_curve(runs["dr"], "return/student", points=50)
+    assert curve.values.shape == (2, 50)
+    assert curve.steps[0] == 4096 and curve.steps[-1] == 60 * 4096
+    assert np.isfinite(curve.values).all()
+    assert plots.read_curve(runs["dr"], "regret") is None
+
+
+def test_levels_of_a_period_are_those_of_its_updates(runs):
+    assert len(level_plots.read_theta(runs["dr"][0], (0.0, 1.0))) == 300
+    assert len(level_plots.read_theta(runs["dr"][0], (0.9, 1.0))) == 30
+
+
+def test_the_pitch_lies_within_its_measures():
+    points = np.concatenate(pitch_lines())
+    assert np.abs(points[:, 0]).max() == pytest.approx(55.0 + 2.2)
+    assert np.abs(points[:, 1]).max() == pytest.approx(36.0)
+
+
+def test_the_painter_puts_players_and_ball_in_metres(painter):
+    positions = painter.positions(np.zeros((1, 6)))[0]
+    assert painter.classes.tolist().count(4) == 1  # one ball, the last point
+    ego = positions[painter.focus]
+    assert ego == pytest.approx((50 * 0.544, 0.0))
+    assert positions[-1] == pytest.approx((50 * 0.544, 2.0 * 0.836 + 0.1 * 0.836), abs=0.2)
+    assert painter.bounds[0] == -3.0  # the right half: only the own keeper stands on the left

@@ -1,0 +1,121 @@
+"""Recordings are read back without a viewer."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from tests.experiments.probe import DRAWS, ProbePainter, batch
+from ued.recorder import CurriculumRecorder, Episode, Recording, ramp, smooth, unique_names
+
+rerun = pytest.importorskip("rerun")
+UPDATES = 30
+
+
+def table(path, entity, column):
+    """Rows of one component column by update."""
+    from rerun.chunk import RrdReader
+
+    found = {}
+    for chunk in RrdReader(str(path)).stream().filter(content=entity):
+        if str(chunk.entity_path) == entity and not chunk.is_static and "update" in chunk.timeline_names:
+            rows = chunk.to_record_batch()
+            found |= dict(zip(rows.column("update").to_pylist(), rows.column(column).to_pylist(), strict=True))
+    return dict(sorted(found.items()))
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A recording of 30 updates, two episodes of each student, in strict mode: a bad argument raises."""
+    rerun.set_strict_mode(True)
+    path = tmp_path_factory.mktemp("rrd") / "curriculum.rrd"
+    rng = np.random.default_rng(0)
+    recorder = CurriculumRecorder(Recording(path, "probe 0", UPDATES * 1000, {"seed": "0"}), ProbePainter(), DRAWS)
+    batches = [batch(update, rng) for update in range(1, UPDATES + 1)]
+    for update, levels in enumerate(batches, start=1):
+        metrics = {"regret": float(levels.score.mean()), "eval/a scene": 0.5, "nothing": float("nan")}
+        recorder.record(update, update * 1000, levels, metrics)
+        if update % 15 == 0:
+            for student in levels.returns:
+                walk = np.cumsum(rng.normal(0.3, 0.3, (12, 2, 2)), 0)
+                recorder.episode(student, update, update * 1000, Episode(walk, 0.1, "return +1.00"))
+        if update == 20:
+            recorder.flush()
+    recorder.close()
+    rerun.set_strict_mode(False)
+    return path, batches
+
+
+def test_the_file_is_complete(recorded):
+    from rerun.chunk import RrdReader
+
+    path, _ = recorded
+    verified = subprocess.run(
+        [sys.executable, "-m", "rerun_cli", "rrd", "verify", path], capture_output=True, text=True
+    )
+    assert verified.returncode == 0 and "1 file" in verified.stdout + verified.stderr
+    reader = RrdReader(str(path))
+    assert len(reader.recordings()) == 1 and len(reader.blueprints()) == 1
+
+
+def test_every_update_has_its_metrics(recorded):
+    path, batches = recorded
+    regret = table(path, "/metrics/regret", "Scalars:scalars")
+    assert list(regret) == list(range(1, UPDATES + 1))
+    assert [row[0] for row in regret.values()] == [float(levels.score.mean()) for levels in batches]
+
+
+def test_levels_are_where_the_painter_puts_them_the_highest_score_first(recorded):
+    path, batches = recorded
+    rows = table(path, "/scene/levels/0/points", "Points2D:positions")
+    assert list(rows) == list(range(1, UPDATES + 1))
+    for update, points in rows.items():
+        levels = batches[update - 1]
+        best = levels.theta[int(levels.score.argmax())]
+        assert np.allclose(points, ProbePainter().positions(best[None])[0], atol=1e-4)
+
+
+def test_quantiles_of_theta_are_in_the_units_of_the_draws(recorded):
+    path, batches = recorded
+    rows = table(path, "/theta/place.x/quantiles", "Scalars:scalars")
+    for update, values in rows.items():
+        assert np.allclose(values, np.quantile(batches[update - 1].theta[:, 0] * 50.0, [0.1, 0.5, 0.9]))
+
+
+def test_every_entity_of_the_layout_is_there(recorded):
+    from rerun.chunk import RrdReader
+
+    path, _ = recorded
+    entities = {line.split()[0] for line in RrdReader(str(path)).store().summary().splitlines()}
+    assert {
+        "/scene/ground",
+        "/scene/batch",
+        "/scene/heat/map",
+        "/scene/rollout/protagonist/path/lines",
+        "/scene/rollout/antagonist/now",
+        "/metrics/return_per_level/protagonist",
+        "/metrics/score_per_level",
+        "/theta/depth/histogram",
+        "/theta/over_time/2/map",
+        "/theta/over_time/cursor",
+        "/levels/card",
+    } <= entities
+
+
+def test_two_equal_names_are_told_apart():
+    assert unique_names([*DRAWS, DRAWS[0]]) == ["place.x 1", "place.y", "depth", "place.x 2"]
+
+
+def test_smoothing_keeps_the_mass_and_the_shape():
+    grid = np.zeros((21, 33))
+    grid[10, 16] = 4.0
+    blurred = smooth(grid)
+    assert blurred.shape == grid.shape
+    assert blurred.sum() == pytest.approx(4.0, rel=1e-6)
+    assert np.unravel_index(blurred.argmax(), grid.shape) == (10, 16)
+
+
+def test_a_ramp_of_colours_hits_its_ends():
+    colours = ramp(np.array([0.0, 1.0, np.nan]), ((0, 0, 0), (10, 20, 30)))
+    assert colours.tolist() == [[0, 0, 0], [10, 20, 30], [0, 0, 0]]
