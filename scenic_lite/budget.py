@@ -15,7 +15,7 @@ from scenic_lite.errors import ScenicError
 class Limits:
     """The most that one program may use."""
 
-    steps: int = 1_000_000  # nodes of the tree evaluated, loops and calls counted each time
+    steps: int = 200_000  # nodes of the tree evaluated, loops and calls counted each time
     calls: int = 40  # functions called inside each other; Python's own stack ends soon after
     elements: int = 100_000  # of one list, tuple, dict, set or range
     memory: int = 10_000_000  # elements and characters created in all
@@ -23,7 +23,7 @@ class Limits:
     bits: int = 4096  # of one integer
     objects: int = 400  # every pair of them is tested for overlap
     draws: int = 2000  # random values
-    operations: int = 100_000  # on random values; each costs an array operation per batch
+    operations: int = 20_000  # on random values; each costs an array operation per batch
 
 
 @dataclass

@@ -111,8 +111,9 @@ def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) 
         names = [str(each).split(":")[0].split("=")[0] for each in signature.parameters.values()]
         names = names[2:] if function.sited else names
         count = len(given) - (2 if function.sited else 0) + len(keywords)
-        usage = f"{function.name}({', '.join(names)})"
-        raise ScenicError("type", f"{function.name} does not take these {count} arguments", hint=usage) from None
+        usage = f"write {function.name}({', '.join(names)})"
+        number = "1 argument" if count == 1 else f"{count} arguments"
+        raise ScenicError("type", f"{function.name} does not take {number}", hint=usage) from None
 
 
 def call_function(
@@ -218,17 +219,18 @@ def classes_in(frame: Frame) -> list[str]:
 
 def meaning(frame: Frame, instance: Instance, node: nodes.Specifier) -> Meaning:
     """Evaluate a specifier's operands; errors point at the specifier."""
-    name = node.arguments[0].value if node.name == "with" else ""
+    first = node.arguments[0] if node.arguments else None
+    name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
     owned = name or ("heading" if "facing" in node.name else "position")
     with frame.session.owned(instance, owned):
         try:
-            if node.name == "with":
-                value = frame.value(node.arguments[1])
+            operands = [None if each is None else frame.value(each) for each in node.arguments]
+            if name:
+                value = operands[1]
                 warn_of_unknown(frame, instance.cls, node, name, value)
                 return with_property(frame, node, name, value)
             if node.name not in SPECIFIERS:
                 raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
-            operands = [None if each is None else frame.value(each) for each in node.arguments]
             return SPECIFIERS[node.name](frame, node, *operands)
         except ScenicError as error:
             raise frame.placed(error, node) from None

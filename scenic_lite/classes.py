@@ -11,12 +11,16 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
 from scenic_lite.graph import Value
 from scenic_lite.regions import SectorRegion, truth_of
-from scenic_lite.values import Choice, Default, Instance, ScenicClass, describe_kind
+from scenic_lite.values import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
 
 
 def constants(**values: Value) -> dict[str, Default]:
     """Defaults that are the same for every instance."""
-    return {name: Default(lambda _, value=value: value) for name, value in values.items()}
+    return {name: constant(value) for name, value in values.items()}
+
+
+def constant(value: Value) -> Default:
+    return Default(lambda _: value)
 
 
 VELOCITY = Default(
@@ -85,6 +89,9 @@ def as_heading(value: Value) -> Value:
 
 def checked(name: str, value: Value) -> Value:
     """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    if name == "behavior" and not isinstance(value, BehaviorCall | None):
+        message = f"the property 'behavior' must be a behavior, not {describe_kind(value)}"
+        raise ScenicError("type", message, hint="write with behavior B()")
     if name in VECTOR_PROPERTIES:
         vector = as_vector(value)
         if vector is None:

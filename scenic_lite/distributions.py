@@ -190,7 +190,7 @@ def check_numbers(name: str, *values: Value) -> None:
 
 def normal_share(z: Any) -> Any:
     """Φ(z), the share of a standard normal below z."""
-    return 0.5 * np.frompyfunc(math.erfc, 1, 1)(-np.asarray(z) / math.sqrt(2)).astype(float)
+    return 0.5 * np.array([math.erfc(-each / math.sqrt(2)) for each in z])
 
 
 NORMAL_SHARE = Operation(lambda z: 0.5 * math.erfc(-z / math.sqrt(2)), normal_share)

@@ -40,9 +40,16 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
         take_all(frame, import_module(frame, domain.default_model))
     frame.run(tree.body)
     if session.ego is None and (dialect == 2 or needs_ego(session)):
-        where = Place(file, max(1, len(place.lines)), 0, max(1, len(place.lines)), 1)
-        raise ScenicError("name", "the program sets no ego", where, hint="write ego = ... before one of its objects")
+        raise no_ego(session, place)
     return Program(session, place, text)
+
+
+def no_ego(session: Session, source: Source) -> ScenicError:
+    """The error for a program without an ego, at its first object."""
+    own = (each.place for each in session.objects if each.place.file == source.file)
+    where = next(own, Place(source.file, 1, 0, 1, 1))
+    hint = "write ego = ... before one of its objects"
+    return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
 
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:

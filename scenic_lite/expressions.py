@@ -157,11 +157,11 @@ def unary(frame: Frame, node: ast.UnaryOp) -> Value:
 
 
 def signed(sign: ast.unaryop, value: Value) -> Value:
-    if not isinstance(value, int | float | Vector | Random):
+    if isinstance(sign, ast.Invert) and isinstance(value, int):
+        return ~value
+    if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | Random):
         raise ScenicError("type", f"{describe_kind(value)} has no sign")
-    if isinstance(sign, ast.USub):
-        return -value
-    return +value if isinstance(sign, ast.UAdd) else ~value
+    return -value if isinstance(sign, ast.USub) else +value
 
 
 def negation(frame: Frame, node: ast.UnaryOp, value: Value) -> Value:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite import distributions as draw
+from scenic_lite.budget import exceeded
 from scenic_lite.classes import OBJECT, ORIENTED_POINT, POINT, as_heading
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
@@ -97,8 +98,12 @@ def integer_range(frame: Frame, node: ast.AST, *ends: Value) -> range:
     for end in ends:
         frame.refuse_random(end, node, "a range cannot have random ends")
     numbers = range(*ends)
-    if numbers and len(numbers) > frame.session.budget.limits.elements:
-        frame.session.budget.container(len(numbers))
+    try:
+        length = len(numbers)
+    except OverflowError:
+        raise exceeded("a range of more elements than can be counted") from None
+    if length > frame.session.budget.limits.elements:
+        frame.session.budget.container(length)
     return numbers
 
 

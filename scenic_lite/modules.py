@@ -89,8 +89,10 @@ def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
         path = frame.source.folder.joinpath(*name.split(".")).with_suffix(".scenic")
         if path.is_file():
             return path, frame.source.library
-    known = [*library, *(each for each in MODULES if each != "pdb"), *neighbours(frame)]
-    notes = [f"    modules that exist: {', '.join(known)}"]
+    known = [*library, *MODULES, *neighbours(frame)]
+    files = {str(file): module for module, file in reversed(library.items())}  # each once, by its first name
+    shown = [*reversed(files.values()), "math", "random", *neighbours(frame)]
+    notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
 
 

@@ -240,16 +240,12 @@ OPERATORS: dict[str, Callable[..., Value]] = {
     "visible": visible_part,
     "not visible": hidden_part,
     "visible from": visible_from,
-} | {
-    f"{words} of": side(words)
-    for words in (
-        "front",
-        "back",
-        "left",
-        "right",
-        "front left",
-        "front right",
-        "back left",
-        "back right",
-    )
+    "front of": side("front"),
+    "back of": side("back"),
+    "left of": side("left"),
+    "right of": side("right"),
+    "front left of": side("front left"),
+    "front right of": side("front right"),
+    "back left of": side("back left"),
+    "back right of": side("back right"),
 }

@@ -14,7 +14,7 @@ import numpy as np
 
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session, Source
-from scenic_lite.graph import Random, Tape, Value, columns_of
+from scenic_lite.graph import Column, Random, Tape, Value, columns_of
 from scenic_lite.naming import column_names, name_objects, title_of
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule, checks_of
@@ -75,7 +75,7 @@ class Program:
         self._columns = [column for column in session.columns if id(column) in used]
         names = column_names(self._columns)
         self.draws = tuple(
-            Draw(name, column.draw_kind, column.low, column.high, column.place)
+            Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, session))
             for name, column in zip(names, self._columns, strict=True)
         )
         self._offset = np.array([column.offset for column in self._columns])[:, None]
@@ -271,6 +271,14 @@ class Program:
         return ScenicError("value", f"{rule.label} in every scene", rule.place, hint=where, source_line=line)
 
 
+def place_in_program(column: Column, session: Session) -> Place:
+    """Where a value is drawn; for a default of a library's class, where its object is made."""
+    place, owner = column.place, column.owner
+    while session.sources[place.file].library and owner is not None:
+        place, owner = owner[0].place, owner[0].owner
+    return place
+
+
 def outline_parts(instance: Instance) -> list[Value]:
     return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]
 
@@ -282,10 +290,6 @@ def in_order(session: Session) -> list[Instance]:
 
 def info_of(instance: Instance) -> ObjectInfo:
     behavior = instance.properties["behavior"]
-    if behavior is not None and not isinstance(behavior, BehaviorCall):
-        raise ScenicError(
-            "type", "the property 'behavior' must be a behavior", instance.place, hint="with behavior B()"
-        )
     name = behavior.behavior.name if behavior is not None else None
     classes = tuple(cls.name for cls in instance.cls.lineage())
     return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, name)

@@ -14,7 +14,7 @@ from scenic_lite.calls import Return, defaults_of, function_of
 from scenic_lite.classes import OBJECT, is_object
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import combined
-from scenic_lite.frame import Frame, Requirement
+from scenic_lite.frame import Frame, Requirement, name_draws
 from scenic_lite.graph import Random, Value, is_number
 from scenic_lite.regions import Region
 from scenic_lite.values import Behavior, BehaviorCall, Choice, Default, Delayed, Instance, ScenicClass, describe_kind
@@ -29,7 +29,9 @@ class Continue(Exception):
 
 
 def expression(frame: Frame, node: ast.Expr) -> None:
-    frame.value(node.value)
+    value = frame.value(node.value)
+    if isinstance(value, ScenicClass):
+        frame.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
 
 
 def assign(frame: Frame, node: ast.Assign) -> None:
@@ -234,6 +236,7 @@ def set_params(frame: Frame, node: nodes.Param) -> None:
     session = frame.session
     for name, expression in zip(node.names, node.values, strict=True):
         value = frame.value(expression)
+        name_draws(name, value)
         if frame.source.library:
             if name in session.params and name not in session.library_params:
                 continue
@@ -247,7 +250,7 @@ def require(frame: Frame, node: nodes.Require) -> None:
     session = frame.session
     probability = 1.0 if node.probability is None else frame.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
-        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node.probability)
+        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     with session.requiring():
         condition = frame.value(node.condition)
     if isinstance(condition, BehaviorCall):
@@ -317,4 +320,10 @@ STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
     nodes.Mutate: not_yet,
     nodes.Record: not_yet,
     nodes.Scenario: not_yet,
-} | dict.fromkeys((nodes.Take, nodes.Wait, nodes.Do, nodes.Abort, nodes.Terminate, nodes.Override), only_in_behavior)
+    nodes.Take: only_in_behavior,
+    nodes.Wait: only_in_behavior,
+    nodes.Do: only_in_behavior,
+    nodes.Abort: only_in_behavior,
+    nodes.Terminate: only_in_behavior,
+    nodes.Override: only_in_behavior,
+}

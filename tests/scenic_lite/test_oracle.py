@@ -1,6 +1,7 @@
 """Agreement with real Scenic on small programs: the same constants, the same distributions within sampling error.
 
-The programs and what Scenic 2.1.0 and 3.1.1 made of them lie beside the repository; without them these tests are skipped.
+The programs and what Scenic 2.1.0 and 3.1.1 made of them lie beside the repository; without them the tests are
+skipped.
 """
 
 import json

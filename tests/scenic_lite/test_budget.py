@@ -1,0 +1,92 @@
+"""Hostile programs: each ends quickly with an error that says which limit was passed, or does no harm."""
+
+import pytest
+
+from scenic_lite import ScenicError, load
+
+START = "ego = Object at 0 @ 0\n"
+TOO_MUCH = [
+    ("x = 2**10**10", "an integer of more than 4,096 bits"),
+    ("x = 1 << 10**9", "an integer of more than 4,096 bits"),
+    ("x = 7\nfor i in range(40):\n    x = x * x", "an integer of more than 4,096 bits"),
+    ("x = 'a' * 10**10", "a text of 10,000,000,000 characters"),
+    ("x = 10**10 * 'a'", "a text of 10,000,000,000 characters"),
+    ("x = [0] * 10**10", "a collection of 10,000,000,000 elements"),
+    ("x = (0,) * 10**10", "a collection of 10,000,000,000 elements"),
+    ("for i in range(10**12):\n    pass", "a collection of 1,000,000,000,000 elements"),
+    ("x = range(10**30)", "a range of more elements than can be counted"),
+    ("x = [1]\nfor i in range(40):\n    x = x + x", "a collection of 131,072 elements"),
+    ("x = [1]\nfor i in range(40):\n    x.extend(x)", "a collection of 131,072 elements"),
+    ("x = 'ab'\nfor i in range(40):\n    x = x + x", "a text of 1,048,576 characters"),
+    ("x = ('a' * 10**6).replace('a', 'b' * 10**6)", "a text of"),
+    ("x = ('a' * 10**6).join(['b'] * 1000)", "a text of"),
+    ("x = [list(range(10**5)) for i in range(10**5)]", "more than 10,000,000 elements and characters"),
+    ("x = f'{3:1000000000}'", "a text format wider than 999"),
+    ("x = 'a'.ljust(10**10)", "a text has no attribute 'ljust'"),
+    ("x = int('9' * 10**5)", "a text of more than 1000 digits"),
+    ("while True:\n    pass", "more than 200,000 steps"),
+    ("x = sum([i for i in range(10**4) for j in range(10**4)])", "more than 200,000 steps"),
+    ("def f(n):\n    return f(n + 1)\nf(0)", "functions call each other more than 40 deep"),
+    ("f = lambda: f()\nf()", "functions call each other more than 40 deep"),
+    ("for i in range(10**4):\n    Object at 3 * i @ 9", "more than 400 objects"),
+    ("x = [Range(0, 1) for i in range(10**4)]", "more than 2,000 random values"),
+    ("x = Range(0, 1)\nfor i in range(15000):\n    x = x * 1.5 + 1\nparam x = x", "more than 20,000 random operations"),
+    ("x = []\nx.append(x)\nparam x = x", "a parameter has more than 20,000 parts, or holds itself"),
+    ("x = [1]\nfor i in range(60):\n    x = [x, x]\nparam x = x", "a parameter has more than 20,000 parts"),
+    ("x = 'a' % 10**10", "texts are not formatted by `%` here"),
+    ("x = " + "(" * 500 + "1" + ")" * 500, "nested more than"),
+    ("x = " + "-" * 5000 + "1", "nested too deeply"),
+]
+OUT_OF_REACH = [
+    "x = ().__class__",
+    "x = (1 @ 2).__class__",
+    "x = ego.__dict__",
+    "x = ego.cls",
+    "x = Object.lineage",
+    "x = (lambda: 1).__globals__",
+    "x = (lambda: 1).frame",
+    "x = math.__loader__",
+    "x = Range(0, 1).operation",
+    "x = right.__init__",
+    "x = 'a'.format(1)",
+    "x = open('/etc/passwd')",
+    "x = eval('1')",
+    "x = exec('1')",
+    "x = __import__('os')",
+    "x = getattr(ego, 'cls')",
+    "x = globals()",
+    "x = type(ego)",
+    "x = vars(ego)",
+    "import os",
+    "import sys",
+    "from subprocess import run",
+    "from .. import secrets",
+    "import pdb\npdb.set_trace()",
+    "x = everywhere.orientation.name",
+    "x = RectangularRegion(0 @ 0, 0, 1, 1).fixed",
+    "x = f'{ego.__class__}'",
+    "x = [1].__add__([2])",
+    "x = globalParameters.__class__",
+]
+
+
+@pytest.mark.parametrize(("text", "message"), TOO_MUCH)
+def test_budget(text, message):
+    with pytest.raises(ScenicError) as caught:
+        load(START + text)
+    assert message in caught.value.message
+    assert len(str(caught.value)) < 20_000
+
+
+@pytest.mark.parametrize("text", OUT_OF_REACH)
+def test_python_is_out_of_reach(text):
+    with pytest.raises(ScenicError) as caught:
+        load(START + text)
+    assert caught.value.kind in ("name", "import", "type", "syntax", "unsupported")
+
+
+def test_sampling_ends():
+    program = load("ego = Object at Range(0, 1) @ 0\nrequire ego.x < 1e-9")
+    with pytest.raises(ScenicError) as caught:
+        program.sample(10, __import__("numpy").random.default_rng(0))
+    assert caught.value.kind == "rejection"

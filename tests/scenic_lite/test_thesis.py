@@ -1,0 +1,91 @@
+"""The thesis's own programs: Figures 4.1 and 4.3 are one environment with six parameters; Figure 2.1 runs whole."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.football.domain import FOOTBALL
+from scenic_lite import load
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+RNG = np.random.default_rng
+
+
+@pytest.fixture(scope="module")
+def by_region():
+    return load(PROGRAMS / "figure_4_1.scenic", FOOTBALL)
+
+
+@pytest.fixture(scope="module")
+def by_range():
+    return load(PROGRAMS / "figure_4_3.scenic", FOOTBALL)
+
+
+def test_six_columns_in_the_same_order(by_region, by_range):
+    assert [draw.name for draw in by_region.draws] == ["ego.x", "ego.y", "opponent.x", "opponent.y", "MyGK.x", "MyGK.y"]
+    assert [draw.name for draw in by_range.draws] == ["X1", "Y1", "X2", "Y2", "MyGK.x", "MyGK.y"]
+    limits = [(draw.low, draw.high) for draw in by_region.draws]
+    assert limits == [(draw.low, draw.high) for draw in by_range.draws]
+    assert limits[:4] == [(0, 80), (-25, 25), (0, 80), (-25, 25)]
+
+
+def test_corresponding_theta_gives_the_same_scene(by_region, by_range):
+    theta = RNG(0).uniform(-1, 1, (500, 6))
+    a, b = by_region.instantiate(theta), by_range.instantiate(theta)
+    np.testing.assert_array_equal(a.positions, b.positions)
+    np.testing.assert_array_equal(a.ok, b.ok)
+
+
+def test_theta_is_scaled_linearly(by_region):
+    scenes = by_region.instantiate(np.array([[-1.0, -1, 0, 0, 0, 0], [1, 1, 0.5, -0.5, 0, 0]]))
+    np.testing.assert_allclose(scenes.positions[:, 0], [[0, -25], [80, 25]])
+    np.testing.assert_allclose(scenes.positions[:, 1], [[40, 0], [60, -12.5]])
+
+
+@pytest.mark.parametrize("figure", ["by_region", "by_range"])
+def test_ball_is_always_ahead_of_the_striker(figure, request):
+    program = request.getfixturevalue(figure)
+    _, scenes = program.sample(1000, RNG(1))
+    np.testing.assert_allclose(scenes.positions[:, 3] - scenes.positions[:, 0], [[0, 2.1]] * 1000)
+
+
+def test_in_scenic_3_the_ball_is_half_a_player_farther():
+    program = load("ego = new LeftCM at 3 @ 4\nball = new Ball ahead of ego by 2", FOOTBALL, dialect=3)
+    scenes = program.instantiate(np.zeros((1, 0)))
+    np.testing.assert_allclose(scenes.positions[0], [[3, 4], [3, 6.6]])
+
+
+def test_team_and_role_of_everyone(by_region):
+    scenes = by_region.instantiate(np.zeros((1, 6)))
+    assert scenes.properties["team"] == ["left", "right", "left", None]
+    assert scenes.properties["role"] == ["CM", "GK", "GK", None]
+    assert by_region.objects[2].classes[:4] == ("MyGK", "LeftGK", "LeftPlayer", "Player")
+    assert [info.name for info in by_region.objects] == ["ego", "opponent", "", "ball"]
+
+
+def test_place_of_a_draw_is_in_the_program(by_region):
+    assert [draw.place.line for draw in by_region.draws] == [3, 3, 4, 4, 6, 6]
+    assert {draw.place.file for draw in by_region.draws} == {"figure_4_1.scenic"}
+
+
+def test_figure_2_1_runs_whole():
+    program = load(PROGRAMS / "figure_2_1.scenic", FOOTBALL)
+    assert program.dim == 22  # eight positions, and three points in behavior arguments
+    assert [info.name or info.class_name for info in program.objects] == [
+        *("ego", "RightGK", "right_RightMid", "right_LeftMid", "ball", "LeftGK", "leftLB", "leftCB", "leftRB"),
+    ]
+    behaviors = [info.behavior for info in program.objects]
+    assert behaviors[:4] == ["runToReceiveCrossAndShoot", None, "runToReceiveCrossAndShoot", "rightLMBehavior"]
+    _, scenes = program.sample(200, RNG(2))
+    assert scenes.ok.all()
+    np.testing.assert_allclose(scenes.positions[:, 4] - scenes.positions[:, 3], [[0, 2.1]] * 200)
+    target = scenes.behavior_arguments[0]["destinationPoint"]  # of the ego, in rightAM_AttackRegion
+    assert ((target > [-90, -10]) & (target < [-85, -5])).all()
+    assert program.params["end_episode_on_score"] is True
+    assert program.params["action_set"] == "v2"  # from the model
+
+
+def test_keepers_of_the_library_always_fit_onto_the_pitch():
+    program = load("ego = LeftGK\nRightGK", FOOTBALL)
+    assert program.report(2000, RNG(3)).acceptance == 1
