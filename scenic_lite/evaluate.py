@@ -32,7 +32,7 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
         raise ValueError(f"dialect must be one of {DIALECTS}, not {dialect!r}")
     text, file, folder = text_of(source)
     session = new_session(domain, dialect)
-    tree = parsed(text, file, dialect)
+    tree, doubts = parsed(text, file, dialect)
     place = Source(file, tuple(text.splitlines()), folder, library=False)
     session.sources[file] = place
     frame = Frame(session, place, {})
@@ -41,7 +41,18 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
     frame.run(tree.body)
     if session.ego is None and (dialect == 2 or needs_ego(session)):
         raise no_ego(session, place)
+    session.warnings += remaining(doubts, session)
     return Program(session, place, text)
+
+
+def remaining(doubts: tuple[ScenicError, ...], session: Session) -> list[ScenicError]:
+    """The parser's doubts about properties that the evaluation, knowing the classes, has not settled."""
+    warned = {warning.place for warning in session.warnings}
+    return [
+        doubt
+        for doubt in doubts
+        if doubt.place not in warned and not (doubt.place in session.declared and doubt.hint.startswith("did you mean"))
+    ]
 
 
 def no_ego(session: Session, source: Source) -> ScenicError:

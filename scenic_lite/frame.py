@@ -75,6 +75,7 @@ class Session:
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)
     warnings: list[ScenicError] = field(default_factory=list)
+    declared: set[Place] = field(default_factory=set)  # `with` specifiers of properties that the class declares
     ego: Instance | None = None
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
@@ -174,7 +175,7 @@ class Frame:
             value = value.index
         if not isinstance(value, Random):
             return
-        hint = "write the condition in `require`, or decide inside a behavior"
+        hint = "write it in `require`, or decide in a behavior"
         raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
 
     def drawn_notes(self, value: Random) -> list[str]:

@@ -23,13 +23,17 @@ LARGEST_FILE = 1_000_000  # bytes
 
 
 @lru_cache(maxsize=64)
-def parsed(text: str, file: str, dialect: int) -> ast.Module:
-    """The checked tree of a text; library files are the same in every program. Raises the first ScenicError."""
+def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
+    """The checked tree of a text and the warnings about it. Raises the first ScenicError.
+
+    Kept, since library files are the same for every program.
+    """
     tree = parse(text, file, dialect)
-    errors = [finding for finding in check(tree, text, file) if finding.kind != "warning"]
+    findings = check(tree, text, file)
+    errors = [finding for finding in findings if finding.kind != "warning"]
     if errors:
         raise errors[0]
-    return tree
+    return tree, tuple(findings)
 
 
 def read(path: Path) -> str:
@@ -50,7 +54,8 @@ def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
     """Evaluate one file in this session; returns its names."""
     session.sources[source.file] = source
     names: dict[str, Any] = {}
-    Frame(session, source, names).run(parsed(text, source.file, session.dialect).body)
+    tree, _ = parsed(text, source.file, session.dialect)
+    Frame(session, source, names).run(tree.body)
     return names
 
 
@@ -90,7 +95,7 @@ def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
         if path.is_file():
             return path, frame.source.library
     known = [*library, *MODULES, *neighbours(frame)]
-    files = {str(file): module for module, file in reversed(library.items())}  # each once, by its first name
+    files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
     shown = [*reversed(files.values()), "math", "random", *neighbours(frame)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)

@@ -189,6 +189,7 @@ def warn_of_unknown(frame: Frame, cls: ScenicClass, node: ast.AST, name: str, va
     """A property that the class does not declare is allowed, but looks like a slip if a declared one is near."""
     known = cls.property_names()
     if name in known:
+        frame.session.declared.add(frame.place(node))
         return
     hint = near(name, known)
     is_behavior = isinstance(frame.module_names.get(name), Behavior)

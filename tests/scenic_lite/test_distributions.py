@@ -1,4 +1,4 @@
-"""Each distribution against its own cumulative distribution function, over θ drawn uniformly and over the corners of θ."""
+"""Each distribution against its own cumulative distribution function, over uniform θ and at the corners of θ."""
 
 import math
 from statistics import NormalDist

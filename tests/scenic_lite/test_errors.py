@@ -17,7 +17,7 @@ CASES = {
         y = 3 if x > 0.5 else 4
         """,
         """
-        <program>:3:10: random values cannot be compared here (write the condition in `require`, or decide inside a behavior)
+        <program>:3:10: random values cannot be compared here (write it in `require`, or decide in a behavior)
             y = 3 if x > 0.5 else 4
                      ^^^^^^^
         <program>:2:5: the random value is drawn here
@@ -32,7 +32,7 @@ CASES = {
             pass
         """,
         """
-        <program>:2:7: control flow cannot depend on a random value (write the condition in `require`, or decide inside a behavior)
+        <program>:2:7: control flow cannot depend on a random value (write it in `require`, or decide in a behavior)
             while n:
                   ^
         <program>:1:5: the random value is drawn here
@@ -46,7 +46,7 @@ CASES = {
             pass
         """,
         """
-        <program>:1:10: cannot iterate through a random value (write the condition in `require`, or decide inside a behavior)
+        <program>:1:10: cannot iterate through a random value (write it in `require`, or decide in a behavior)
             for p in Uniform([1], [2, 3]):
                      ^^^^^^^^^^^^^^^^^^^^
         <program>:1:10: the random value is drawn here
@@ -61,7 +61,7 @@ CASES = {
             pass
         """,
         """
-        <program>:2:10: a range cannot have random ends (write the condition in `require`, or decide inside a behavior)
+        <program>:2:10: a range cannot have random ends (write it in `require`, or decide in a behavior)
             for i in range(n):
                      ^^^^^^^^
         <program>:1:5: the random value is drawn here
@@ -370,6 +370,13 @@ def test_misspelt_property_is_a_warning(line, expected):
     program = load(f"from scenic.simulators.gfootball.behaviors import *\n{line}", FOOTBALL)
     assert [str(each).splitlines()[0] for each in program.warnings] == [expected]
     assert program.objects[0].behavior is None
+
+
+def test_warnings_of_the_parser_are_passed_on():
+    program = load("ego = LeftCM at 0 @ 0, facing 90\nBall at 3 @ 3, with rotation 1", FOOTBALL)
+    assert [str(each).splitlines()[0] for each in program.warnings] == [
+        '<program>:1:24: angles are in radians, and this one makes 14 turns (degrees are written "90 deg")'
+    ]
 
 
 def test_unknown_property_that_resembles_none_is_no_warning():

@@ -1,4 +1,4 @@
-"""Every specifier against numbers worked out by hand, in both dialects. The ego stands at (1, 2), heading 90 degrees (-x)."""
+"""Every specifier against numbers worked out by hand, in both dialects. The ego is at (1, 2), heading 90 degrees."""
 
 import math
 
@@ -114,8 +114,8 @@ def test_contained_in_sets_the_container():
 
 
 def test_visible_lies_in_the_view_of_the_ego():
-    text = "ego = new Thing at 1 @ 2, facing 90 deg, with visibleDistance 4, with viewAngle 60 deg\nthing = new Thing visible"
-    _, scenes = things(text).sample(500, np.random.default_rng(0))
+    ego = "ego = new Thing at 1 @ 2, facing 90 deg, with visibleDistance 4, with viewAngle 60 deg\n"
+    _, scenes = things(f"{ego}thing = new Thing visible").sample(500, np.random.default_rng(0))
     offset = scenes.positions[:, 1] - [1, 2]
     assert (np.hypot(*offset.T) <= 4).all()
     assert (np.abs(np.arctan2(offset[:, 1], -offset[:, 0])) <= np.radians(30) + 1e-9).all()
