@@ -177,13 +177,13 @@ class Expressions(Calls):
         word, following = token.text, self.peek()
         if word == "lambda":
             self.fail('a "lambda" needs brackets here')
-        if word == "not" and not (self.scenic and self.sees("not", "visible")):
+        if word == "not" and not (self.scenic and following.text == "visible" and self.begins_operand(2, "(")):
             return self.negation(token, level)
         if not self.scenic:
             return None
         self.deeper()
         value: ast.expr | None = None
-        if word == "not" or (word == "visible" and self.begins_region(following)):
+        if word == "not" or (word == "visible" and self.begins_operand(1, "(")):
             value = self.visible_part(token, level)
         elif word == "follow":
             value = self.follow(token, level)
@@ -219,9 +219,18 @@ class Expressions(Calls):
         self.nesting -= 1
         return value
 
-    def begins_region(self, token: Token) -> bool:
-        """Does a region follow the word `visible`?"""
-        return self.starts_value(token, "(") and token.text not in self.operators
+    def begins_operand(self, ahead: int, signs: str = "([{") -> bool:
+        """Does a value begin that many tokens ahead, and no operator between two values?"""
+        token, following = self.peek(ahead), self.peek(ahead + 1)
+        if not self.starts_value(token, signs):
+            return False
+        if token.text == "not":
+            return following.text != "in"
+        if token.text == "visible":
+            return following.text != "from"
+        if token.text == "relative":
+            return following.text in ("heading", "position") and self.peek(ahead + 2).text == "of"
+        return token.text not in self.operators
 
     def visible_part(self, token: Token, level: int) -> ast.expr:
         """`visible region`, `not visible region`."""
@@ -232,8 +241,7 @@ class Expressions(Calls):
 
     def follow(self, token: Token, level: int) -> ast.expr | None:
         """`follow field from vector for distance`."""
-        following = self.peek()
-        if not self.is_name(following) or following.text in self.operators:
+        if not self.is_name(self.peek()) or not self.begins_operand(1):
             return None
         self.check_level(token, level)
         form = 'write "follow F from V for D"'

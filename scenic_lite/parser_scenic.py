@@ -50,12 +50,10 @@ class ScenicStatements(Blocks):
 
     def is_statement(self, following: Token) -> bool:
         """Does a value follow the word, so that it is a statement? `take -x` is one, `take - x` is a difference."""
-        if following.text == "not":
-            return self.peek(2).text != "in"
         if following.text in SIGNS or following.text == "*":
             adjacent = self.peek(2).column == following.end_column
             return adjacent and following.column > self.token.end_column
-        return self.starts_value(following) and following.text not in self.operators
+        return self.begins_operand(1)
 
     # ------------------------------------------------------------ the whole scene
 
