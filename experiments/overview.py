@@ -100,7 +100,8 @@ def _draw_goals(axes: Axes, found: Comparison) -> None:
             interval = goal_rate(rows)
             shade, label = plots.colour(method), plots.title(method) if index == 0 else None
             axes.bar(index + offset, 100 * interval.estimate, 0.9 * reach / len(methods), color=shade, label=label)
-            span = [[100 * (interval.estimate - interval.low)], [100 * (interval.high - interval.estimate)]]
+            low, high = interval.estimate - interval.low, interval.high - interval.estimate
+            span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
             axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
     axes.set_xticks(range(len(scenes)), [scene.replace(" distribution", "\ndistribution") for scene in scenes])
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)

@@ -114,7 +114,7 @@ def headline(metrics: dict[str, float]) -> dict[str, float]:
     return {
         name.partition("/")[2] or name: value
         for name, value in metrics.items()
-        if name.startswith(("return/", "regret"))
+        if name.startswith("return/") or name == "regret"
     }
 
 

@@ -79,6 +79,7 @@ def test_overview(runs, painter, tmp_path):
         for method, seed in (("dr", 0), ("dr", 1), ("paired", 0), ("paired", 1), ("shoot", 0))
         for scene in SCENES
     ]
+    results += [Result("random", 0, scene, 50, 0.0, 0.0, 0, 30.0, 0, 0) for scene in SCENES]  # 0 %: no bar below 0
     path = tmp_path / "overview.png"
     overview(Comparison("1v1Restricted", runs, results, painter), path)
     assert ink(path) > 0.2
