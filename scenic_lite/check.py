@@ -70,10 +70,9 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
         context = context._replace(loop=True)
     elif isinstance(node, nodes.Interrupt):
         context = context._replace(handler=True)
-    for name in node._fields:
+    for name, value in ast.iter_fields(node):
         if name == "orelse" and isinstance(node, ast.For | ast.AsyncFor | ast.While):
             continue
-        value = getattr(node, name, None)
         if isinstance(value, ast.AST):
             yield value, context
         elif isinstance(value, list):

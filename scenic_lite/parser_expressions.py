@@ -8,7 +8,7 @@ of a sum. Read next: `parser_statements`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.lexer import Token
@@ -105,7 +105,7 @@ class Expressions(Calls):
                 return left
             links += 1
             self.check_chain(links)
-            left = getattr(self, infix.how)(left, infix, start)
+            left = CONTINUATIONS[infix.how](self, left, infix, start)
 
     def arithmetic(self, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
         """`left + right` and its like, from left to right."""
@@ -346,3 +346,14 @@ class Expressions(Calls):
         if self.token.text == "=":
             self.fail('"=" assigns and cannot stand in a condition', '"==" compares')
         return value
+
+
+# What reads on after an operator, by `Infix.how`.
+CONTINUATIONS: dict[str, Callable[[Expressions, ast.expr, Infix, Token], ast.expr]] = {
+    "arithmetic": Expressions.arithmetic,
+    "logic": Expressions.logic,
+    "comparison": Expressions.comparison,
+    "words": Expressions.words,
+    "along": Expressions.along,
+    "degrees": Expressions.degrees,
+}

@@ -17,7 +17,7 @@ class Infix(NamedTuple):
 
     words: tuple[str, ...]
     level: int
-    how: str  # the method of Expressions that reads what follows
+    how: str  # which of parser_expressions.CONTINUATIONS reads what follows
     node: ast.operator | ast.cmpop | ast.boolop | None = None
 
 

@@ -329,32 +329,44 @@ def _operator(cls: ast.expr, words: tuple[str, ...], value: ast.expr, heading: a
     return Operator(" ".join(words), operands)
 
 
-_LEFT = {ast.BinOp: "left", ast.Compare: "left", ast.IfExp: "body", ast.BoolOp: "values", Operator: "operands"}
-
-
 def _grafted(whole: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
     """A copy of `whole` whose leftmost value `old` is replaced by `new`: how precedence would have grouped it."""
     spine = []
     while whole is not old:
         spine.append(whole)
-        child = getattr(whole, _LEFT[type(whole)])
-        whole = child[0] if isinstance(child, list) else child
-    result = new
+        whole = _left_side(whole)
     for node in reversed(spine):
-        result = _regrouped(node, result)
-    return result
+        new = _regrouped(node, new)
+    return new
+
+
+def _left_side(node: ast.expr) -> ast.expr:
+    """The first operand of an operator between values."""
+    if isinstance(node, ast.BinOp | ast.Compare):
+        return node.left
+    if isinstance(node, ast.IfExp):
+        return node.body
+    first = node.values[0] if isinstance(node, ast.BoolOp) else None
+    if isinstance(node, Operator):
+        first = node.operands[0]
+    assert first is not None
+    return first
 
 
 def _regrouped(node: ast.expr, left: ast.expr) -> ast.expr:
     """A copy of an operator's node with another left side; two comparisons in a row become one chain."""
     grown = copy.copy(node)
-    if isinstance(node, ast.Compare) and isinstance(left, ast.Compare) and isinstance(grown, ast.Compare):
+    if isinstance(grown, ast.Compare) and isinstance(left, ast.Compare):
         grown.left = left.left
-        grown.ops = left.ops + node.ops
-        grown.comparators = left.comparators + node.comparators
-    else:
-        field = _LEFT[type(node)]
-        child = getattr(node, field)
-        setattr(grown, field, [left, *child[1:]] if isinstance(child, list) else left)
+        grown.ops = left.ops + grown.ops
+        grown.comparators = left.comparators + grown.comparators
+    elif isinstance(grown, ast.BinOp | ast.Compare):
+        grown.left = left
+    elif isinstance(grown, ast.IfExp):
+        grown.body = left
+    elif isinstance(grown, ast.BoolOp):
+        grown.values = [left, *grown.values[1:]]
+    elif isinstance(grown, Operator):
+        grown.operands = [left, *grown.operands[1:]]
     grown.lineno, grown.col_offset = left.lineno, left.col_offset
     return grown

@@ -116,8 +116,7 @@ class SimpleStatements(Expressions):
 
     def two_words(self, last: ast.stmt, token: Token, before: Token) -> None:
         """Two names side by side: a misspelt first word, or a misspelt specifier."""
-        value = getattr(last, "value", None)
-        alone = isinstance(last, ast.Expr) and isinstance(value, New | ast.Name)
+        alone = isinstance(last, ast.Expr) and isinstance(last.value, New | ast.Name)
         if alone and before.text in _FOREIGN:
             self.fail(f'unknown statement "{before.text}"', _FOREIGN[before.text], at=before)
         if alone and (hint := nearest(before.text, STATEMENT_WORDS)):
@@ -132,7 +131,7 @@ class SimpleStatements(Expressions):
 
     def colon_hint(self, last: ast.stmt) -> str:
         """Which statement might have been meant that ends with a colon?"""
-        value = getattr(last, "value", None)
+        value = last.value if isinstance(last, ast.Expr) else None
         if isinstance(value, ast.Call) and isinstance(value.func, ast.Name):
             return nearest(value.func.id, STATEMENT_WORDS)
         return ""
