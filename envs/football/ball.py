@@ -37,19 +37,10 @@ def advance_ball(ball):
     on_ground = ball.vz == 0.0 and ball.z <= BALL_RADIUS
     if on_ground and ball.vx == 0.0 and ball.vy == 0.0:
         return
-    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
-    keep = 1.0 - AIR_DRAG * speed * DT
-    ball.vx *= keep
-    ball.vy *= keep
     if on_ground:
-        drag_on_ground(ball, 1.0)
+        drag_on_ground(ball, 1.0, AIR_DRAG)
     else:
-        ball.vz = ball.vz * keep - GRAVITY * DT
-        ball.z += ball.vz * DT
-        if ball.z < BALL_RADIUS:
-            bounce(ball)
-        if ball.z < BALL_RADIUS + GRASS:
-            drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7)
+        fly(ball)
     x, y, z = ball.x, ball.y, ball.z
     ball.x += ball.vx * DT
     ball.y += ball.vy * DT
@@ -58,10 +49,28 @@ def advance_ball(ball):
 
 
 @kernel
-def drag_on_ground(ball, contact):
-    """Slow the ball by the ground's friction and let speed and spin approach each other; contact in [0, 1]."""
+def fly(ball):
+    """Let air and gravity act on the ball for a frame, and the ground if it comes near enough."""
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
+    keep = 1.0 - AIR_DRAG * speed * DT
+    ball.vx *= keep
+    ball.vy *= keep
+    ball.vz = ball.vz * keep - GRAVITY * DT
+    ball.z += ball.vz * DT
+    if ball.z < BALL_RADIUS:
+        bounce(ball)
+    if ball.z < BALL_RADIUS + GRASS:
+        drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7, 0.0)
+
+
+@kernel
+def drag_on_ground(ball, contact, air):
+    """Slow the ball by the ground's friction (and by air drag `air`), and let speed and spin approach each other.
+
+    `contact` in [0, 1] is how much of the ground's grip is felt.
+    """
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
-    loss = (GROUND_DRAG * speed * speed + GROUND_FRICTION) * contact * DT
+    loss = (((GROUND_DRAG * contact + air) * speed * speed) + GROUND_FRICTION * contact) * DT
     if loss >= speed:
         ball.vx, ball.vy, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0
         return
@@ -75,12 +84,13 @@ def drag_on_ground(ball, contact):
 def even_out(ball, share, gain):
     """Move speed towards spin by a share of their difference, and spin towards speed by at most `gain` m/s."""
     slip_x, slip_y = ball.spin_x - ball.vx, ball.spin_y - ball.vy
-    if slip_x == 0.0 and slip_y == 0.0:
-        return
-    slip = math.sqrt(slip_x * slip_x + slip_y * slip_y)
     ball.vx += share * slip_x
     ball.vy += share * slip_y
-    spin_share = 1.0 - share if gain >= slip else min(gain / slip, 1.0 - share)
+    squared = slip_x * slip_x + slip_y * slip_y
+    if squared <= gain * gain:  # rolling, without the square root
+        ball.spin_x, ball.spin_y = ball.vx, ball.vy
+        return
+    spin_share = min(gain / math.sqrt(squared), 1.0 - share)
     ball.spin_x -= spin_share * slip_x
     ball.spin_y -= spin_share * slip_y
 

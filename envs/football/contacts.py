@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import BALL_RADIUS, GK, NOBODY, STEP
+from envs.football.constants import BALL_RADIUS, FREE_KICK, GK, NOBODY, STEP
 from envs.football.keeper import HOLD_SPREAD, HOLD_STEPS, in_own_box
+from envs.football.offside import whistled
 from envs.football.possession import lose_ball
 from envs.football.rng import uniform
-from envs.football.vectors import length
+from envs.football.rules import stop_play
+from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
 
 # Traps
@@ -23,9 +25,11 @@ MISS_WAIT = 0.5  # s
 
 # Tackles
 TACKLE_REACH, SLIDE_REACH = 0.85, 1.15  # m from the body to the ball
-TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.62, 0.4, 0.85
+TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.8, 0.4, 0.85
 SWERVE = 10.0  # m/s across the tackler's reach at which the ball cannot be won
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
+SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
+FOUL_SIDE, FOUL_BEHIND, FOUL_SPEED = 0.9, 0.75, 2.0  # chances; m/s of a carrier who runs
 
 # Keepers
 CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
@@ -90,7 +94,9 @@ def meet(match, i, distance):
 
 @kernel
 def take(match, i):
-    """Give player i the ball at his feet, moving with him."""
+    """Give player i the ball at his feet, moving with him, unless he is offside."""
+    if whistled(match, i):
+        return
     player, ball = match.players[i], match.ball
     lose_ball(match)
     ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
@@ -131,12 +137,16 @@ def deflect(match, i, keep):
     player.touch_wait = MISS_WAIT
     match.last_touch = i
     match.saver = NOBODY
+    match.offside_bits = 0
 
 
 @kernel
 def tackle(match, i):
     """Let player i try to take the ball off the carrier's feet."""
     player, carrier = match.players[i], match.players[match.carrier]
+    if player.sliding and is_foul(match, i):
+        stop_play(match, FREE_KICK, carrier.team, match.ball.x, match.ball.y)
+        return
     behind = (player.x - carrier.x) * carrier.facing_x + (player.y - carrier.y) * carrier.facing_y < -0.2
     chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * player.skill * within_reach(match, i)
     if behind:
@@ -147,6 +157,18 @@ def tackle(match, i):
         return
     player.touch_wait = TACKLE_WAIT
     player.down = max(player.down, BEATEN_DOWN)
+
+
+@kernel
+def is_foul(match, i):
+    """Draw whether player i's slide fells the carrier: from the side mostly, from behind if he runs, never frontal."""
+    player, carrier = match.players[i], match.players[match.carrier]
+    ux, uy = toward(player.x - carrier.x, player.y - carrier.y)
+    front = ux * carrier.facing_x + uy * carrier.facing_y
+    if abs(front) < SIDE_COSINE:
+        return uniform(match) < FOUL_SIDE
+    runs = length(carrier.vx, carrier.vy) > FOUL_SPEED
+    return front < 0.0 and runs and uniform(match) < FOUL_BEHIND
 
 
 @kernel
@@ -204,6 +226,8 @@ def save(match, i):
 def hold(match, i):
     """Give keeper i the ball in his hands."""
     take(match, i)
+    if match.carrier != i:
+        return
     match.holder = i
     match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
     carry_in_hands(match)

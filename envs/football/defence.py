@@ -13,7 +13,8 @@ from envs.football.keeper import own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
-HUNTING_RANGE = 9.0  # m to the carrier, for a player of full skill
+HUNTING_RANGE, HUNTING_STANDING = 6.0, 18.0  # m to a carrier who runs, who stands, for a player of full skill
+STANDING = 1.5  # m/s
 DANGER_RANGE = 24.0  # m from the carrier to the goal: from here on he is attacked
 HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.12  # m, and share of the way to the goal, that is left to a carrier
 MARK_RANGE, MARK_GAP = 16.0, 1.6  # m
@@ -26,8 +27,8 @@ def hunt(match, i):
     goal_x = own_goal_x(player.team)
     distance = apart(player, carrier)
     to_goal = length(goal_x - carrier.x, carrier.y)
-    passed = length(goal_x - player.x, player.y) > to_goal
-    if to_goal < DANGER_RANGE or distance < HUNTING_RANGE * player.skill or (passed and distance < 4.0):
+    stands = length(carrier.vx, carrier.vy) < STANDING
+    if to_goal < DANGER_RANGE or distance < player.skill * (HUNTING_STANDING if stands else HUNTING_RANGE):
         go_for_ball(match, i, player.top_speed)
         return
     gap = HOLD_UP_GAP + HOLD_UP_SHARE * to_goal

@@ -10,6 +10,7 @@ from envs.football.constants import DT, FRAMES, HALF_LENGTH, HALF_WIDTH, NOBODY,
 from envs.football.contacts import carry_in_hands, meet_ball, reachable
 from envs.football.kicks import swing_frame
 from envs.football.motion import advance_player, crowded, keep_on_pitch, part_bodies
+from envs.football.offside import mark_offside
 from scenic_lite.jit import kernel
 
 
@@ -28,6 +29,7 @@ def play_frames(match):
             continue
         if match.kicker != NOBODY and swing_frame(match):
             bits = reachable(match)
+            mark_offside(match, match.last_touch)
         if match.holder != NOBODY:
             carry_in_hands(match)
         else:
@@ -35,6 +37,7 @@ def play_frames(match):
             in_play = not off_pitch(match.ball)
             if bits != 0 and in_play:
                 meet_ball(match, bits)
+                in_play = match.game_mode == NORMAL
         match.save_wait -= DT
     for i in range(match.num_players):
         keep_on_pitch(match.players[i])

@@ -49,9 +49,12 @@ def find_chasers(match):
     soonest_left, soonest_right = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
-        time = meeting_time(match, player, speed) + player.down
-        if match.carrier == i:
-            time = -1.0
+        time = -1.0
+        if match.carrier != i:
+            soonest = soonest_left if player.team == LEFT else soonest_right
+            if apart(match.ball, player) > (CHASE_SPEED + speed) * soonest:
+                continue  # too far away even if the ball rolled towards him
+            time = meeting_time(match, player, speed) + player.down
         if player.team == LEFT and time < soonest_left:
             soonest_left = time
             match.chaser[LEFT] = i

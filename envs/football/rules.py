@@ -30,7 +30,7 @@ from envs.football.constants import (
 )
 from envs.football.kicks import forget_kick
 from envs.football.possession import lose_ball, update_possession
-from envs.football.vectors import apart, length
+from envs.football.vectors import apart, length, toward
 from scenic_lite.jit import kernel
 
 CHECKPOINTS, CHECKPOINT_REWARD = 10, 0.1
@@ -53,9 +53,9 @@ def begin_step(match):
 def apply_rules(match):
     """Judge what the frames of this step have brought."""
     match.step += 1
-    if match.game_mode != NORMAL:
+    if match.restart_wait > 0:
         wait_for_restart(match)
-    else:
+    elif match.game_mode == NORMAL:
         judge_ball(match)
     update_possession(match)
     pay_checkpoints(match)
@@ -136,6 +136,7 @@ def stop_play(match, mode, team, x, y):
     """Stop play for a restart by `team` at (x, y). When the episode ends on it the ball stays where it is."""
     match.game_mode = mode
     match.restart_team = team
+    match.offside_bits = 0
     match.restart_wait = WAIT_THROW_IN if mode == THROW_IN else WAIT_OTHERS
     if not match.end_episode_on_out_of_play:
         put_ball(match, x, y)
@@ -151,9 +152,8 @@ def wait_for_restart(match):
     if taker != NOBODY:
         player, ball = match.players[taker], match.ball
         stand_still(player)
-        outward_x, outward_y = ball.x / HALF_LENGTH, ball.y / HALF_WIDTH
-        size = length(outward_x, outward_y) + 1e-9
-        player.facing_x, player.facing_y = -outward_x / size, -outward_y / size
+        goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
+        player.facing_x, player.facing_y = toward(goal_x - ball.x, -ball.y)
         player.x, player.y = ball.x - TAKER_BEHIND * player.facing_x, ball.y - TAKER_BEHIND * player.facing_y
         match.carrier = taker
         match.last_touch = taker

@@ -87,6 +87,7 @@ MATCH_FIELDS = (
     ("kicker", "i8", (), "", "player in the middle of a kick, -1 none"),
     ("last_touch", "i8", (), "", "player, -1 none yet"),
     ("last_owned_team", "i8", (), "", "team of the last owner, -1 none yet"),
+    ("offside_bits", "i8", (), "", "bit i: player i was offside when a mate last kicked"),
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
     ("save_x", "f8", (), "m", "where he means to meet it"),

@@ -17,6 +17,7 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
+from envs.football.contacts import is_foul
 
 MANY = range(200)
 
@@ -145,3 +146,17 @@ def test_outside_his_box_a_keeper_uses_his_feet() -> None:
     for _ in range(15):
         play(matches, [0])
         assert matches["holder"][0] == -1
+
+
+@pytest.mark.parametrize(
+    ("slider", "speed", "fouls"),
+    [((-1.2, 0.0), 0.0, 0.0), ((0.0, 1.2), 0.0, 0.9), ((1.2, 0.0), 0.0, 0.0), ((1.2, 0.0), 5.0, 0.75)],
+)
+def test_fouls(slider: tuple[float, float], speed: float, fouls: float) -> None:
+    """
+    ← C    fouls are slides from the side (measured 30 of 30), and from behind when he runs (23 of 30)
+    """
+    players = [(*slider, LEFT, CM), (0.0, 0.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)]
+    matches = position(players, (-0.5, 0.0), OPEN, MANY)
+    matches["carrier"], matches["players"]["vx"][:, 1] = 1, -speed
+    assert np.mean([is_foul(match, 0) for match in matches]) == pytest.approx(fouls, abs=0.1)
