@@ -30,8 +30,8 @@ MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanis
 class AdversaryConfig:
     """Settings of the adversary and its learning."""
 
-    learning_rate: float = setting(1e-3, "step size of Adam")
-    ent_coef: float = setting(0.2, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
+    learning_rate: float = setting(3e-3, "step size of Adam")
+    ent_coef: float = setting(0.1, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
     update_epochs: int = setting(5, "gradient steps for each batch of levels")
     clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
     vf_coef: float = setting(0.5, "weight of the baseline's loss")

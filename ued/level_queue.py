@@ -45,11 +45,11 @@ class LevelQueue:
         supply: gives k new entries, as records of `entry_dtype`.
         dtype: that record.
         num_envs: N.
-        max_lead: levels that one student may be ahead of another, at least N.
+        max_lead: levels that one student may be ahead of another, at least N; 0: no new level before `clear`.
     """
 
     def __init__(self, supply: Supply, dtype: np.dtype, num_envs: int, max_lead: int) -> None:
-        if max_lead < num_envs:
+        if 0 < max_lead < num_envs:
             raise ValueError(f"max_lead must be at least the number of environments ({num_envs}), got {max_lead}")
         self.supply, self.num_envs, self.max_lead = supply, num_envs, max_lead
         self.students, self.episodes = dtype["returns"].shape
@@ -87,6 +87,10 @@ class LevelQueue:
         self.taken[student] += len(envs)
         return self.entries["level"][rows]
 
+    def settled(self) -> np.ndarray:
+        """Give the indices of the entries that every student has played often enough."""
+        return np.flatnonzero((self.entries["played"] == self.episodes).all(1))
+
     def take_settled(self) -> np.ndarray:
         """Remove and give the entries that every student has played often enough, in the order of play."""
         settled = (self.entries["played"] == self.episodes).all(1)
@@ -97,6 +101,12 @@ class LevelQueue:
         self.taken = self.taken - np.array([settled[:count].sum() for count in self.taken])
         self.entries = self.entries[~settled]
         return done
+
+    def clear(self) -> None:
+        """Forget all levels, settled or not; students begin again with `first`."""
+        self.entries = self.entries[:0]
+        self.taken[:] = 0
+        self.playing[:] = NONE
 
     def drop_untaken(self) -> None:
         """Forget the entries that nobody has begun, so that the next are proposed by the teacher as it is now."""

@@ -5,7 +5,7 @@ Read next: `player`, which fills rollouts, then `ppo`, which learns from them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import torch
 from gymnasium.spaces import Discrete, Space
@@ -53,6 +53,12 @@ class Rollout:
             final_value=torch.zeros(shape),
             last_value=torch.zeros(num_envs),
         )
+
+    def columns(self, envs: Tensor) -> Rollout:
+        """Give a copy with some of the environments only."""
+        each = {item.name: getattr(self, item.name) for item in fields(self)}
+        last_value = each.pop("last_value")[envs]
+        return Rollout(**{name: value[:, envs] for name, value in each.items()}, last_value=last_value)
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:

@@ -39,15 +39,16 @@ def test_proposals_begin_uniform_and_inside():
 
 
 def test_without_entropy_the_proposals_collapse():
-    theta, metrics = taught(AdversaryConfig(ent_coef=0.0))
+    theta, metrics = taught(AdversaryConfig(ent_coef=0.0), updates=300)
     assert np.abs(theta.mean(0) - PEAK).max() < 0.15
-    assert theta.std(0).max() < 0.12
-    assert metrics["entropy"] < -2
+    assert theta.std(0).mean() < 0.16
+    assert metrics["entropy"] < -4  # one vector z means one level
 
 
 def test_with_the_default_they_keep_their_spread_and_still_move():
-    theta, _ = taught(AdversaryConfig())
-    assert theta.std(0).min() > 0.15
+    theta, metrics = taught(AdversaryConfig(), updates=300)
+    assert theta.std(0).mean() > 0.14
+    assert metrics["entropy"] > -2
     assert np.abs(theta.mean(0) - PEAK).max() < 0.2
     assert landscape(theta, np.random.default_rng(0), noise=0).mean() > 0.7  # uniform proposals reach 0.23
     assert (np.abs(theta) > 0.95).mean() < 0.05  # and do not flee into the corners

@@ -135,6 +135,7 @@ def test_without_free_parameters_paired_is_refused():
     [
         ("episodes_per_level", 0, "episodes_per_level must be at least 1, got 0"),
         ("regret", "max", "regret must be max_mean or mean_mean, got 'max'"),
+        ("student_reward", "none", "student_reward must be environment or regret, got 'none'"),
         ("dr_fraction", 1.5, "dr_fraction must be between 0 and 1, got 1.5"),
         ("invalid_penalty", -1.0, "invalid_penalty must not be negative, got -1.0"),
     ],
@@ -142,3 +143,44 @@ def test_without_free_parameters_paired_is_refused():
 def test_settings_out_of_range_are_refused(setting, number, message):
     with pytest.raises(ValueError, match=message):
         dataclasses.replace(PairedConfig(), **{setting: number})
+
+
+def test_regret_can_be_the_reward_of_the_students():
+    """The letter of Algorithm 1: at the end of each episode -regret and regret, on levels that both have settled."""
+    method = Paired(Landscape(64), PPO, PairedConfig(student_reward="regret", episodes_per_level=4), seed=0)
+    learned = []
+    for ppo in method.ppos:
+        ppo.learn = lambda rollout, env_steps: learned.append(rollout) or {}
+    method.players[0].upomdp.outcome = longer(method.players[0].upomdp.outcome)
+    metrics = method.update()
+    score, protagonist, antagonist = method.last.score, *learned
+    assert 0 < len(score) < 64 and metrics["levels"] == len(score)  # the longest levels take more than a rollout
+    for rollout, sign in ((protagonist, -1), (antagonist, 1)):
+        assert rollout.reward.shape == rollout.observation.shape[:2] == (16, len(score))
+        assert rollout.last_value.shape == (len(score),) and not rollout.truncated.any()
+        for n, regret_there in enumerate(score):
+            ended = rollout.terminated[:, n]
+            assert ended.sum() >= 4
+            assert rollout.reward[ended, n].numpy() == pytest.approx(sign * regret_there)
+            assert (rollout.reward[~ended, n] == 0).all()
+    before = method.last.theta
+    method.update()
+    assert not np.isin(method.last.theta, before).any()  # all levels are new
+
+
+def longer(outcome):
+    """Cut off no episode, but let one in three of the ends pass, so that some levels take long."""
+    stream = np.random.default_rng(0)
+
+    def later(actions):
+        reward, terminated, truncated = outcome(actions)
+        return reward, terminated & (stream.random(len(reward)) < 0.67), truncated
+
+    return later
+
+
+def test_students_paid_by_regret_are_trained():
+    method = Paired(Landscape(32), PPO, PairedConfig(student_reward="regret"), seed=0)
+    for _ in range(3):
+        metrics = method.update()
+    assert np.isfinite(metrics["protagonist/policy_loss"]) and method.env_steps == 3 * 2 * 16 * 32

@@ -9,7 +9,8 @@
 A level that nobody can solve causes no regret, nor does one that both solve: what is left lies at the edge of what the
 protagonist can do. Here a rollout is not cut to levels: `level_queue` says how whole episodes are made sure of.
 Students learn from their own rewards, as in every implementation that works: from each student's view the other's
-return is a constant. Read next: `level_queue`, `adversary`, `scores`.
+return is a constant. `student_reward="regret"` is the letter of the algorithm instead.
+Read next: `level_queue`, `adversary`, `scores`.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from time import perf_counter
 from typing import Any, Literal
 
 import numpy as np
+import torch
 
 from ued.adversary import Adversary, AdversaryConfig, Proposals
 from ued.config import setting
@@ -27,6 +29,7 @@ from ued.level_queue import LevelQueue, entry_dtype
 from ued.methods import LevelBatch, episode_metrics, prefixed
 from ued.player import Player, collect
 from ued.ppo import PPO, PPOConfig
+from ued.rollout import Rollout
 from ued.scores import regret
 from ued.streams import split_seed, torch_stream
 from ued.student import Student
@@ -53,6 +56,9 @@ class PairedConfig:
     )
     flexible: bool = setting(False, "on each level the better student plays the antagonist's part")
     clip_regret: bool = setting(False, "count a negative regret as 0")
+    student_reward: Literal["environment", "regret"] = setting(
+        "environment", "what students learn from: the environment's rewards, or -regret and regret when an episode ends"
+    )
     dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
     invalid_penalty: float = setting(
         0.0, "regret of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
@@ -64,6 +70,8 @@ class PairedConfig:
             raise ValueError(f"episodes_per_level must be at least 1, got {self.episodes_per_level}")
         if self.regret not in ("max_mean", "mean_mean"):
             raise ValueError(f"regret must be max_mean or mean_mean, got {self.regret!r}")
+        if self.student_reward not in ("environment", "regret"):
+            raise ValueError(f"student_reward must be environment or regret, got {self.student_reward!r}")
         if not 0 <= self.dr_fraction <= 1:
             raise ValueError(f"dr_fraction must be between 0 and 1, got {self.dr_fraction}")
         if not self.invalid_penalty >= 0:
@@ -99,7 +107,8 @@ class Paired:
         self.entry = entry_dtype(
             upomdp.levels.dtype, upomdp.theta_dim, config.adversary.context_size, 2, config.episodes_per_level
         )
-        self.queue = LevelQueue(self._supply, self.entry, upomdp.num_envs, max_lead=2 * upomdp.num_envs)
+        max_lead = 0 if config.student_reward == "regret" else 2 * upomdp.num_envs
+        self.queue = LevelQueue(self._supply, self.entry, upomdp.num_envs, max_lead)
         self.lessons = np.zeros(0, self.entry)  # settled levels that the adversary has yet to learn from
         self.updates = 0
         self.last: LevelBatch | None = None
@@ -139,15 +148,22 @@ class Paired:
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels with both students; let all three learn."""
+        if self.config.student_reward == "regret":
+            self._begin_together()
         collect(self.players)
+        settled_envs = self.queue.settled()
         settled = self.queue.take_settled()
         began = perf_counter()
         self._judge(settled)
         metrics = self._teach(settled)
         taught = perf_counter()
-        for name, player, ppo in zip(NAMES, self.players, self.ppos, strict=True):
-            metrics |= prefixed(name, ppo.learn(player.rollout, self.env_steps))
+        rollouts = [player.rollout for player in self.players]
+        if self.config.student_reward == "regret":
+            rollouts = self._pay_regret(rollouts, settled_envs, settled["score"])
+        for name, player, ppo, rollout in zip(NAMES, self.players, self.ppos, rollouts, strict=True):
             metrics |= episode_metrics(name, player.take_episodes())
+            if rollout.reward.numel():
+                metrics |= prefixed(name, ppo.learn(rollout, self.env_steps))
         learned = perf_counter()
         self.last = self._as_levels(settled)
         self.updates += 1
@@ -195,6 +211,29 @@ class Paired:
         self.lessons = self.lessons[:0]
         self.queue.drop_untaken()
         return prefixed("adversary", losses)
+
+    # ------------------------------------------------------------ the letter of the algorithm
+
+    def _begin_together(self) -> None:
+        """Give every environment of both students a new level at once; its unfinished episode is lost.
+
+        Regret as a reward must be known when students learn, so here a level lives in one rollout, which should be
+        long enough for its episodes: environments in which it is not contribute nothing.
+        """
+        self.queue.clear()
+        for index, player in enumerate(self.players):
+            player.start(self.queue.first(index))
+
+    def _pay_regret(self, rollouts: list[Rollout], settled: np.ndarray, score: np.ndarray) -> list[Rollout]:
+        """Replace rewards: at the end of every episode -regret for the protagonist, regret for the antagonist."""
+        paid = []
+        for rollout, sign in zip(rollouts, (-1.0, 1.0), strict=True):
+            mine = rollout.columns(torch.as_tensor(settled))
+            ended = mine.terminated | mine.truncated
+            mine.reward = torch.where(ended, sign * torch.tensor(score.tolist()), 0.0)
+            mine.terminated, mine.truncated = ended, torch.zeros_like(ended)  # regret is all there is
+            paid.append(mine)
+        return paid
 
     # ------------------------------------------------------------ what is told
 
