@@ -80,12 +80,13 @@ class Session:
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
     in_requirement: int = 0
+    row: dict[int, Value] | None = None  # of one sample: the value of each random node, by its id
 
     def column(self, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:
         """Draw a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
         if self.in_requirement:
             raise ScenicError(
-                "random-control-flow",
+                "type",
                 "a requirement cannot draw a random value",
                 hint="draw it before the requirement and give it a name",
             )
@@ -141,7 +142,8 @@ class Frame:
         if handler is None:
             raise self.error("unsupported", f"{type(node).__name__} expressions are not supported", node)
         try:
-            return handler(self, node)
+            value = handler(self, node)
+            return value if self.session.row is None else in_row(value, self.session.row)
         except ScenicError as error:
             raise self.placed(error, node) from None
         except PYTHON_FAULTS as fault:
@@ -277,6 +279,22 @@ class Frame:
         target = self.module_names if name in self.globals else self.locals
         target[name] = value
         name_draws(name, value)
+
+
+def in_row(value: Value, row: dict[int, Value]) -> Value:
+    """What a value is in one sample."""
+    if isinstance(value, Choice):
+        return in_row(value.options[in_row(value.index, row)], row)
+    if not isinstance(value, Random):
+        return value
+    if id(value) not in row:
+        assert value.operation is not None, "a draw that the condition was not known to depend on"
+        inputs = [in_row(each, row) for each in value.inputs]
+        arrays = [np.array([each], dtype=object if isinstance(each, str) else None) for each in inputs]
+        result = value.operation(*arrays)
+        row[id(value)] = tuple(part[0] for part in result) if isinstance(result, tuple) else result[0]
+    found = row[id(value)]
+    return found.item() if isinstance(found, np.generic) else found
 
 
 class FormatEach:

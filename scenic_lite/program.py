@@ -140,15 +140,16 @@ class Program:
         """
         theta = self._checked(theta)
         count = len(theta)
-        finite = np.isfinite(theta)
-        if not finite.all():
-            theta = np.where(finite, theta, 0.0)
+        scaled = self._scaled(theta)
+        known = np.isfinite(scaled.sum(axis=0))
+        if not known.all():
+            scaled[:, ~known] = self._offset
         with np.errstate(all="ignore"):
-            registers = self._tape.run(self._scaled(theta))
+            registers = self._tape.run(scaled)
             positions, headings, outlines = self._arrangement.write(registers, count)
             failed = self._failures(registers, outlines, count)
-        ok = ~(failed if self._hard is None else failed[:, self._hard]).any(axis=1)
-        ok &= np.isfinite(positions).all(axis=(1, 2)) & finite.all(axis=1)
+            broken = (failed if self._hard is None else failed[self._hard]).any(axis=0)
+            ok = np.isfinite(outlines.x.sum(axis=0) + outlines.y.sum(axis=0)) & ~broken & known
         properties = self._properties
         if self._property_plans:
             properties = {name: list(column) for name, column in properties.items()}
@@ -158,7 +159,7 @@ class Program:
         for i, plan in self._argument_plans:
             arguments[i] = plan(registers, count)
         params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
-        return Scenes(positions, headings, properties, params, arguments, ok, failed)
+        return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Whether each row of theta [N, D] describes a valid scene: [N] bool."""
@@ -179,13 +180,14 @@ class Program:
         return unit
 
     def _failures(self, registers: list[Any], outlines: Any, count: int) -> np.ndarray:
-        failed = np.empty((count, len(self.requirements)), dtype=bool)
+        """[R, N]: which rules do not hold."""
+        failed = np.empty((len(self.requirements), count), dtype=bool)
         at = 0
         for check in self._checks.batched:
-            failed[:, at : at + len(check.rules)] = check.fails(outlines)
+            failed[at : at + len(check.rules)] = check.fails(outlines)
             at += len(check.rules)
         for slot in self._slots:
-            failed[:, at] = (not slot) if isinstance(slot, bool) else np.logical_not(registers[slot])
+            failed[at] = (not slot) if isinstance(slot, bool) else np.logical_not(registers[slot])
             at += 1
         return failed
 

@@ -6,19 +6,22 @@ for every scene; the rest are nodes of the graph. Read next: `program`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.classes import can_see, outline
+from scenic_lite.classes import can_see, outline, rectangle_of
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session
 from scenic_lite.geometry import rectangles_meet
 from scenic_lite.graph import NOT, OR, Random, Value, apply
 from scenic_lite.polygons import CLOSENESS
-from scenic_lite.regions import Everywhere, RectangularRegion, Region
+from scenic_lite.regions import Everywhere, RectangularRegion, Region, truth_of
 from scenic_lite.values import Instance
+
+BLOCK = 8192  # numbers in one array while rules are tested
 
 
 class Rule(NamedTuple):
@@ -32,7 +35,10 @@ class Rule(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """The rectangles of all objects in N scenes, arrays [N, O] or [O] where they never vary."""
+    """The rectangles of all objects in N scenes, arrays [O, N], or [O, 1] where they never vary.
+
+    Objects come first so that what belongs to one of them, or to one rule, is contiguous.
+    """
 
     x: Any
     y: Any
@@ -41,21 +47,16 @@ class Outlines:
     length: Any
 
     def of(self, objects: Any) -> tuple[Any, ...]:
-        """x, y, heading, width, length of some objects, their index last."""
-        return tuple(part[..., objects] for part in (self.x, self.y, self.heading, self.width, self.length))
+        """x, y, heading, width, length of some objects."""
+        return tuple(part[objects] for part in (self.x, self.y, self.heading, self.width, self.length))
 
 
 class Overlaps:
     """Tests every pair of objects that may not overlap."""
 
     def __init__(self, objects: list[Instance]) -> None:
-        pairs = [
-            (i, j)
-            for j in range(len(objects))
-            for i in range(j)
-            if objects[i].properties["allowCollisions"] is not True
-            and objects[j].properties["allowCollisions"] is not True
-        ]
+        strict = [i for i, each in enumerate(objects) if each.properties["allowCollisions"] is False]
+        pairs = [(i, j) for j in strict for i in strict if i < j]
         self.first = np.array([i for i, _ in pairs], dtype=int)
         self.second = np.array([j for _, j in pairs], dtype=int)
         self.rules = [
@@ -67,13 +68,26 @@ class Overlaps:
         return list(zip(self.first.tolist(), self.second.tolist(), strict=True))
 
     def fails(self, outlines: Outlines) -> Any:
-        """[N, pairs]: whether the two meet. Upright rectangles, the usual case, are compared by their sides."""
-        a, b = outlines.of(self.first), outlines.of(self.second)
-        if outlines.heading.ndim == 1 and not outlines.heading.any():
-            apart_x = np.abs(a[0] - b[0]) > (a[3] + b[3]) / 2
-            apart_y = np.abs(a[1] - b[1]) > (a[4] + b[4]) / 2
-            return ~(apart_x | apart_y)
-        return rectangles_meet(*a, *b)
+        """[pairs, N]: whether the two meet."""
+        upright = outlines.heading.shape[1] == 1 and not outlines.heading.any()
+        test = upright_meet if upright else rectangles_meet
+        parts = [
+            test(*outlines.of(self.first[block]), *outlines.of(self.second[block]))
+            for block in blocks(len(self.first), outlines)
+        ]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def blocks(count: int, outlines: Outlines) -> list[slice]:
+    """Cut `count` rows so that what is computed at once stays in the processor's cache."""
+    size = max(1, BLOCK // outlines.x.shape[1])
+    return [slice(start, start + size) for start in range(0, count, size)]
+
+
+def upright_meet(*numbers: Any) -> Any:
+    """As `rectangles_meet` for headings that are all 0, the usual case."""
+    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
+    return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
 
 
 class Containment:
@@ -91,8 +105,11 @@ class Containment:
         return [(i,) for i in self.where.tolist()]
 
     def fails(self, outlines: Outlines) -> Any:
-        """[N, objects]: whether a rectangle sticks out, by its extent along the container's axes."""
-        x, y, heading, width, length = outlines.of(self.where)
+        """[objects, N]: whether a rectangle sticks out, by its extent along the container's axes."""
+        parts = [self._sticks_out(*outlines.of(self.where[block])) for block in blocks(len(self.where), outlines)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def _sticks_out(self, x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
         (c, s), position = self.axis, self.region.position
         dx, dy = x - position.x, y - position.y
         turn_c, turn_s = np.abs(np.cos(heading - self.region.heading)), np.abs(np.sin(heading - self.region.heading))
@@ -126,7 +143,7 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
         for i in where:
             rule = Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
-    nodes += visibility(session, objects)
+    nodes += [*sometimes_apart(objects), *visibility(session, objects)]
     for requirement in session.requirements:
         rule = Rule(requirement.label, requirement.place, "require", requirement.probability)
         nodes.append((rule, requirement.condition))
@@ -146,6 +163,18 @@ def containers(session: Session, objects: list[Instance]) -> dict[Any, tuple[lis
         label = "the workspace" if own is None else "its region"
         result.setdefault(region, ([], label))[0].append(i)
     return result
+
+
+def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+    """Overlap rules for pairs of which one allows collisions in some scenes only."""
+    for j, b in enumerate(objects):
+        for a in objects[:j]:
+            allowed = [each.properties["allowCollisions"] for each in (a, b)]
+            if any(isinstance(each, Random) for each in allowed) and True not in allowed:
+                meets = truth_of(rectangles_meet, *rectangle_of(a), *rectangle_of(b))
+                excused = apply(OR, *allowed, kind="truth")
+                rule = Rule(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
+                yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
 
 
 def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Value]]:

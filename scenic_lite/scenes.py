@@ -204,29 +204,31 @@ class Arrangement:
         self.random: dict[str, list[tuple[int, int]]] = {}  # part -> (object, register)
         for part in ("x", "y", "heading", "width", "length"):
             values = [part_of(instance, part) for instance in objects]
-            self.fixed[part] = np.array([value if is_number(value) else 0.0 for value in values], dtype=float)
+            fixed = [value if is_number(value) else 0.0 for value in values]
+            self.fixed[part] = np.array(fixed, dtype=float)[:, None]  # [O, 1]
             self.random[part] = [
                 (i, planner.tape.slot(value)) for i, value in enumerate(values) if isinstance(value, Random)
             ]
 
     def write(self, registers: list[Any], count: int) -> tuple[np.ndarray, np.ndarray, Outlines]:
         """positions [N, O, 2], headings [N, O], and the objects' rectangles."""
+        x, y = self._filled("x", registers, count), self._filled("y", registers, count)
+        heading, width, length = (
+            self._filled(part, registers, count) if self.random[part] else self.fixed[part]
+            for part in ("heading", "width", "length")
+        )
         positions = np.empty((count, self.count, 2))
-        for axis, part in enumerate(("x", "y")):
-            positions[:, :, axis] = self.fixed[part]
-            for i, slot in self.random[part]:
-                positions[:, i, axis] = registers[slot]
-        heading, width, length = (self._filled(part, registers, count) for part in ("heading", "width", "length"))
-        headings = heading if heading.ndim == 2 else np.repeat(heading[None], count, axis=0)
-        return positions, headings, Outlines(positions[:, :, 0], positions[:, :, 1], heading, width, length)
+        positions[:, :, 0], positions[:, :, 1] = x.T, y.T
+        headings = np.empty((count, self.count))
+        headings[:] = heading.T
+        return positions, headings, Outlines(x, y, heading, width, length)
 
     def _filled(self, part: str, registers: list[Any], count: int) -> np.ndarray:
-        """[O] if it never varies, else [N, O]."""
-        if not self.random[part]:
-            return self.fixed[part]
-        values = np.repeat(self.fixed[part][None], count, axis=0)
+        """[O, N]."""
+        values = np.empty((self.count, count))
+        values[:] = self.fixed[part]
         for i, slot in self.random[part]:
-            values[:, i] = registers[slot]
+            values[i] = registers[slot]
         return values
 
 

@@ -17,6 +17,7 @@ from scenic_lite.expressions import combined
 from scenic_lite.frame import Frame, Requirement, name_draws
 from scenic_lite.graph import Random, Value, is_number
 from scenic_lite.regions import Region
+from scenic_lite.rows import row_by_row
 from scenic_lite.values import Behavior, BehaviorCall, Choice, Default, Delayed, Instance, ScenicClass, describe_kind
 
 
@@ -252,7 +253,7 @@ def require(frame: Frame, node: nodes.Require) -> None:
     if not is_number(probability) or not 0 <= probability <= 1:
         raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     with session.requiring():
-        condition = frame.value(node.condition)
+        condition = condition_of(frame, node.condition)
     if isinstance(condition, BehaviorCall):
         hint = f"write require monitor {condition.behavior.name}()"
         raise frame.error("type", "a monitor is no condition", node.condition, hint)
@@ -263,6 +264,16 @@ def require(frame: Frame, node: nodes.Require) -> None:
     label = node.name or source_text(frame, node)
     if condition is not True:
         session.requirements.append(Requirement(label, frame.place(node), condition, float(probability)))
+
+
+def condition_of(frame: Frame, node: ast.expr) -> Value:
+    """A condition over all samples at once; row by row if functions in it decide on random values."""
+    try:
+        return frame.value(node)
+    except ScenicError as error:
+        if error.kind != "random-control-flow":
+            raise
+    return row_by_row(frame, node)
 
 
 def source_text(frame: Frame, node: ast.AST) -> str:

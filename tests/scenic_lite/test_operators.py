@@ -141,3 +141,38 @@ def test_function_of_a_random_choice_of_objects():
     assert set(who) == {1, 2}
     np.testing.assert_array_equal(scenes.params["x"], scenes.positions[np.arange(100), who, 0])
     np.testing.assert_array_equal(scenes.params["both"], np.where(who == 1, 105, 215))
+
+
+def test_functions_in_requirements_may_branch_on_random_values():
+    program = things(
+        "kind = Uniform('near', 'far')\nparam kind = kind\n"
+        "def allowed(other):\n"
+        "    if kind == 'near':\n"
+        "        return (distance from ego to other) < 5\n"
+        "    for limit in (6, 8):\n"
+        "        if other.x > limit:\n"
+        "            return True\n"
+        "    return sorted([other.x, other.y])[0] > 0\n"
+        "thing = new Thing at Range(-10, 10) @ Range(-10, 10)\n"
+        "require allowed(thing)"
+    )
+    assert program.dim == 3
+    scenes = program.instantiate(np.random.default_rng(0).uniform(-1, 1, (500, 3)))
+    x, y = scenes.positions[:, 1].T
+    far = (x > 6) | (np.minimum(x, y) > 0)
+    near = np.hypot(x - 1, y - 2) < 5
+    np.testing.assert_array_equal(scenes.ok, np.where(scenes.params["kind"] == "near", near, far))
+
+
+def test_condition_that_cannot_be_computed_does_not_hold():
+    program = things(
+        "x = DiscreteRange(0, 1)\ndef f(v):\n    if 1 / v > 0:\n        return True\n    return False\nrequire f(x)"
+    )
+    np.testing.assert_array_equal(program.valid(np.array([[-0.5], [0.5]])), [False, True])
+
+
+def test_requirement_means_the_names_of_its_line():
+    program = things(
+        "x = Range(0, 1)\ndef low(v):\n    if v < 0.5:\n        return True\n    return False\nrequire low(x)\nx = 7"
+    )
+    np.testing.assert_array_equal(program.valid(np.array([[-0.5], [0.5]])), [True, False])

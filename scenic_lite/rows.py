@@ -1,0 +1,101 @@
+"""Conditions that arrays cannot decide: requirements whose functions branch or loop on random values, row by row.
+
+Slow (each sample walks the tree again), and only for those. Read next: `rules`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.budget import Budget
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame
+from scenic_lite.graph import Column, Random, Value, columns_of
+from scenic_lite.scenes import randoms_in
+from scenic_lite.values import Bound, Choice, Function, Instance
+
+
+def row_by_row(frame: Frame, node: ast.expr) -> Random:
+    """The truth of a condition for each sample, evaluated one after the other."""
+    columns = tuple(columns_of(*(random for value in mentioned(frame, node) for random in randoms_in(value))))
+    names = dict(frame.locals)  # as they are now: a later assignment does not change the requirement
+    snapshot = Frame(frame.session, frame.source, names, frame.outer)
+    return Random(RowByRow(snapshot, node, columns), columns, "truth")
+
+
+class RowByRow:
+    """The operation: columns [N] -> truth [N]."""
+
+    def __init__(self, frame: Frame, node: ast.expr, columns: tuple[Column, ...]) -> None:
+        self.frame, self.node, self.columns = frame, node, columns
+        self.ego = frame.session.ego
+
+    def __call__(self, *arrays: Any) -> Any:
+        return np.array([self._one(values) for values in zip(*arrays, strict=True)], dtype=bool)
+
+    def _one(self, values: tuple) -> bool:
+        """One sample; a condition that cannot be computed there does not hold."""
+        session = self.frame.session
+        before = session.row, session.ego, session.budget
+        session.row = {id(column): value for column, value in zip(self.columns, values, strict=True)}
+        session.ego, session.budget = self.ego, Budget(session.budget.limits)
+        try:
+            with session.requiring():
+                return bool(self.frame.value(self.node))
+        except ScenicError as error:
+            if error.kind == "value":
+                return False
+            raise
+        finally:
+            session.row, session.ego, session.budget = before
+
+
+def mentioned(frame: Frame, node: ast.AST) -> list[Value]:
+    """The values that an expression may read: of its names, of what its functions name, and of the ego."""
+    found: list[Value] = [frame.session.ego] if frame.session.ego is not None else []
+    seen: set[int] = set()
+    pending: list[tuple[Frame, ast.AST]] = [(frame, node)]
+    while pending:
+        scope, tree = pending.pop()
+        for name in {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}:
+            value = visible(scope, name)
+            if id(value) not in seen:
+                seen.add(id(value))
+                found.append(value)
+                pending += [(function.frame, part) for function in functions_in(value) for part in body_of(function)]
+    return found
+
+
+def visible(frame: Frame, name: str) -> Value:
+    """The value of a name, or None: it may be a local of a function not yet called."""
+    at: Frame | None = frame
+    while at is not None:
+        if name in at.locals:
+            return at.locals[name]
+        at = at.outer
+    return frame.module_names.get(name)
+
+
+def functions_in(value: Value) -> Iterator[Function]:
+    """The functions of the program that a value is or carries: methods of objects are among them."""
+    if isinstance(value, Function):
+        yield value
+    elif isinstance(value, Bound):
+        yield from functions_in(value.function)
+    elif isinstance(value, Instance):
+        for cls in value.cls.lineage():
+            yield from (member for member in cls.members.values() if isinstance(member, Function))
+    elif isinstance(value, list | tuple):
+        for each in value:
+            yield from functions_in(each)
+    elif isinstance(value, Choice):
+        for each in value.options:
+            yield from functions_in(each)
+
+
+def body_of(function: Function) -> list[ast.AST]:
+    return list(function.body) if isinstance(function.body, list) else [function.body]
