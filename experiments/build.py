@@ -85,16 +85,22 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
 
 
 def make_method(config: TrainConfig, upomdp: Any) -> Any:
-    """Make the method that trains on `upomdp`. Raises `UsageError` for an unknown one."""
+    """Make the method that trains on `upomdp`.
+
+    Raises `UsageError` for an unknown one, and for an environment on which it cannot train.
+    """
     import torch
 
     from ued.methods.dr import DR
     from ued.methods.paired import Paired
 
     torch.set_num_threads(config.threads)
-    if find_method(config.method) == "dr":
-        return DR(upomdp, config.ppo, config.dr, config.seed)
-    return Paired(upomdp, config.ppo, config.paired, config.seed)
+    try:
+        if find_method(config.method) == "dr":
+            return DR(upomdp, config.ppo, config.dr, config.seed)
+        return Paired(upomdp, config.ppo, config.paired, config.seed)
+    except ValueError as error:
+        raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
 
 
 def make_painter(program: Program) -> FootballPainter:

@@ -50,6 +50,10 @@ class TrainConfig:
     paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
 
     def __post_init__(self) -> None:
+        if self.env.observation != "features":
+            raise ValueError(
+                f"training needs the observation 'features'; {self.env.observation!r} is for programs of yours"
+            )
         for name in ("total_env_steps", "num_envs", "threads", "eval_episodes"):
             if getattr(self, name) < 1:
                 raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")

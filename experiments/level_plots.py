@@ -85,7 +85,7 @@ def _draw_density(axes: Axes, bounds: tuple[float, float, float, float], points:
     x_low, x_high, y_low, y_high = bounds
     bins = (int((y_high - y_low) / CELL), int((x_high - x_low) / CELL))
     counts, _, _ = np.histogram2d(points[:, 1], points[:, 0], bins, ((y_low, y_high), (x_low, x_high)))
-    density = smooth(counts, width=8.0 / CELL * len(points) ** (-1 / 6))  # Scott's rule for a spread of 8 m
+    density = smooth(counts, width=5.0 / CELL * len(points) ** (-1 / 6))  # Scott's rule for a spread of 5 m
     veil = np.zeros((*density.shape, 4))
     veil[..., :3] = to_rgb(shade)
     veil[..., 3] = 0.88 * (density / max(density.max(), 1e-9)) ** 0.6

@@ -42,16 +42,20 @@ class RunFolder:
     @classmethod
     def create(cls, path: Path, config: TrainConfig) -> RunFolder:
         """Make the folder and write its configuration. Raises `CommandError` if there is a run already."""
-        if (path / "config.json").exists():
+        run = cls(path, config)
+        if run.begun():
             raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+        foreign = any(entry.name not in UNTRAINED for entry in path.iterdir()) if path.is_dir() else path.exists()
+        if foreign:
             raise CommandError(f"{path} exists and is no run folder; choose another --out")
         try:
             path.mkdir(parents=True, exist_ok=True)
-            configs.save(config, path / "config.json")
+            (path / "config.json").touch()
+            with run.locked():
+                configs.save(config, path / "config.json")
         except OSError as error:
             raise cannot_write(path, error) from error
-        return cls(path, config)
+        return run
 
     @classmethod
     def open(cls, path: Path) -> RunFolder:
@@ -62,7 +66,7 @@ class RunFolder:
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
-        for name, (old, new) in configs.differences(self.config, config).items():
+        for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in set(build.METHODS) - {config.method}
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
@@ -115,6 +119,10 @@ class RunFolder:
 
         return checkpoint.load(self.checkpoint)["env_steps"] >= self.config.total_env_steps
 
+    def begun(self) -> bool:
+        """Say whether anything was trained here: a run that failed before its first update leaves the name free."""
+        return self.metrics.path.exists() or self.checkpoint.exists()
+
     def env_steps(self) -> int:
         """Give the env_steps of the last row of metrics.csv, 0 if there is none."""
         rows = read_rows(self.metrics.path)
@@ -127,4 +135,5 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
+UNTRAINED = ("config.json", "train.log")  # what a folder may hold before its run has begun
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

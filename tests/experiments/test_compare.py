@@ -85,8 +85,8 @@ def test_a_run_without_checkpoint_cannot_be_evaluated(in_process, tmp_path, caps
 # ---------------------------------------------------------------- numbers
 
 
-def row(method, seed, goals, scene="easy"):
-    return Result(method, seed, scene, 100, goals / 100, 0.4, goals, 30.0, 1000, 10)
+def row(method, seed, goals, scene="easy", trained=(1000, 10)):
+    return Result(method, seed, scene, 100, goals / 100, 0.4, goals, 30.0, *trained)
 
 
 def test_a_single_run_has_wilson_and_several_have_the_bootstrap():
@@ -109,7 +109,8 @@ def test_the_table_has_scenes_and_methods():
     results = [
         row(method, seed, 50, scene) for method in ("dr", "paired") for seed in (0, 1) for scene in ("easy", "hard")
     ]
-    text = render_table([*results, row("shoot", 0, 10, "easy"), row("shoot", 0, 0, "hard")])
+    results += [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
+    text = render_table(results)
     lines = text.splitlines()
     assert lines[0].split()[:4] == ["scene", "dr", "paired", "shoot"]
     assert lines[2].startswith("easy       return  +0.50 [+0.50, +0.50]")

@@ -51,6 +51,30 @@ def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
     assert (tmp_path / "run" / "metrics.csv").read_bytes() == before
 
 
+def test_a_run_that_never_began_leaves_the_name_free(probe, tmp_path, monkeypatch, capsys):
+    from experiments import build
+    from experiments.errors import CommandError
+
+    make_method = build.make_method
+
+    def fail(*_):
+        raise CommandError("no such luck")
+
+    monkeypatch.setattr(build, "make_method", fail)
+    command = ["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]
+    assert main(command) == 1
+    monkeypatch.setattr(build, "make_method", make_method)
+    assert main([*command, "--seed", "4"]) == 0
+    assert RunFolder.open(tmp_path / "run").config.seed == 4
+
+
+def test_a_foreign_folder_is_left_alone(probe, tmp_path, capsys):
+    (tmp_path / "thesis.txt").write_text("ten years of work")
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path), *SHORT]) == 1
+    assert capsys.readouterr().err == f"regista: {tmp_path} exists and is no run folder; choose another --out\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
+
+
 def test_a_stopped_run_continues_to_the_same_numbers(probe, tmp_path, monkeypatch, capsys):
     from tests.experiments.probe import ProbeMethod
 
