@@ -25,7 +25,7 @@ from envs.football.constants import (
 )
 from envs.football.dribble import TOUCH_REACH
 from envs.football.motion import SLIDE_TIME
-from envs.football.possession import ball_speed, meeting_time
+from envs.football.possession import ball_speed, forget_kick, meeting_time
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
@@ -67,11 +67,14 @@ def press(player, action):
 
 
 @kernel
-def release_keys(player):
-    """Clear what is sticky: the built-in AI has taken over."""
+def release_keys(match, i):
+    """Clear what is sticky, and a kick that has not begun: the built-in AI has taken over player i."""
+    player = match.players[i]
     player.direction = 0
     player.sprint = False
     player.dribble = False
+    if player.kick != 0 and not player.aimed and match.kicker != i:
+        forget_kick(player)
 
 
 @kernel
@@ -92,7 +95,7 @@ def hold_kick(player, action):
     if player.kick_ready and player.kick_wait <= 0.0:
         player.kick_patience -= 1
         if player.kick_patience < 0:
-            player.kick, player.kick_held, player.kick_ready = 0, 0, False
+            forget_kick(player)
 
 
 @kernel

@@ -53,7 +53,7 @@ SHOT_SPEED = 9.0  # m/s, slower balls are not shots
 GOAL_MARGIN = 1.1  # goal widths within which he goes for the ball
 
 # Kick-out
-HOLD_STEPS, HOLD_SPREAD = 9, 7  # steps
+HOLD_STEPS, HOLD_SPREAD, HOLD_LONGEST = 9, 7, 30  # steps
 KICK_OUT = 30.0  # m upfield when there is no mate
 
 
@@ -90,6 +90,15 @@ def think_keeper(match, i):
             rush(match, i)
     else:
         stand(match, i)
+
+
+@kernel
+def hurry(match, i):
+    """Make a commanded keeper kick the ball out when he has held it for too long."""
+    if match.holder == i:
+        match.hold_wait -= 1
+        if match.hold_wait < -HOLD_LONGEST and match.players[i].kick == 0:
+            kick_out(match, i)
 
 
 @kernel

@@ -20,7 +20,7 @@ from envs.football.constants import (
     SHOT,
 )
 from envs.football.keeper import foresee_shot
-from envs.football.possession import lose_ball
+from envs.football.possession import forget_kick, lose_ball
 from envs.football.rng import normal
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
@@ -102,13 +102,6 @@ def swing_frame(match):
         return False
     leave_foot(match, i)
     return True
-
-
-@kernel
-def forget_kick(player):
-    """Clear a player's kick."""
-    player.kick, player.kick_held, player.kick_wait = 0, 0, 0.0
-    player.kick_ready, player.aimed = False, False
 
 
 @kernel

@@ -115,10 +115,19 @@ def choose_controlled(match):
 
 @kernel
 def lose_ball(match):
-    """Make the ball free."""
+    """Make the ball free; who was about to kick it no longer is."""
+    if match.kicker != NOBODY:
+        forget_kick(match.players[match.kicker])
     match.carrier = NOBODY
     match.holder = NOBODY
     match.kicker = NOBODY
+
+
+@kernel
+def forget_kick(player):
+    """Clear a player's kick."""
+    player.kick, player.kick_held, player.kick_wait = 0, 0, 0.0
+    player.kick_ready, player.aimed = False, False
 
 
 @kernel

@@ -28,8 +28,7 @@ from envs.football.constants import (
     RUNNING,
     THROW_IN,
 )
-from envs.football.kicks import forget_kick
-from envs.football.possession import lose_ball, update_possession
+from envs.football.possession import forget_kick, lose_ball, update_possession
 from envs.football.vectors import apart, length, toward
 from scenic_lite.jit import kernel
 

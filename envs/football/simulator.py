@@ -9,6 +9,7 @@ from envs.football.ai import think
 from envs.football.constants import BAD_ACTION, BUILTIN_AI, NUM_ACTIONS, RUNNING
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
+from envs.football.keeper import hurry
 from envs.football.kicks import swing_legs
 from envs.football.motion import plan_motion
 from envs.football.physics import play_frames
@@ -54,10 +55,11 @@ def decide(match):
     for i in range(match.num_players):
         player = match.players[i]
         if player.action == BUILTIN_AI:
-            release_keys(player)
+            release_keys(match, i)
             think(match, i)
         else:
             obey(match, i, player.action)
+            hurry(match, i)
 
 
 @kernel

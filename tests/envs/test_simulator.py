@@ -168,6 +168,8 @@ def check_sane(matches: np.ndarray) -> None:
     assert np.allclose(np.hypot(players["facing_x"], players["facing_y"]), 1.0)
     assert (np.abs(ball["x"]) < 60.0).all() and (np.abs(ball["y"]) < 41.0).all() and (ball["z"] > 0.1).all()
     assert (np.sqrt(ball["vx"] ** 2 + ball["vy"] ** 2 + ball["vz"] ** 2) < 48.0).all()
+    swinging = np.argwhere(players["kick_wait"] > 0.0)
+    assert (matches["kicker"][swinging[:, 0]] == swinging[:, 1]).all()
     rows = np.flatnonzero(matches["owner"] >= 0)
     owners = players[rows, matches["owner"][rows]]
     assert (np.hypot(owners["x"] - ball["x"][rows], owners["y"] - ball["y"][rows]) < 2.0).all()
