@@ -48,6 +48,14 @@ def find_minigame(name: str) -> Minigame:
     )
 
 
+def settled_name(name: str) -> str:
+    """Give a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
+    from minigames.suites import MINIGAMES
+
+    program = find_minigame(name).program
+    return name if name in MINIGAMES else str(program.resolve())
+
+
 def find_method(name: str) -> str:
     """Give the name back if there is such a method. Raises `UsageError` otherwise."""
     if name not in METHODS:

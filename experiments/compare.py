@@ -67,16 +67,17 @@ def main(argv: Sequence[str]) -> int:
     if stop:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code
+    print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report(runs, scenes, folder)
     return 0
 
 
 def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     """Create the run folders that are not there yet, and open the others; they must agree with the settings."""
-    runs = []
+    runs, minigame = [], build.settled_name(config.minigame)
     for seed in range(config.seeds):
         for method in config.methods:
-            wanted = replace(config.train, minigame=config.minigame, method=method, seed=seed)
+            wanted = replace(config.train, minigame=minigame, method=method, seed=seed)
             path = folder / f"{method}-{seed}"
             if (path / "config.json").exists():
                 run = RunFolder.open(path)

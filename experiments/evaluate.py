@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ class EvaluateConfig:
     runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
     episodes: int = setting(500, "whole episodes on each scene")
     baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
-    threads: int = setting(2, "threads for the simulator and for the networks")
+    threads: int = setting(1, "threads for the simulator and for the networks")
     csv: Path | None = setting(None, "also write the results to this CSV file")
     json: bool = setting(False, "print JSON instead of a table")
 
@@ -45,11 +45,13 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
     if config.episodes < 1:
         raise UsageError(f"--episodes must be at least 1, got {config.episodes}")
+    if config.threads < 1:
+        raise UsageError(f"--threads must be at least 1, got {config.threads}")
     runs = [RunFolder.open(path) for path in config.runs]
     games = {run.config.minigame for run in runs}
     if len(games) > 1:
         raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
-    scenes = TestScenes(runs[0].config, config.episodes)
+    scenes = TestScenes(replace(runs[0].config, threads=config.threads), config.episodes)
     results = [row for run in runs for row in evaluate_run(run, scenes)]
     if config.baselines:
         results += evaluate_baselines(scenes)

@@ -1,6 +1,7 @@
 """The run folder: what a training run leaves behind, and how it continues after a kill.
 
     config.json       the TrainConfig; enough to start the run over
+    program.scenic    the text of the program, as it was when the run began
     metrics.csv       one row per update
     levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
@@ -83,6 +84,17 @@ class RunFolder:
                 raise CommandError(f"{self.path} is being trained by another process") from None
             yield
 
+    def keep_program(self, program: Path) -> None:
+        """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with."""
+        kept, text = self.path / "program.scenic", program.read_text()
+        if not kept.exists() or not self.begun():
+            try:
+                kept.write_text(text)
+            except OSError as error:
+                raise cannot_write(kept, error) from error
+        elif kept.read_text() != text:
+            raise CommandError(f"{program} has changed since {self.path} began with what is now in {kept}")
+
     # ------------------------------------------------------------ the checkpoint
 
     @property
@@ -135,5 +147,5 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
-UNTRAINED = ("config.json", "train.log")  # what a folder may hold before its run has begun
+UNTRAINED = ("config.json", "program.scenic", "train.log")  # what a folder may hold before its run has begun
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

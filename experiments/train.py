@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -55,6 +55,7 @@ def train(run: RunFolder, stop: StopRequest) -> int:
 
     config = run.config
     program = build.find_minigame(config.minigame).program
+    run.keep_program(program)
     upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
     method = build.make_method(config, upomdp)
     tests = TestScenes(config, config.eval_episodes)
@@ -124,7 +125,7 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
         return _resume(typed)
     base = TrainFlags(config=presets()[typed.get("preset", "fast")])
     flags = arguments.replace_paths(base, typed)
-    config = flags.config
+    config = replace(flags.config, minigame=build.settled_name(flags.config.minigame))
     name = build.find_minigame(config.minigame).name
     build.find_method(config.method)
     return RunFolder.create(flags.out or Path("runs") / f"{name}-{config.method}-{config.seed}", config)

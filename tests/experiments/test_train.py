@@ -25,7 +25,8 @@ def without_time(path):
 def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
     names = {path.name for path in (tmp_path / "run").iterdir()}
-    wanted = {"config.json", "metrics.csv", "levels.csv", "checkpoint.pt", "curriculum.rrd", "learning_curve.png"}
+    wanted = {"config.json", "metrics.csv", "levels.csv", "checkpoint.pt", "curriculum.rrd"}
+    wanted |= {"program.scenic", "learning_curve.png"}
     assert names == wanted
     metrics = read_columns(tmp_path / "run" / "metrics.csv")
     assert metrics["update"].tolist() == list(range(1, 21))
@@ -153,6 +154,19 @@ def test_what_a_resumed_run_may_not_change(probe, tmp_path, capsys):
     assert main(["train", "--resume", path, "--seed", "3"]) == 1
     assert capsys.readouterr().err == f"regista: {path} was trained with seed = 0; it cannot continue with 3\n"
     assert main(["train", "--resume", path, "--out", "elsewhere"]) == 2
+
+
+def test_a_program_of_ones_own_must_stay_the_same(probe, tmp_path, monkeypatch, capsys):
+    program, path = tmp_path / "mine.scenic", tmp_path / "run"
+    program.write_text("ego = LeftCM\n")
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "mine.scenic", "--out", str(path), *SHORT]) == 0
+    monkeypatch.chdir("/")  # the run knows where its program is
+    assert main(["train", "--resume", str(path), "--total-env-steps", "21000"]) == 0
+    program.write_text("ego = LeftCF\n")
+    capsys.readouterr()
+    assert main(["train", "--resume", str(path), "--total-env-steps", "22000"]) == 1
+    assert capsys.readouterr().err.startswith(f"regista: {program} has changed since {path} began")
 
 
 def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, capsys):
