@@ -80,7 +80,7 @@ class Overlaps:
 
 def blocks(count: int, outlines: Outlines) -> list[slice]:
     """Cut `count` rows so that what is computed at once stays in the processor's cache."""
-    size = max(1, BLOCK // outlines.x.shape[1])
+    size = max(1, BLOCK // max(1, outlines.x.shape[1]))
     return [slice(start, start + size) for start in range(0, count, size)]
 
 
