@@ -42,7 +42,7 @@ def test_without_entropy_the_proposals_collapse():
     theta, metrics = taught(AdversaryConfig(ent_coef=0.0), updates=300)
     assert np.abs(theta.mean(0) - PEAK).max() < 0.15
     assert theta.std(0).mean() < 0.16
-    assert metrics["entropy"] < -4  # one vector z means one level
+    assert metrics["entropy"] < -3  # one vector z means one level
 
 
 def test_with_the_default_they_keep_their_spread_and_still_move():
