@@ -25,7 +25,7 @@ MISS_WAIT = 0.5  # s
 
 # Tackles
 TACKLE_REACH, SLIDE_REACH = 0.85, 1.15  # m from the body to the ball
-TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.8, 0.4, 0.85
+TACKLE_CHANCE, TACKLE_BEHIND, SLIDE_CHANCE = 0.7, 0.4, 0.85
 SWERVE = 10.0  # m/s across the tackler's reach at which the ball cannot be won
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
@@ -148,7 +148,7 @@ def tackle(match, i):
         stop_play(match, FREE_KICK, carrier.team, match.ball.x, match.ball.y)
         return
     behind = (player.x - carrier.x) * carrier.facing_x + (player.y - carrier.y) * carrier.facing_y < -0.2
-    chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * player.skill * within_reach(match, i)
+    chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * (0.4 + 0.6 * player.skill) * within_reach(match, i)
     if behind:
         chance *= TACKLE_BEHIND
     if uniform(match) < chance:

@@ -1,0 +1,148 @@
+"""Whole episodes of scripted policies, against Google Research Football's measured outcomes and the minigames' aims."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from pitch import OPEN, play, position
+
+from envs.football.constants import (
+    CB,
+    CM,
+    DIRECTION_BOTTOM_RIGHT,
+    DIRECTION_RIGHT,
+    GK,
+    LEFT,
+    RELEASE_DIRECTION,
+    RIGHT,
+    SHOT,
+    SPRINT,
+)
+from envs.football.simulator import step_matches
+from envs.football.state import MatchConfig
+
+MANY = range(150)
+OWN_KEEPER = (-55.0, 0.0, LEFT, GK)
+CHASERS = [(-6.6, y, RIGHT, CB) for y in (17.0, 8.5, 0.0, -8.5, -17.0)]
+Policy = Callable[[np.ndarray, int], np.ndarray]
+
+
+def goals(matches: np.ndarray, policy: Policy, steps: int = 400) -> float:
+    """Share of episodes that end with a goal of the left team."""
+    for step in range(steps):
+        step_matches(matches, np.asarray(policy(matches, step), np.int64))
+    return float(np.mean(matches["score"][:, 0] > 0))
+
+
+def sprint_right_shoot_from(x: float) -> Policy:
+    """Sprint straight ahead; beyond x, hold the shot button."""
+
+    def policy(matches: np.ndarray, step: int) -> np.ndarray:
+        key = SPRINT if step == 1 else DIRECTION_RIGHT
+        return np.where(matches["players"]["x"][:, 1] > x, SHOT, key)
+
+    return policy
+
+
+def hold(action: int) -> Policy:
+    """Press one key all the time."""
+    return lambda matches, step: np.full(len(matches), action)
+
+
+def run_to_score(with_keeper: bool) -> np.ndarray:
+    """The academy's scene: five backs start behind the striker; the keeper in his goal or far behind."""
+    keeper = (55.0 if with_keeper else -55.0, 1.0, RIGHT, GK)
+    players = [OWN_KEEPER, (0.0, 0.0, LEFT, CM), keeper, *CHASERS]
+    return position(players, (1.1, 0.0), MatchConfig(), MANY)
+
+
+def test_nobody_catches_a_sprinter_from_behind() -> None:
+    """Measured: 150 of 150."""
+    assert goals(run_to_score(False), sprint_right_shoot_from(43.5)) > 0.95
+
+
+def test_a_runner_is_mostly_caught() -> None:
+    """Measured: 59 of 150 score."""
+    assert goals(run_to_score(False), hold(DIRECTION_RIGHT)) < 0.5
+
+
+def test_straight_at_the_keeper() -> None:
+    """Measured: 62 of 150 score."""
+    assert goals(run_to_score(True), sprint_right_shoot_from(43.5)) == pytest.approx(0.413, abs=0.15)
+
+
+def test_an_empty_goal_close_by() -> None:
+    """Measured: holding the shot button scores in 297 of 300, sprinting in 300 of 300; random keys in 29 of 150."""
+    players = [OWN_KEEPER, (41.3, 0.0, LEFT, CM), (-55.0, 1.0, RIGHT, GK)]
+    assert goals(position(players, (41.9, 0.0), MatchConfig(), MANY), hold(SHOT)) > 0.95
+    assert goals(position(players, (41.9, 0.0), MatchConfig(), MANY), hold(DIRECTION_RIGHT)) > 0.95
+    rng = np.random.default_rng(0)
+    random = goals(position(players, (41.9, 0.0), MatchConfig(), MANY), lambda m, t: rng.integers(0, 19, len(m)))
+    assert random == pytest.approx(0.19, abs=0.12)
+
+
+EASY = (31.0, 6.7), (38.1, -16.7)
+MEDIUM = (29.4, 0.0), (40.3, 1.0)
+HARD = (22.8, 0.0), (33.7, 0.0)
+
+
+def minigame(scene: tuple[tuple[float, float], tuple[float, float]]) -> np.ndarray:
+    striker, keeper = scene
+    players = [OWN_KEEPER, (*striker, LEFT, CM), (*keeper, RIGHT, GK)]
+    return position(players, (striker[0], striker[1] + 1.76), MatchConfig(), MANY)
+
+
+def shoot_at_once(matches: np.ndarray, step: int) -> np.ndarray:
+    """Press right, shot, and wait, again and again."""
+    return np.full(len(matches), {0: DIRECTION_RIGHT, 1: SHOT}.get(step % 8, 0))
+
+
+def swerve_then_shoot(matches: np.ndarray, step: int) -> np.ndarray:
+    """Swerve to the right of a keeper who comes, go straight for the goal once past him, shoot from 14 m."""
+    striker, keeper = matches["players"][:, 1], matches["players"][:, 2]
+    coming = (keeper["x"] > striker["x"]) & (np.hypot(keeper["x"] - striker["x"], keeper["y"] - striker["y"]) < 14)
+    to_x, to_y = 55.0 - striker["x"], -striker["y"]
+    sector = np.round(np.arctan2(to_y, to_x) / (np.pi / 4)).astype(int) % 8
+    towards = np.array([5, 4, 3, 2, 1, 8, 7, 6])[sector]
+    keys = np.where(coming, DIRECTION_BOTTOM_RIGHT, towards)
+    near = ~coming & (np.hypot(to_x, to_y) < 14)
+    shooting = np.array([RELEASE_DIRECTION, 0, SHOT, 0, 0, 0])[step % 6]
+    return np.where(near, shooting if step > 1 else keys, SPRINT if step == 1 else keys)
+
+
+def test_the_hard_scenes_are_lost_by_shooting_at_once_and_won_by_going_round() -> None:
+    for scene in (MEDIUM, HARD):
+        at_once, round_him = goals(minigame(scene), shoot_at_once), goals(minigame(scene), swerve_then_shoot)
+        assert at_once < 0.45
+        assert round_him > 0.6
+
+
+def test_the_easy_scene_is_easy() -> None:
+    assert goals(minigame(EASY), sprint_right_shoot_from(38.0)) > 0.8
+
+
+def test_full_strength_backs_win_the_ball_more_often() -> None:
+    kept = []
+    for difficulty in (0.0, 1.0):
+        config = MatchConfig(right_team_difficulty=difficulty)
+        players = [OWN_KEEPER, (20.0, 0.0, LEFT, CM), (30.0, 0.0, RIGHT, CB), (-50.0, 0.0, RIGHT, GK)]
+        matches = position(players, (20.4, 0.0), config, MANY)
+        kept.append(goals(matches, hold(DIRECTION_RIGHT), 150))
+    assert kept[0] > kept[1] + 0.2
+
+
+def test_the_built_in_ai_plays_itself() -> None:
+    """Goals fall on both sides, and nobody keeps the ball for ever."""
+    from test_simulator import FIVES
+
+    matches = position(FIVES, (0.0, 1.0), OPEN, range(30))
+    matches["learner"], matches["controlled"] = False, -1
+    owned = np.zeros(2)
+    for _ in range(1500):
+        play(matches, [0])
+        for team in (LEFT, RIGHT):
+            owned[team] += np.mean(matches["last_owned_team"] == team)
+    assert matches["score"].sum(axis=0).min() >= 1
+    assert owned.min() > 0.15 * owned.sum()
