@@ -135,6 +135,11 @@ class PPO:
         self.optimizer.zero_grad()
         loss.backward()
         grad_norm = nn.utils.clip_grad_norm_(self.student.parameters(), config.max_grad_norm)
+        if not torch.isfinite(grad_norm):  # before it spoils the weights
+            raise FloatingPointError(
+                f"the gradient is not finite (loss {loss.item():g}): look for rewards or observations that are not, or "
+                "try a smaller learning_rate"
+            )
         self.optimizer.step()
         with torch.no_grad():
             return {

@@ -47,7 +47,7 @@ def test_without_entropy_the_proposals_collapse():
 
 def test_with_the_default_they_keep_their_spread_and_still_move():
     theta, metrics = taught(AdversaryConfig(), updates=300)
-    assert theta.std(0).mean() > 0.14
+    assert theta.std(0).mean() > 0.12
     assert metrics["entropy"] > -2
     assert np.abs(theta.mean(0) - PEAK).max() < 0.2
     assert landscape(theta, np.random.default_rng(0), noise=0).mean() > 0.7  # uniform proposals reach 0.23

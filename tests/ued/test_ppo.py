@@ -102,6 +102,13 @@ def test_all_metrics_are_plain_numbers():
     assert metrics["env_steps"] == 16 * 16 and metrics["updates"] == 1
 
 
+def test_numbers_that_are_none_stop_the_training():
+    env = Choice()
+    env.outcome = lambda actions: (np.full(16, np.nan), env.everyone, ~env.everyone)
+    with pytest.raises(FloatingPointError, match=r"the gradient is not finite \(loss nan\): look for rewards"):
+        DR(env, QUICK).update()
+
+
 def test_the_thesis_settings():
     config = PPOConfig.thesis()
     table = (config.learning_rate, config.gamma, config.gae_lambda, config.clip_coef, config.ent_coef, config.vf_coef)
