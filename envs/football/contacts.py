@@ -58,8 +58,9 @@ def reachable(match):
 
 @kernel
 def meet_ball(match, bits):
-    """Let every player named in `bits` try for the ball in this frame, in program order."""
-    for i in range(match.num_players):
+    """Let every player named in `bits` try for the ball in this frame; who goes first alternates between steps."""
+    for k in range(match.num_players):
+        i = k if match.step % 2 == 0 else match.num_players - 1 - k
         if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
             continue
         player = match.players[i]
