@@ -142,6 +142,7 @@ class _Collect(argparse.Action):
 
 def _converter(hint: Any) -> tuple[Callable[[str], Any], str]:
     """Give the function that reads a value of this type, and the word that stands for it in the help."""
+    known: dict[Any, tuple[Callable[[str], Any], str]]
     known = {int: (_whole, "N"), float: (_number, "X"), str: (str, "NAME")}
     return known.get(_without_none(hint), (_without_none(hint), "PATH"))
 

@@ -86,7 +86,8 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
 
     if not compiled(step_batch):
         print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
-    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    settings: Any = numba.config
+    numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
     upomdp = FootballVectorEnv(program, num_envs, config=config)
     upomdp.reset(seed=seed)
     return upomdp

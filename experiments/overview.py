@@ -41,7 +41,8 @@ def overview(found: Comparison, path: Path) -> None:
     pitch = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low)  # height of one, inches
     with plots.style():
         figure = plt.figure(figsize=(WIDTH, 3.6 + len(rows) * (pitch + 0.35)))
-        above, below = figure.subfigures(2, 1, height_ratios=[3.6, len(rows) * (pitch + 0.35)])
+        halves: Any = figure.subfigures(2, 1, height_ratios=[3.6, len(rows) * (pitch + 0.35)])
+        above, below = halves
         left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
         _draw_learning(left, found)
         _draw_goals(right, found)

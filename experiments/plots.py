@@ -25,7 +25,7 @@ OTHER_COLOURS = ("#2a9d8f", "#8e6bbf", "#c99700", "#b5446e")
 METHOD_NAMES = {"paired": "PAIRED", "dr": "domain randomisation", "shoot": "shoot at once", "random": "random"}
 WINDOW = 0.04  # of a curve's length: its running mean
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.5,
     "text.color": INK,

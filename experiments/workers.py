@@ -25,7 +25,7 @@ def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> N
 
     Raises `CommandError` when one fails, after the others were asked to save and end.
     """
-    waiting, active = list(runs), {}
+    waiting, active = list(runs), dict[subprocess.Popen, RunFolder]()
     begun = {run.path: run.env_steps() for run in runs}
     total = sum(run.config.total_env_steps for run in runs)
     progress = Progress(total, sum(begun.values()))

@@ -7,6 +7,7 @@ Matplotlib, which is imported when they are called. Read next: `casting`, from w
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,7 +70,7 @@ class FootballPainter:
 
     background = GRASS
     line_colour = CHALK
-    markers = MARKERS
+    markers: Sequence[tuple[str, Colour, float]] = MARKERS
 
     def __init__(self, casting: Casting) -> None:
         self._casting = casting

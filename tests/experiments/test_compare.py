@@ -2,8 +2,10 @@
 
 import csv
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from experiments.__main__ import main
 from experiments.results import Result, advantage, goal_rate, mean_return, render_table
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
+from experiments.table import read_rows
 from experiments.train import train
 
 ROOT = Path(__file__).parents[2]
@@ -124,33 +127,31 @@ def test_the_table_has_scenes_and_methods():
 
 
 @pytest.mark.slow
-def test_a_small_comparison_from_end_to_end(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "experiments",
-        "compare",
-        "1v1Restricted",
-        "--seeds",
-        "2",
-        "--out",
-        str(tmp_path / "demo"),
-    ]
-    small = ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
-    small += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32"]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    done = subprocess.run([*command, *small], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=600)
+def test_a_small_comparison_stopped_and_continued(tmp_path):
+    folder = tmp_path / "demo"
+    command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "2", "--out", str(folder)]
+    command += ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
+    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32"]
+    options = {"cwd": ROOT, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "text": True}
+    first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+    deadline = time.monotonic() + 300
+    while not list(folder.glob("*/metrics.csv")) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    first.send_signal(signal.SIGINT)
+    out, error = first.communicate(timeout=120)
+    assert first.returncode == 130, error
+    assert "finished runs are kept" in out
+    done = subprocess.run(command, capture_output=True, timeout=600, **options)
     assert done.returncode == 0, done.stderr
     for name in ("results.csv", "table.txt", "overview.png", "learning_curves.png", "levels.png"):
-        assert (tmp_path / "demo" / name).stat().st_size > 100
-    for method in ("dr", "paired"):
-        for seed in range(2):
-            assert (tmp_path / "demo" / f"{method}-{seed}" / "curriculum.rrd").stat().st_size > 10_000
+        assert (folder / name).stat().st_size > 100
+    for run in [folder / f"{method}-{seed}" for method in ("dr", "paired") for seed in range(2)]:
+        updates = [int(row["update"]) for row in read_rows(run / "metrics.csv")]
+        assert updates == list(range(1, len(updates) + 1)) and updates
+        assert (run / "curriculum.rrd").stat().st_size > 10_000
 
 
 def test_stop_requests_are_counted():
-    import signal
-
     with StopRequest() as stop:
         assert not stop and stop.exit_code == 0
         os.kill(os.getpid(), signal.SIGINT)
