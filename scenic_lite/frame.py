@@ -219,6 +219,8 @@ class Frame:
         if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
             raise exceeded("a text format wider than 999")
         if isinstance(value, Random):
+            if spec:
+                format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
             operation = TEXT.array if not spec else FormatEach(spec)
             return Random(operation, (value,), "text")
         if isinstance(value, Choice):

@@ -18,7 +18,7 @@ from scenic_lite.budget import exceeded
 from scenic_lite.classes import OBJECT, ORIENTED_POINT, POINT, as_heading
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
-from scenic_lite.geometry import TURN, Vector, as_vector, normalised
+from scenic_lite.geometry import NORMALISE, TURN, Vector, as_vector
 from scenic_lite.graph import (
     ABSOLUTE,
     AND,
@@ -37,6 +37,9 @@ from scenic_lite.graph import (
     Random,
     Value,
     apply,
+    as_number,
+    kind_of,
+    to_integers,
 )
 from scenic_lite.polygons import Point2, signed_area, triangulated
 from scenic_lite.regions import (
@@ -53,9 +56,28 @@ from scenic_lite.regions import (
 from scenic_lite.values import Builtin, Choice, Instance, Namespace, ScenicClass, describe_kind
 
 
-def lifted(operation: Operation, kind: str = "number") -> Callable[..., Value]:
-    """A function of numbers that also takes random ones."""
-    return lambda *operands: apply(operation, *operands, kind=kind)
+def of_one(operation: Operation) -> Callable[[Value], Value]:
+    """A function of one number that also takes a random one."""
+    return lambda x: numeric(operation, x)
+
+
+def of_two(operation: Operation) -> Callable[[Value, Value], Value]:
+    return lambda x, y: numeric(operation, x, y)
+
+
+def numeric(operation: Operation, *operands: Value) -> Value:
+    for operand in operands:
+        if kind_of(operand) not in ("number", "truth"):
+            raise ScenicError("type", f"a number is needed here, not {describe_kind(operand)}")
+    return apply(operation, *(as_number(operand) for operand in operands))
+
+
+def rounded(value: Value, digits: Value = None) -> Value:
+    if digits is None:
+        return numeric(ROUND, value)
+    if not isinstance(digits, int) or abs(digits) > 300:
+        raise ScenicError("type", f"the number of digits must be a fixed integer, not {describe_kind(digits)}")
+    return numeric(Operation(lambda x: round(x, digits), lambda x: np.round(x, digits)), value)
 
 
 def least(frame: Frame, node: ast.AST, *values: Value) -> Value:
@@ -70,7 +92,9 @@ def reduced(frame: Frame, node: ast.AST, operation: Operation, values: tuple) ->
     items = frame.elements(values[0], node) if len(values) == 1 else list(values)
     if not items:
         raise ScenicError("value", "the least or greatest of no values")
-    return reduce(lambda a, b: apply(operation, a, b), items)
+    if all(isinstance(item, str) for item in items):
+        return operation.scalar(items)
+    return reduce(lambda a, b: numeric(operation, a, b), items)
 
 
 def total(frame: Frame, node: ast.AST, values: Value, start: Value = 0) -> Value:
@@ -110,7 +134,13 @@ def integer_range(frame: Frame, node: ast.AST, *ends: Value) -> range:
 def integer(value: Value) -> Value:
     if isinstance(value, str) and len(value) > 1000:
         raise ScenicError("budget", "evaluation budget exceeded: a text of more than 1000 digits for one integer")
-    return apply(INTEGER, value)
+    if isinstance(value, str):
+        return int(value)
+    return numeric(INTEGER, value)
+
+
+def decimal(value: Value) -> Value:
+    return float(value) if isinstance(value, str) else numeric(FLOAT, value)
 
 
 def text(frame: Frame, node: ast.AST, value: Value = "") -> Value:
@@ -267,35 +297,39 @@ def sited(name: str, function: Callable[..., Value], *types: type) -> Builtin:
     return Builtin(name, function, sited=True, types=types, lifted=False)
 
 
-def elementwise(scalar: Callable[..., Any], array: Callable[..., Any]) -> Callable[..., Value]:
-    return lifted(Operation(scalar, array))
-
-
+MATH_OF_ONE: tuple[tuple[Callable[[float], Any], Callable[[Any], Any]], ...] = (
+    (math.sin, np.sin),
+    (math.cos, np.cos),
+    (math.tan, np.tan),
+    (math.asin, np.arcsin),
+    (math.acos, np.arccos),
+    (math.atan, np.arctan),
+    (math.sqrt, np.sqrt),
+    (math.exp, np.exp),
+    (math.log, np.log),
+    (math.log2, np.log2),
+    (math.log10, np.log10),
+    (math.fabs, np.abs),
+    (math.floor, lambda x: to_integers(np.floor(x))),
+    (math.ceil, lambda x: to_integers(np.ceil(x))),
+    (math.radians, np.radians),
+    (math.degrees, np.degrees),
+)
+MATH_OF_TWO: tuple[tuple[Callable[[float, float], Any], Callable[[Any, Any], Any]], ...] = (
+    (math.atan2, np.arctan2),
+    (math.hypot, np.hypot),
+    (math.copysign, np.copysign),
+    (math.fmod, np.fmod),
+)
 MATH: dict[str, Value] = {
-    name: plain(name, elementwise(scalar, array))
-    for name, scalar, array in (
-        ("sin", math.sin, np.sin),
-        ("cos", math.cos, np.cos),
-        ("tan", math.tan, np.tan),
-        ("asin", math.asin, np.arcsin),
-        ("acos", math.acos, np.arccos),
-        ("atan", math.atan, np.arctan),
-        ("atan2", math.atan2, np.arctan2),
-        ("sqrt", math.sqrt, np.sqrt),
-        ("exp", math.exp, np.exp),
-        ("log", math.log, np.log),
-        ("log2", math.log2, np.log2),
-        ("log10", math.log10, np.log10),
-        ("fabs", math.fabs, np.abs),
-        ("floor", math.floor, lambda a: INTEGER.array(np.floor(a))),
-        ("ceil", math.ceil, lambda a: INTEGER.array(np.ceil(a))),
-        ("hypot", math.hypot, np.hypot),
-        ("radians", math.radians, np.radians),
-        ("degrees", math.degrees, np.degrees),
-        ("copysign", math.copysign, np.copysign),
-        ("fmod", math.fmod, np.fmod),
-    )
-} | {"pi": math.pi, "tau": TURN, "e": math.e, "inf": math.inf, "nan": math.nan}
+    **{scalar.__name__: plain(scalar.__name__, of_one(Operation(scalar, array))) for scalar, array in MATH_OF_ONE},
+    **{scalar.__name__: plain(scalar.__name__, of_two(Operation(scalar, array))) for scalar, array in MATH_OF_TWO},
+    "pi": math.pi,
+    "tau": TURN,
+    "e": math.e,
+    "inf": math.inf,
+    "nan": math.nan,
+}
 
 DISTRIBUTIONS: dict[str, Value] = {
     name: sited(name, function)
@@ -336,10 +370,10 @@ RANDOM: dict[str, Value] = {
     "choice": sited("choice", lambda frame, node, items: draw.draw_uniform(frame, node, *frame.elements(items, node))),
 }
 PYTHON: dict[str, Value] = {
-    "abs": plain("abs", lifted(ABSOLUTE)),
-    "round": plain("round", lifted(ROUND)),
+    "abs": plain("abs", of_one(ABSOLUTE)),
+    "round": plain("round", rounded),
     "int": plain("int", integer, int),
-    "float": plain("float", lifted(FLOAT), float),
+    "float": plain("float", decimal, float),
     "bool": sited("bool", truth, bool),
     "str": sited("str", text, str),
     "min": sited("min", least),
@@ -366,13 +400,13 @@ SCENIC: dict[str, Value] = {
     "Point": POINT,
     "OrientedPoint": ORIENTED_POINT,
     "Object": OBJECT,
-    "Vector": plain("Vector", Vector, Vector),
-    "sin": plain("sin", lifted(SINE)),
-    "cos": plain("cos", lifted(COSINE)),
-    "hypot": plain("hypot", lifted(HYPOTENUSE)),
-    "sqrt": plain("sqrt", lifted(SQUARE_ROOT)),
-    "atan2": plain("atan2", lifted(ARC_TANGENT)),
-    "normalizeAngle": plain("normalizeAngle", normalised),
+    "Vector": plain("Vector", lambda x, y: Vector(number(x), number(y)), Vector),
+    "sin": plain("sin", of_one(SINE)),
+    "cos": plain("cos", of_one(COSINE)),
+    "hypot": plain("hypot", of_two(HYPOTENUSE)),
+    "sqrt": plain("sqrt", of_one(SQUARE_ROOT)),
+    "atan2": plain("atan2", of_two(ARC_TANGENT)),
+    "normalizeAngle": plain("normalizeAngle", of_one(NORMALISE)),
     "simulation": sited("simulation", outside_behavior),
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON

@@ -82,7 +82,7 @@ class Vector:
 
 def is_scalar(value: Value) -> bool:
     """Whether it is a number, fixed or random."""
-    return is_number(value) or (isinstance(value, Random) and value.kind in ("number", "any"))
+    return is_number(value) or (isinstance(value, Random) and value.kind == "number")
 
 
 def vector_operand(value: Value, sign: str) -> Vector:

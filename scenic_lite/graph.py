@@ -135,11 +135,16 @@ def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value
 def arithmetic(operation: Operation, *operands: Value) -> Value:
     """As `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
     kinds = {kind_of(operand) for operand in operands}
-    if kinds <= {"number", "truth", "any"}:
-        return Random(operation.array, operands)
-    if kinds <= {"text", "any"} and operation is ADD:
+    if kinds <= {"number", "truth"}:
+        return apply(operation, *(as_number(operand) for operand in operands))
+    if kinds == {"text"} and operation is ADD:
         return Random(operation.array, operands, "text")
     raise TypeError("arithmetic needs numbers")
+
+
+def as_number(value: Value) -> Value:
+    """A truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
+    return Random(to_integers, (value,)) if isinstance(value, Random) and value.kind == "truth" else value
 
 
 def kind_of(value: Value) -> str:
@@ -159,8 +164,8 @@ def scaled(value: Random, factor: float) -> Value:
 
 
 def array_power(base: Any, exponent: Any) -> Any:
-    """Powers of integers stay integers where they can; negative exponents give fractions, as in Python."""
-    if np.asarray(base).dtype.kind in "iu" and np.asarray(exponent).dtype.kind in "iu" and np.all(exponent >= 0):
+    """Powers of integers with a fixed exponent stay integers; all others are fractions, whatever the row."""
+    if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
         return np.power(base, exponent)
     return np.float_power(base, exponent)
 
@@ -173,9 +178,8 @@ def plain_round(value: Any, digits: Any = None) -> Any:
 
 
 def to_integers(value: Any) -> Any:
-    """Truncate to int64; what is no finite number stays as it is."""
-    value = np.asarray(value)
-    return value.astype(np.int64) if np.all(np.isfinite(value)) else np.trunc(value)
+    """Truncate to int64; what is no finite number becomes the least of them."""
+    return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
 
 
 def each_text(value: Any) -> Any:

@@ -255,7 +255,8 @@ class Program:
         except ScenicError:
             raise
         except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
-            raise ScenicError("type", f"{self.file}: the random values do not fit together: {fault}") from None
+            message = f"the random values of the program do not fit together: {fault}"
+            raise ScenicError("type", message, Place(self.file, 1, 0, 1, 1)) from None
         fixed = [not any(True for _ in randoms_in(outline_parts(instance))) for instance in self._instances]
         at = 0
         for check in self._checks.batched:

@@ -287,7 +287,17 @@ ROOT = Operation(math.sqrt, np.sqrt)
 
 def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
     """A test written for arrays, on numbers or random values."""
-    return apply(Operation(lambda *numbers: bool(test(*numbers)), test), *operands, kind="truth")
+    return apply(Operation(quietly(test), test), *operands, kind="truth")
+
+
+def quietly(test: Callable[..., Any]) -> Callable[..., bool]:
+    """The same test on numbers; what is infinite is in no region, and no reason for a warning."""
+
+    def of_numbers(*numbers: Value) -> bool:
+        with np.errstate(all="ignore"):
+            return bool(test(*numbers))
+
+    return of_numbers
 
 
 def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:

@@ -191,7 +191,9 @@ def row_of(value: Any, row: int) -> Any:
     """One sample's part of a value over the samples."""
     if isinstance(value, np.ndarray):
         part = value[row]
-        return part.item() if part.ndim == 0 and hasattr(part, "item") else tuple(part.tolist())
+        if isinstance(part, np.ndarray):
+            return tuple(part.tolist())
+        return part.item() if isinstance(part, np.generic) else part
     return value
 
 

@@ -1,0 +1,127 @@
+"""Comparisons: chains of them, equality, membership in containers and regions.
+
+Outside requirements nothing random may be compared, as in real Scenic. Read next: `expressions`.
+"""
+
+from __future__ import annotations
+
+import ast
+
+from scenic_lite.classes import is_object, outline
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame
+from scenic_lite.geometry import Vector, as_vector
+from scenic_lite.graph import (
+    AND,
+    EQUAL,
+    GREATER,
+    GREATER_EQUAL,
+    LESS,
+    LESS_EQUAL,
+    NOT,
+    NOT_EQUAL,
+    OR,
+    Operation,
+    Random,
+    Value,
+    apply,
+    kind_of,
+)
+from scenic_lite.regions import Region
+from scenic_lite.values import Choice, describe_kind
+
+COMPARISONS: dict[type, Operation] = {
+    ast.Lt: LESS,
+    ast.LtE: LESS_EQUAL,
+    ast.Gt: GREATER,
+    ast.GtE: GREATER_EQUAL,
+    ast.Eq: EQUAL,
+    ast.NotEq: NOT_EQUAL,
+}
+
+
+def comparison(frame: Frame, node: ast.Compare) -> Value:
+    """A chain of comparisons; random ones are allowed in requirements only."""
+    left = frame.value(node.left)
+    result: Value = True
+    for sign, operand in zip(node.ops, node.comparators, strict=True):
+        right = frame.value(operand)
+        link = compared(frame, node, sign, left, right)
+        if isinstance(link, Random) or isinstance(result, Random):
+            result = apply(AND, result, link, kind="truth") if result is not True else link
+        else:
+            result = bool(link)
+        if result is False:
+            return False
+        left = right
+    return result
+
+
+def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """One link of a chain of comparisons."""
+    if isinstance(sign, ast.Is | ast.IsNot):
+        return (left is right) == isinstance(sign, ast.Is)
+    if isinstance(sign, ast.In | ast.NotIn):
+        inside = membership(frame, node, left, right)
+        return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
+    for side in (left, right):
+        if not frame.session.in_requirement:
+            frame.refuse_random(side, node, "random values cannot be compared here")
+    if isinstance(left, Choice):
+        return left.merged([compared(frame, node, sign, option, right) for option in left.options])
+    if isinstance(right, Choice):
+        return right.merged([compared(frame, node, sign, left, option) for option in right.options])
+    if isinstance(sign, ast.Eq | ast.NotEq):
+        return equality(frame, sign, left, right)
+    for side in (left, right):
+        if not isinstance(side, int | float | str | Random | list | tuple):
+            raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
+    if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
+        raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
+    return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def equality(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    if isinstance(left, Vector) and isinstance(right, Vector):
+        same = apply(
+            AND, apply(EQUAL, left.x, right.x, kind="truth"), apply(EQUAL, left.y, right.y, kind="truth"), kind="truth"
+        )
+        return same if isinstance(sign, ast.Eq) else apply(NOT, same, kind="truth")
+    if isinstance(left, Random) or isinstance(right, Random):
+        kinds = {kind_of(left), kind_of(right)}
+        if len(kinds - {"truth", "number", "any"}) and "any" not in kinds and len(kinds) > 1:
+            return isinstance(sign, ast.NotEq)
+    return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def membership(frame: Frame, node: ast.Compare, item: Value, container: Value) -> Value:
+    """`item in container`: a region holds points and objects, other containers elements."""
+    if isinstance(container, Choice):
+        return container.merged([membership(frame, node, item, option) for option in container.options])
+    if isinstance(container, Region):
+        inside = in_region(container, item)
+        if isinstance(inside, Random) and not frame.session.in_requirement:
+            frame.refuse_random(inside, node, "random values cannot be compared here")
+        return inside
+    if isinstance(container, str):
+        return apply(Operation(lambda a, b: a in b, None), item, container)  # type: ignore[arg-type]
+    elements = frame.elements(container, node)
+    if not frame.session.in_requirement:
+        for value in (item, *elements):
+            frame.refuse_random(value, node, "random values cannot be compared here")
+    result: Value = False
+    for element in elements:
+        same = element is item or compared(frame, node, ast.Eq(), item, element)
+        result = apply(OR, result, same, kind="truth")
+    return result
+
+
+def in_region(region: Region, item: Value) -> Value:
+    if isinstance(item, Choice):
+        return item.merged([in_region(region, option) for option in item.options])
+    if is_object(item):
+        return region.contains_corners(outline(item))
+    point = as_vector(item)
+    if point is None:
+        raise ScenicError("type", f"a region holds points and objects, not {describe_kind(item)}")
+    return region.contains(point)
