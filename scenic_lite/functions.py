@@ -242,7 +242,7 @@ def polygon(frame: Frame, node: ast.AST, points: Value, orientation: Value = Non
     corners = fixed_points(frame, node, points)
     if len(corners) < 3 or abs(signed_area(corners)) == 0:
         raise ScenicError("value", "a polygon needs three points that do not lie on a line")
-    return PolygonalRegion(triangulated(corners), orientation)
+    return PolygonalRegion(triangulated(corners), orientation, corners)
 
 
 def polyline(frame: Frame, node: ast.AST, points: Value) -> Region:

@@ -48,8 +48,9 @@ def degrees(frame: Frame, angle: Value) -> Value:
 def distance(frame: Frame, start: Value, end: Value) -> Value:
     start = ego_of(frame) if start is None else start
     end = ego_of(frame) if end is None else end
-    if isinstance(start, Region) or isinstance(end, Region):
-        raise ScenicError("unsupported", "the distance to a region is not supported yet")
+    for region, other in ((start, end), (end, start)):
+        if isinstance(region, Region):
+            return region.distance(vector_of("distance to", other))
     return distance_between(vector_of("distance from", start), vector_of("distance to", end))
 
 

@@ -45,7 +45,7 @@ def _is_ear(ring: list[Point2], i: int) -> bool:
     return not any(_turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0 for p in others)
 
 
-def _turn(a: Point2, b: Point2, c: Point2) -> float:
+def _turn(a: Any, b: Any, c: Any) -> Any:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
@@ -98,6 +98,23 @@ def _outside(piece: list[Point2], hole: list[Point2]) -> list[list[Point2]]:
     return parts
 
 
+class EdgesCross:
+    """Whether an edge of a rectangle, given by its corners, crosses the boundary of a polygon into its outside."""
+
+    def __init__(self, ring: list[Point2]) -> None:
+        self.ring = ring
+
+    def __call__(self, *corners: Any) -> Any:
+        """x, y of four corners, arrays [N] or scalars -> [N]."""
+        points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
+        crossed: Any = False
+        for p, q in zip(self.ring, self.ring[1:] + self.ring[:1], strict=True):
+            for a, b in zip(points, points[1:] + points[:1], strict=True):
+                apart = _turn(p, q, a) * _turn(p, q, b) < -CLOSENESS
+                crossed = crossed | (apart & (_turn(a, b, p) * _turn(a, b, q) < -CLOSENESS))
+        return crossed
+
+
 def _boxes_meet(a: list[Point2], b: list[Point2]) -> bool:
     return all(
         min(p[axis] for p in a) <= max(q[axis] for q in b) and min(q[axis] for q in b) <= max(p[axis] for p in a)
@@ -124,6 +141,17 @@ class PieceSampler:
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
         points = a + (b - a) * (root * (1 - v))[:, None] + (c - a) * (root * v)[:, None]
         return points[:, 0].copy(), points[:, 1].copy()
+
+
+def distance_to_pieces(pieces: list[list[Point2]], x: Any, y: Any) -> Any:
+    """Distance of points from the nearest of some convex pieces, 0 inside; arrays [N] or scalars."""
+    nearest: Any = np.inf
+    for piece in pieces:
+        for (px, py), (qx, qy) in zip(piece, piece[1:] + piece[:1], strict=True):
+            dx, dy = qx - px, qy - py
+            along = np.clip(((x - px) * dx + (y - py) * dy) / (dx * dx + dy * dy), 0.0, 1.0)
+            nearest = np.minimum(nearest, np.hypot(x - px - along * dx, y - py - along * dy))
+    return np.where(PieceMembership(pieces)(x, y), 0.0, nearest)
 
 
 class PieceMembership:

@@ -17,7 +17,7 @@ import numpy as np
 from scenic_lite import polygons
 from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import TURN, Vector, cosine, in_sector, sine
-from scenic_lite.graph import AND, Operation, Random, Value, apply, is_number
+from scenic_lite.graph import AND, MAXIMUM, NOT, Operation, Random, Value, apply, is_number
 from scenic_lite.polygons import CLOSENESS, Point2
 
 ARC_SEGMENTS = 128  # of a full circle, where one must be made a polygon
@@ -58,6 +58,15 @@ class Region:
         for corner in corners[1:]:
             inside = apply(AND, inside, self.contains(corner), kind="truth")
         return inside
+
+    def distance(self, point: Vector) -> Value:
+        """From a point, 0 inside."""
+        pieces = self.pieces()
+        measure = Operation(
+            lambda x, y: float(polygons.distance_to_pieces(pieces, x, y)),
+            lambda x, y: polygons.distance_to_pieces(pieces, x, y),
+        )
+        return apply(measure, point.x, point.y)
 
     def pieces(self) -> list[list[Point2]]:
         """Convex pieces that tile it (arcs as polygons). Raises ScenicError where it is random or endless."""
@@ -122,6 +131,23 @@ class SectorRegion(Region):
         reach = self.radius + CLOSENESS
         return truth_of(in_sector, delta.x, delta.y, reach, self.heading, self.angle)
 
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        """Exact, also where the sector is more than half a disc and so not convex."""
+        inside = super().contains_corners(corners)
+        if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
+            return inside
+        sides = [self.heading + self.angle * 0.5, self.heading - self.angle * 0.5]
+        for side in sides:
+            end = Vector(self.center.x - self.radius * sine(side), self.center.y + self.radius * cosine(side))
+            numbers = [part for each in (self.center, end, *corners) for part in (each.x, each.y)]
+            inside = apply(AND, inside, truth_of(stays_aside, *numbers), kind="truth")
+        return inside
+
+    def distance(self, point: Vector) -> Value:
+        if is_number(self.angle) and self.angle >= TURN:
+            return apply(MAXIMUM, (point - self.center).length() - self.radius, 0.0)
+        return super().distance(point)
+
     def pieces(self) -> list[list[Point2]]:
         parts = (self.center.x, self.center.y, self.radius, self.heading, self.angle)
         if not all(is_number(part) for part in parts):
@@ -140,10 +166,16 @@ class SectorRegion(Region):
 class PolygonalRegion(Region):
     """A fixed polygon, or any set of convex pieces."""
 
-    def __init__(self, pieces: list[list[Point2]], orientation: VectorField | None = None) -> None:
+    def __init__(
+        self,
+        pieces: list[list[Point2]],
+        orientation: VectorField | None = None,
+        ring: list[Point2] | None = None,
+    ) -> None:
+        """`ring` is the boundary, where it is one polygon."""
         if not pieces:
             raise ScenicError("value", "the region is empty")
-        self._pieces = pieces
+        self._pieces, self._ring = pieces, ring
         self.orientation = orientation
 
     @cached_property
@@ -156,6 +188,15 @@ class PolygonalRegion(Region):
 
     def contains(self, point: Vector) -> Value:
         return truth_of(polygons.PieceMembership(self._pieces), point.x, point.y)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        """Exact where the boundary is known, also for polygons that are not convex."""
+        inside = super().contains_corners(corners)
+        if self._ring is None:
+            return inside
+        numbers = [part for corner in corners for part in (corner.x, corner.y)]
+        crossed = truth_of(polygons.EdgesCross(self._ring), *numbers)
+        return apply(AND, inside, apply(NOT, crossed, kind="truth"), kind="truth")
 
     def pieces(self) -> list[list[Point2]]:
         return self._pieces
@@ -306,6 +347,11 @@ def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, len
     across = (x - cx) * c + (y - cy) * s
     along = (y - cy) * c - (x - cx) * s
     return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
+
+
+def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
+    """Whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
+    return np.logical_not(polygons.EdgesCross([(x, y), (end_x, end_y)])(*corners))
 
 
 def first(pair: Any) -> Any:

@@ -206,6 +206,24 @@ def test_containment_in_the_workspace(thing, inside):
             load(f"{text}ego = Object {thing}")
 
 
+@pytest.mark.parametrize(
+    ("region", "inside", "outside"),
+    [
+        ("PolygonalRegion([0 @ 0, 9 @ 0, 9 @ 9, 4.5 @ 3, 0 @ 9])", "4.5 @ 2.4", "4.5 @ 2.6"),  # the notch enters it
+        ("PolygonalRegion([0 @ 0, 9 @ 0, 9 @ 9, 0 @ 9])", "0.5 @ 0.5", "0.4 @ 0.5"),
+        ("SectorRegion(0 @ 0, 9, 0, 300 deg)", "0 @ 2", "0 @ -0.4"),  # the missing wedge enters it
+        ("SectorRegion(0 @ 0, 9, 0, 90 deg)", "0 @ 1.01", "0 @ 0.99"),
+        ("CircularRegion(0 @ 0, 5)", "4.47 @ 0", "4.48 @ 0"),
+        ("RectangularRegion(0 @ 0, 45 deg, 2, 2)", "0 @ 0.41", "0 @ 0.42"),
+    ],
+)
+def test_containers_hold_whole_rectangles(region, inside, outside):
+    text = f"box = {region}\nego = Object at {{}}, with regionContainedIn box"
+    assert load(text.format(inside)).report(1, RNG(0)).acceptance == 1
+    with pytest.raises(ScenicError, match="ego leaves its region in every scene"):
+        load(text.format(outside))
+
+
 def test_own_container_replaces_the_workspace():
     text = (
         "workspace = Workspace(RectangularRegion(0 @ 0, 0, 4, 4))\nyard = CircularRegion(50 @ 0, 2)\n"
