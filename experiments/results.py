@@ -1,7 +1,8 @@
 """Results of evaluations as rows, and what can be said of them: means with intervals, tables, CSV.
 
 A row is one policy on one scene. Several runs of a method are several rows; their interval resamples whole runs, since
-one trained policy is tested on all scenes. A single run's interval is over its episodes. Read next: `evaluate`.
+one trained policy is tested on all scenes, and within them the luck of their episodes. A single run's interval is over
+its episodes alone: it says nothing of the next run. Read next: `evaluate`.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ued.evaluation import Evaluation
     from ued.statistics import Interval
 
+FOOTNOTE = "[95 % intervals: over runs and their episodes; for a single run or a baseline, over its episodes alone]"
 BOOTSTRAP_SEED = 0  # a table of the same results is the same table
 
 
@@ -71,25 +73,51 @@ def goal_rate(rows: Sequence[Result]) -> Interval:
 
     if len(rows) == 1:
         return wilson(rows[0].goals, rows[0].episodes)
-    return bootstrap_interval(np.array([row.goal_rate for row in rows]), np.random.default_rng(BOOTSTRAP_SEED))
+    rates = np.array([row.goal_rate for row in rows])
+    errors = np.sqrt(rates * (1 - rates) / [row.episodes for row in rows])
+    mean = _ResampledMean()
+    found = bootstrap_interval(np.stack([rates, errors], 1), mean.rng, mean)
+    return found._replace(estimate=float(rates.mean()), low=max(found.low, 0.0), high=min(found.high, 1.0))
 
 
 def mean_return(rows: Sequence[Result]) -> Interval:
     """Estimate the mean return of a method on a scene: bootstrap over runs, or normal for a single run."""
     from ued.statistics import Interval, bootstrap_interval
 
+    values = _returns(rows)
     if len(rows) == 1:
-        mean, reach = rows[0].mean_return, 1.96 * rows[0].return_std / np.sqrt(rows[0].episodes)
-        return Interval(mean, mean - reach, mean + reach)
-    return bootstrap_interval(np.array([row.mean_return for row in rows]), np.random.default_rng(BOOTSTRAP_SEED))
+        value, error = values[0].tolist()
+        return Interval(value, value - 1.96 * error, value + 1.96 * error)
+    mean = _ResampledMean()
+    return bootstrap_interval(values, mean.rng, mean)._replace(estimate=float(values[:, 0].mean()))
 
 
 def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
     """Estimate by how much one method's mean return on a scene exceeds another's, resampling whole runs of both."""
     from ued.statistics import bootstrap_difference
 
-    values, others = (np.array([row.mean_return for row in each]) for each in (rows, reference))
-    return bootstrap_difference(values, others, np.random.default_rng(BOOTSTRAP_SEED))
+    values, others = _returns(rows), _returns(reference)
+    mean = _ResampledMean()
+    found = bootstrap_difference(values, others, mean.rng, mean)
+    return found._replace(estimate=float(values[:, 0].mean() - others[:, 0].mean()))
+
+
+class _ResampledMean:
+    """The mean over runs `[R, 2]` of (value, standard error), with the luck of each run's own episodes drawn anew.
+
+    Without it, two runs that happen to agree would look certain, however few their episodes.
+    """
+
+    def __init__(self) -> None:
+        self.rng = np.random.default_rng(BOOTSTRAP_SEED)
+
+    def __call__(self, runs: np.ndarray) -> float:
+        return float((runs[:, 0] + runs[:, 1] * self.rng.normal(size=len(runs))).mean())
+
+
+def _returns(rows: Sequence[Result]) -> np.ndarray:
+    """Give each run's mean return and its standard error: `[R, 2]`."""
+    return np.array([(row.mean_return, row.return_std / np.sqrt(row.episodes)) for row in rows])
 
 
 def unique(values: Sequence[str]) -> list[str]:
@@ -116,7 +144,7 @@ def render_table(results: Sequence[Result]) -> str:
         counts = [[getattr(row, title) for row in select(results, method, scenes[0])] for method in methods]
         foot.append([title, "", *(f"{round(np.mean(values)):_}" if any(values) else "–" for values in counts)])
     head = ["scene", "", *methods, *(f"{one} − {other}" for one, other in pairs)]
-    return align([head, *body, *(line + [""] * len(pairs) for line in foot)], foot=len(foot))
+    return align([head, *body, *(line + [""] * len(pairs) for line in foot)], foot=len(foot)) + "\n" + FOOTNOTE
 
 
 def _signed(interval: Interval) -> str:
