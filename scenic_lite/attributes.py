@@ -169,7 +169,7 @@ def dictionary_update(frame: Frame, node: Any, self: dict, other: dict) -> None:
 
 def plain(*names: str, of: type) -> dict[str, Builtin]:
     """Methods of a Python container that cannot grow it and run no code of the program's."""
-    return {name: Builtin(name, getattr(of, name), lifted=False) for name in names}
+    return {name: Builtin(name, vars(of)[name], lifted=False) for name in names}
 
 
 def own(**functions: Callable[..., Value]) -> dict[str, Builtin]:

@@ -201,10 +201,9 @@ def new(frame: Frame, node: nodes.New) -> Value:
     """An instance; or, where the text could also be an operator or a plain name and is no class, that."""
     cls = frame.value(node.cls)
     if not isinstance(cls, ScenicClass):
-        if not getattr(node, "certain", True):
-            alternative = getattr(node, "operator", None)
-            return cls if alternative is None else frame.value(alternative)
-        hint = near(getattr(node.cls, "id", ""), classes_in(frame))
+        if not node.certain:
+            return cls if node.operator is None else frame.value(node.operator)
+        hint = near(node.cls.id, classes_in(frame)) if isinstance(node.cls, ast.Name) else ""
         raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
     if frame.session.in_requirement:
         raise ScenicError("type", "a requirement cannot make objects")

@@ -6,6 +6,9 @@ Outside requirements nothing random may be compared, as in real Scenic. Read nex
 from __future__ import annotations
 
 import ast
+from typing import Any
+
+import numpy as np
 
 from scenic_lite.classes import is_object, outline
 from scenic_lite.errors import ScenicError
@@ -38,6 +41,14 @@ COMPARISONS: dict[type, Operation] = {
     ast.Eq: EQUAL,
     ast.NotEq: NOT_EQUAL,
 }
+
+
+def each_holds(parts: Any, texts: Any) -> Any:
+    """Whether each text holds the part beside it; arrays [N] or single texts."""
+    return np.array([part in text for part, text in np.broadcast(parts, texts)], dtype=bool)
+
+
+HOLDS = Operation(lambda part, text: part in text, each_holds)
 
 
 def comparison(frame: Frame, node: ast.Compare) -> Value:
@@ -103,8 +114,13 @@ def membership(frame: Frame, node: ast.Compare, item: Value, container: Value) -
         if isinstance(inside, Random) and not frame.session.in_requirement:
             frame.refuse_random(inside, node, "random values cannot be compared here")
         return inside
-    if isinstance(container, str):
-        return apply(Operation(lambda a, b: a in b, None), item, container)  # type: ignore[arg-type]
+    if kind_of(container) == "text":
+        if kind_of(item) != "text":
+            raise ScenicError("type", f"a text holds texts, not {describe_kind(item)}")
+        for value in (item, container):
+            if not frame.session.in_requirement:
+                frame.refuse_random(value, node, "random values cannot be compared here")
+        return apply(HOLDS, item, container, kind="truth")
     elements = frame.elements(container, node)
     if not frame.session.in_requirement:
         for value in (item, *elements):

@@ -226,7 +226,7 @@ class Frame:
         if isinstance(value, Choice):
             return value.merged([self.text_of(option, spec) for option in value.options])
         if isinstance(value, list | tuple | set | dict):
-            self.elements(value, ast.Pass())
+            self.session.budget.container(len(value))
         if not isinstance(value, int | float | str | bool | type(None)):
             value = describe_kind(value) if not isinstance(value, Instance) else value.title()
         return format(value, spec) if spec else str(value)
@@ -234,10 +234,10 @@ class Frame:
     # ------------------------------------------------------------ places and errors
 
     def place(self, node: ast.AST) -> Place:
-        line, column = getattr(node, "lineno", 1), getattr(node, "col_offset", 0)
-        end_line = getattr(node, "end_lineno", None) or line
-        end_column = getattr(node, "end_col_offset", None)
-        return Place(self.source.file, line, column, end_line, column + 1 if end_column is None else end_column)
+        if not isinstance(node, ast.expr | ast.stmt):
+            return Place(self.source.file, 1, 0, 1, 1)
+        end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
+        return Place(self.source.file, node.lineno, node.col_offset, end_line, end_column)
 
     def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
         """An error at `node`."""

@@ -6,6 +6,7 @@ Headings are radians, 0 along +y, anticlockwise (spec section 6). Read next: `re
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
@@ -80,6 +81,14 @@ class Vector:
         return apply(HYPOTENUSE, self.x, self.y)
 
 
+class Located(ABC):
+    """What stands for its position where a vector is wanted."""
+
+    @abstractmethod
+    def position_vector(self) -> Vector | None:
+        """The position, or None if it has none (yet)."""
+
+
 def is_scalar(value: Value) -> bool:
     """Whether it is a number, fixed or random."""
     return is_number(value) or (isinstance(value, Random) and value.kind == "number")
@@ -104,8 +113,7 @@ def as_vector(value: Value) -> Vector | None:
         return value
     if isinstance(value, tuple | list) and len(value) == 2 and all(is_scalar(part) for part in value):
         return Vector(value[0], value[1])
-    position = getattr(value, "position_vector", None)
-    return position() if position is not None else None
+    return value.position_vector() if isinstance(value, Located) else None
 
 
 def sine(angle: Value) -> Value:

@@ -286,7 +286,7 @@ def source_text(frame: Frame, node: ast.AST) -> str:
 
 def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
     value = frame.value(node.call)
-    if not isinstance(value, BehaviorCall) or getattr(value.behavior.node, "kind", "") != "monitor":
+    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
         raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
     frame.session.monitors.append(value)
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from scenic_lite import nodes
 from scenic_lite.errors import Place
-from scenic_lite.geometry import Vector, as_vector
+from scenic_lite.geometry import Located, Vector, as_vector
 from scenic_lite.graph import Random, Value, select
 from scenic_lite.regions import Region, VectorField
 
@@ -67,7 +67,7 @@ class ScenicClass:
 
 
 @dataclass(eq=False)
-class Instance:
+class Instance(Located):
     """A Point, OrientedPoint or Object with its properties."""
 
     cls: ScenicClass
@@ -86,7 +86,7 @@ class Instance:
 
 
 @dataclass(eq=False)
-class Choice:
+class Choice(Located):
     """A random one of several structured values (objects, regions, tuples); numbers and texts are `Random` instead."""
 
     index: Random
@@ -163,13 +163,18 @@ class Namespace:
 
 @dataclass(frozen=True, eq=False)
 class Behavior:
-    """A `behavior` or `monitor` definition, kept as a tree; `scenario`s likewise."""
+    """A `behavior` or `monitor` definition, kept as a tree."""
 
     name: str
-    node: nodes.Behavior | nodes.Scenario
+    node: nodes.Behavior
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
     frame: Frame
+
+    @property
+    def kind(self) -> str:
+        """Either "behavior" or "monitor"."""
+        return self.node.kind
 
 
 @dataclass(frozen=True, eq=False)
