@@ -34,7 +34,6 @@ POST_RADIUS = 0.07  # m
 # Speeds, m/s
 DRIBBLE_SPEED = 3.5
 RUN_SPEED = 5.0
-SPRINT_SPEED = 8.0
 TOP_SPEEDS = (7.75, 7.83, 7.75, 7.78, 7.78, 7.94, 7.77, 7.84, 7.99, 8.0, 8.0)  # by index within the team
 
 # Teams

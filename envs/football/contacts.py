@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import BALL_RADIUS, FREE_KICK, GK, NOBODY, STEP
-from envs.football.keeper import HOLD_SPREAD, HOLD_STEPS, in_own_box
-from envs.football.offside import whistled
-from envs.football.possession import lose_ball
+from envs.football.constants import FREE_KICK, GK, NOBODY, STEP
 from envs.football.rng import uniform
 from envs.football.rules import stop_play
+from envs.football.saves import in_own_box
+from envs.football.touch import BLOCK_KEEP, deflect, hold, parry, take
 from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
 
@@ -20,8 +19,6 @@ from scenic_lite.jit import kernel
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
 EASY_SPEED, HARD_SPEED = 20.0, 36.0  # m/s relative: always trapped, never trapped
 HEADER_FROM, HEADER_CHANCE = 0.9, 0.5  # m; above it a trap succeeds this often
-BLOCK_KEEP = 0.35  # share of its speed that a blocked ball keeps
-MISS_WAIT = 0.5  # s
 
 # Tackles
 TACKLE_REACH, SLIDE_REACH = 0.85, 1.15  # m from the body to the ball
@@ -36,10 +33,7 @@ CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
 CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.72, 1.2, 1.0  # chance against a carrier; s when beaten
 SAVE_REACH = 1.2  # m
 CATCH_NEAR, CATCH_CHANCE, CATCH_DIVING = 0.6, 0.7, 0.08  # m; chances that a save is a catch
-PARRY_KEEP, PARRY_LIFT = 0.3, 1.2  # share of speed; m/s
-PARRY_ASIDE, PARRY_SPREAD = 0.5, 1.5  # tangent of the angle off straight back
 BLOCK_DOWN, DIVE_DOWN = 0.1, 0.7  # s on the ground after a block on the spot, after a dive
-HANDS_HEIGHT = 1.2  # m, a ball that is held
 
 
 @kernel
@@ -94,21 +88,6 @@ def meet(match, i, distance):
 
 
 @kernel
-def take(match, i):
-    """Give player i the ball at his feet, moving with him, unless he is offside."""
-    if whistled(match, i):
-        return
-    player, ball = match.players[i], match.ball
-    lose_ball(match)
-    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
-    ball.spin_x, ball.spin_y = ball.vx, ball.vy
-    ball.z = BALL_RADIUS
-    match.saver = NOBODY
-    match.carrier = i
-    match.last_touch = i
-
-
-@kernel
 def trap(match, i):
     """Let player i bring a free ball under control, or fail to if it comes too hard."""
     player, ball = match.players[i], match.ball
@@ -120,25 +99,6 @@ def trap(match, i):
         take(match, i)
         return
     deflect(match, i, BLOCK_KEEP)
-
-
-@kernel
-def deflect(match, i, keep):
-    """Let the ball bounce off player i's body, keeping this share of its speed."""
-    player, ball = match.players[i], match.ball
-    dx, dy = ball.x - player.x, ball.y - player.y
-    distance = math.sqrt(dx * dx + dy * dy) + 1e-9
-    inward = (ball.vx * dx + ball.vy * dy) / distance
-    if inward < 0.0:
-        ball.vx -= 2.0 * inward * dx / distance
-        ball.vy -= 2.0 * inward * dy / distance
-    ball.vx *= keep
-    ball.vy *= keep
-    ball.spin_x, ball.spin_y = ball.vx, ball.vy
-    player.touch_wait = MISS_WAIT
-    match.last_touch = i
-    match.saver = NOBODY
-    match.offside_bits = 0
 
 
 @kernel
@@ -221,39 +181,3 @@ def save(match, i):
     else:
         parry(match, i)
         player.down = BLOCK_DOWN if match.save_gap < CATCH_NEAR else DIVE_DOWN
-
-
-@kernel
-def hold(match, i):
-    """Give keeper i the ball in his hands."""
-    take(match, i)
-    if match.carrier != i:
-        return
-    match.holder = i
-    match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
-    carry_in_hands(match)
-
-
-@kernel
-def carry_in_hands(match):
-    """Keep a held ball in its holder's hands."""
-    player, ball = match.players[match.holder], match.ball
-    ball.x, ball.y = player.x + 0.3 * player.facing_x, player.y + 0.3 * player.facing_y
-    ball.z = HANDS_HEIGHT
-    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
-
-
-@kernel
-def parry(match, i):
-    """Let keeper i push the ball away, forward and to the side from which it came."""
-    player, ball = match.players[i], match.ball
-    speed = PARRY_KEEP * length(ball.vx, ball.vy)
-    side = ball.y - player.y
-    back = -1.0 if ball.vx > 0.0 else 1.0
-    sideways = math.copysign(PARRY_ASIDE + PARRY_SPREAD * uniform(match), side)
-    size = math.sqrt(1.0 + sideways * sideways)
-    ball.vx, ball.vy, ball.vz = speed * back / size, speed * sideways / size, PARRY_LIFT
-    ball.spin_x, ball.spin_y = 0.0, 0.0
-    player.touch_wait = MISS_WAIT
-    match.last_touch = i
-    match.saver = NOBODY

@@ -9,7 +9,7 @@ from __future__ import annotations
 from envs.football.attack import formation_place
 from envs.football.constants import GK, NOBODY, RUN_SPEED
 from envs.football.control import go_for_ball, run_to
-from envs.football.keeper import own_goal_x
+from envs.football.saves import own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 

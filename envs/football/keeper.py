@@ -1,22 +1,14 @@
-"""The built-in goalkeeper: where he stands, when he rushes out, which shots he will save, and his kick-out.
+"""The built-in goalkeeper: where he stands, when he comes out, and his kick-out.
 
-Positioning follows what is documented of Google Research Football; whether a shot is saved is drawn when it
-leaves the foot, with odds fitted to its measured saves, and the body then moves to make the draw true.
-Read next: `contacts`, where hands and ball meet.
+As documented of Google Research Football. Read next: `saves`.
 """
 
 from __future__ import annotations
 
 import math
 
-from envs.football.ball import flight_time
 from envs.football.constants import (
-    BOX_DEPTH,
-    BOX_HALF_WIDTH,
-    GK,
     GOAL_HALF_WIDTH,
-    GOAL_HEIGHT,
-    HALF_LENGTH,
     HIGH_PASS,
     LEFT,
     NOBODY,
@@ -24,7 +16,7 @@ from envs.football.constants import (
 )
 from envs.football.control import chase, go_for_ball, run_to
 from envs.football.possession import ball_speed, meeting_time
-from envs.football.rng import uniform
+from envs.football.saves import dive, own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
@@ -37,42 +29,20 @@ ADVANCE = 0.3  # share of the way to the ball while his team has it
 CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
 CLAIM_RANGE = 30.0  # m from the goal line
 RUSH_NEAR, RUSH_SHARE = 2.5, 0.6  # m; share of his distance at which he joins the line from ball to goal
-READY = 4  # "turning" of a body that already moves: no lag
 
-# Saves: logit P(goal) = base − slope × time + wide × (0 .. 1 over the gaps), fitted to 433 measured shots on target
-SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.6, 9.5, 2.4
-GAP_NEAR, GAP_WIDE = 1.0, 0.5  # m from the shot's line: within, he hardly moves; this much further, he must dive
-BODY_GAP, BODY_BEATEN = 0.45, 0.25  # m; at most this chance of beating him when shot straight at him
-FOOT_GAP, FOOT_CHANCE = 1.2, 0.6  # m; outside his box he has his feet only
-MEASURED_SKILL, SAVE_SKILL = 0.72, 2.0  # skill of the measured keeper; logit per unit of skill
-DIVE_REACH, DIVE_COVER, DIVE_DELAY = 1.2, 4.5, 0.1  # m, m/s, s: nothing beyond this is ever saved
-DIVE_SPEED = 7.5  # m/s
-STRIDE = 0.15  # s for which he keeps his velocity
-MEETING_PLACES = 4
-SHOT_SPEED = 9.0  # m/s, slower balls are not shots
-GOAL_MARGIN = 1.1  # goal widths within which he goes for the ball
+GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
 
 # Kick-out
-HOLD_STEPS, HOLD_SPREAD, HOLD_LONGEST = 9, 7, 30  # steps
+HOLD_LONGEST = 30  # steps beyond which a commanded keeper kicks out by himself
 KICK_OUT = 30.0  # m upfield when there is no mate
-
-
-@kernel
-def own_goal_x(team):
-    """x of the goal line that a team defends."""
-    return -HALF_LENGTH if team == LEFT else HALF_LENGTH
-
-
-@kernel
-def in_own_box(player):
-    """Tell whether a player stands in his own penalty box, where a keeper may use his hands."""
-    return abs(own_goal_x(player.team) - player.x) < BOX_DEPTH and abs(player.y) < BOX_HALF_WIDTH
 
 
 @kernel
 def think_keeper(match, i):
     """Decide for keeper i."""
     player = match.players[i]
+    if match.saver == i and match.save_wait < GIVEN_UP:
+        match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
     if match.holder == i:
         player.want_x, player.want_y = 0.0, 0.0
         if match.hold_wait > 0:
@@ -115,16 +85,6 @@ def kick_out(match, i):
             nearest = distance
             player.aim_x, player.aim_y = mate.x, mate.y
     player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
-
-
-@kernel
-def dive(match, player):
-    """Throw the keeper to where he means to meet the shot."""
-    dx, dy = match.save_x - player.x, match.save_y - player.y
-    distance = math.sqrt(dx * dx + dy * dy)
-    speed = min(distance / max(match.save_wait, 0.1), DIVE_SPEED)
-    share = speed / distance if distance > 0.05 else 0.0
-    player.want_x, player.want_y = share * dx, share * dy
 
 
 @kernel
@@ -216,70 +176,3 @@ def bisector_foot(dx, y):
     """y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
     near, far = length(dx, y - GOAL_HALF_WIDTH), length(dx, y + GOAL_HALF_WIDTH)
     return GOAL_HALF_WIDTH * (far - near) / (far + near + 1e-9)
-
-
-@kernel
-def foresee_shot(match, team):
-    """After a kick by `team`: find out whether the other keeper must save it, where, and whether he will."""
-    match.saver = NOBODY
-    ball = match.ball
-    goal_x = -own_goal_x(team)
-    speed = ball_speed(ball)
-    if speed < SHOT_SPEED or ball.vx * goal_x <= 0.0:
-        return
-    line_y = ball.y + (goal_x - ball.x) / ball.vx * ball.vy
-    if abs(line_y) > GOAL_MARGIN * 2.0 * GOAL_HALF_WIDTH or flight_time(speed, abs(goal_x - ball.x)) > 3.0:
-        return
-    for i in range(match.num_players):
-        player = match.players[i]
-        if player.team != team and player.role == GK and player.down <= 0.0:
-            plan_save(match, i, goal_x, line_y, speed)
-            return
-
-
-@kernel
-def plan_save(match, i, goal_x, line_y, speed):
-    """Choose keeper i's best chance between the shot's closest point and the goal line, and draw the result."""
-    player, ball = match.players[i], match.ball
-    ux, uy = ball.vx / speed, ball.vy / speed
-    here_x, here_y = player.x + STRIDE * player.vx, player.y + STRIDE * player.vy
-    along = (here_x - ball.x) * ux + (here_y - ball.y) * uy
-    to_line = length(goal_x - ball.x, line_y - ball.y)
-    along = to_line if along < -0.3 else min(max(along, 0.3), to_line)
-    match.saver = i
-    best = -1.0
-    for k in range(MEETING_PLACES):
-        distance = along + k / (MEETING_PLACES - 1) * (to_line - along)
-        x, y = ball.x + distance * ux, ball.y + distance * uy
-        gap, time = length(x - here_x, y - here_y), flight_time(speed, distance)
-        chance = save_chance(player, gap, time)
-        if chance > best:
-            best = chance
-            match.save_x, match.save_y, match.save_gap, match.save_wait = x, y, gap, time
-    match.save_succeeds = uniform(match) < best and height_at(ball, match.save_wait) < GOAL_HEIGHT + 0.2
-    player.turning = READY
-
-
-@kernel
-def save_chance(player, gap, time):
-    """Chance of saving a shot that passes `gap` m away in `time` s."""
-    if gap > DIVE_REACH + DIVE_COVER * max(time - DIVE_DELAY, 0.0):
-        return 0.0
-    if not in_own_box(player):
-        return 1.0 - BODY_BEATEN if gap < BODY_GAP else (FOOT_CHANCE if gap < FOOT_GAP else 0.0)
-    wide = min(max((gap - GAP_NEAR) / GAP_WIDE, 0.0), 1.0)
-    logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * (MEASURED_SKILL - player.skill)
-    chance = 1.0 / (1.0 + math.exp(logit))
-    return max(chance, 1.0 - BODY_BEATEN) if gap < BODY_GAP else chance
-
-
-@kernel
-def height_at(ball, time):
-    """Height in m of a ball in free flight after this time."""
-    return ball.z + ball.vz * time - 4.9 * time * time
-
-
-@kernel
-def has_given_up(match, i):
-    """Tell whether the shot has passed keeper i's saving point for good."""
-    return match.save_wait < -0.3 or apart(match.ball, match.players[i]) > 60.0

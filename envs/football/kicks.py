@@ -19,9 +19,9 @@ from envs.football.constants import (
     NOBODY,
     SHOT,
 )
-from envs.football.keeper import foresee_shot
 from envs.football.possession import forget_kick, lose_ball
 from envs.football.rng import normal
+from envs.football.saves import foresee_shot
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 

@@ -7,7 +7,8 @@ import pytest
 from pitch import OPEN, play, position
 
 from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
-from envs.football.keeper import bisector_foot, save_chance
+from envs.football.keeper import bisector_foot
+from envs.football.saves import save_chance
 
 
 def keeper_after(steps: int, ball: tuple[float, float], striker: tuple[float, float], with_back: bool) -> np.ndarray:
@@ -104,3 +105,12 @@ def test_off_centre_from_near_most_score() -> None:
 
 def test_an_empty_goal_is_empty() -> None:
     assert shots(35.0, 3.0, (40.0, -17.0))[0] > 0.85
+
+
+def test_a_shot_off_the_post_is_forgotten() -> None:
+    """The keeper does not wait for ever where he meant to meet a shot that came back: he goes for the ball."""
+    matches = position([(0.0, 30.0, LEFT, CM), (53.0, 0.0, RIGHT, GK)], (40.0, 3.0))
+    matches["saver"], matches["save_x"], matches["save_y"], matches["save_wait"] = 1, 54.0, 3.0, 0.2
+    play(matches, [0] * 30)
+    assert matches["saver"][0] == -1
+    assert matches["holder"][0] == 1
