@@ -165,8 +165,9 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path) -> None:
         )
         for axes in grid.flat[len(theta) :]:
             axes.set_visible(False)
-        for axes, row in zip(grid.flat, theta, strict=False):
+        for index, (axes, row) in enumerate(zip(grid.flat, theta, strict=False)):
             painter.draw(axes, row[None])
+            axes.set_title(f"scene {index}", fontweight="normal", color=plots.FAINT)
         plots.marker_legend(figure, painter)
         figure.tight_layout(rect=(0, 0.03, 1, 1))
         plots.save(figure, path)

@@ -82,7 +82,7 @@ class FootballPainter:
         dim = casting.program.dim
         corners = np.vstack([np.zeros((1, dim)), np.eye(dim), -np.eye(dim)])
         field = self.positions(corners)[:, self.classes != LEFT_KEEPER]
-        if (field[..., 0] > 0).all():
+        if (field[..., 0] >= 0).all():
             reach = min(max(np.abs(field[..., 1]).max(), BOX_HALF_WIDTH) + 2 * MARGIN, HALF_WIDTH + MARGIN)
             self.bounds = (-MARGIN, HALF_LENGTH + MARGIN, -reach, reach)
         else:
