@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from scenic_lite import nodes
 from scenic_lite.budget import Budget, exceeded
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
@@ -25,6 +26,7 @@ from scenic_lite.graph import TEXT, Column, Random, Value, columns_of
 from scenic_lite.values import Behavior, BehaviorCall, Choice, Instance, Namespace, describe_kind
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
+WORDS = {ast.Delete: "del", ast.AsyncFunctionDef: "async def", nodes.TryInterrupt: "try"}
 KINDS_OF_FAULTS = ((RecursionError, "budget"), (MemoryError, "budget"), (TypeError, "type"), (Exception, "value"))
 
 
@@ -155,7 +157,8 @@ class Frame:
             self.session.budget.step()
             handler = self.session.statements.get(type(node))
             if handler is None:
-                raise self.error("unsupported", f"{type(node).__name__} is not supported here", node)
+                word = WORDS.get(type(node), type(node).__name__.lower())
+                raise self.error("unsupported", f"`{word}` is not supported outside behaviors", node)
             try:
                 handler(self, node)
             except ScenicError as error:

@@ -40,7 +40,7 @@ class Random:
         self.kind = kind
 
     def __bool__(self) -> bool:
-        raise ScenicError("random-control-flow", "control flow cannot depend on a random value", notes=())
+        raise ScenicError("random-control-flow", "control flow cannot depend on a random value")
 
     def __add__(self, other: Value) -> Value:
         return self if is_number(other) and other == 0 else arithmetic(ADD, self, other)
@@ -119,10 +119,6 @@ class Column(Random):
 
 def is_number(value: Value) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def is_random(value: Value) -> bool:
-    return isinstance(value, Random)
 
 
 def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value:
@@ -225,8 +221,8 @@ class Table:
 
     def __init__(self, options: Iterable[Value]) -> None:
         options = list(options)
-        numbers = all(is_number(option) for option in options)
-        self.options = np.array(options) if numbers else np.array(options + [None], dtype=object)[:-1]
+        plain = all(is_number(option) for option in options) or all(isinstance(option, bool) for option in options)
+        self.options = np.array(options) if plain else np.array(options + [None], dtype=object)[:-1]
 
     def __call__(self, index: Any) -> Any:
         return self.options[index]

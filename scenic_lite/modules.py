@@ -70,7 +70,9 @@ def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
         raise ScenicError("import", f"{name} imports itself in a circle")
     if key not in session.modules:
         text = read(path)
-        shown = f"{session.domain.name}/{path.name}" if library and session.domain else path.name
+        shown = f"{name.replace('.', '/')}.scenic"
+        if library and session.domain:
+            shown = f"{session.domain.name}/{path.name}"
         source = Source(shown, tuple(text.splitlines()), path.parent, library)
         session.importing.append(key)
         try:

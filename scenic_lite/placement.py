@@ -9,11 +9,11 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.classes import as_heading, can_see, is_object, is_oriented, view_of
+from scenic_lite.classes import as_heading, is_object, is_oriented, view_of
 from scenic_lite.distributions import point_in
 from scenic_lite.errors import ScenicError
 from scenic_lite.fields import follow
-from scenic_lite.frame import Frame, Requirement
+from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector, angle_between, as_vector, is_scalar, normalised
 from scenic_lite.graph import NOT, Value, apply
 from scenic_lite.regions import Filtered, Region, VectorField
@@ -236,12 +236,6 @@ def heading_meaning(frame: Frame, node: ast.AST, compute: Callable[[Instance], V
     """A firm heading; dialect 3 normalises it."""
     finish = normalised if frame.session.dialect == 3 else lambda heading: heading
     return Meaning("facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs))
-
-
-def require_seen(frame: Frame, node: ast.AST, viewer: Instance, seen: Instance) -> None:
-    """Add the requirement that one object sees another."""
-    label = f"{seen.title()} is visible from {viewer.title()}"
-    frame.session.requirements.append(Requirement(label, frame.place(node), can_see(viewer, seen)))
 
 
 SPECIFIERS: dict[str, Callable[..., Meaning]] = {

@@ -232,7 +232,8 @@ class Program:
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
         """The values that one row theta [D] stands for, by name of the draw, in the program's units."""
-        registers = self._shown.run(self._scaled(self._checked(np.asarray(theta, dtype=float)[None])))
+        with np.errstate(all="ignore"):
+            registers = self._shown.run(self._scaled(self._checked(np.asarray(theta, dtype=float)[None])))
         values = {}
         for draw, column in zip(self.draws, self._columns, strict=True):
             value = registers[self._shown.slot(column.shown)][0]

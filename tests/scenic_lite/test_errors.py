@@ -334,6 +334,39 @@ CASES = {
             ^^^^^^^^^^
         """,
     ),
+    "statement without a meaning here": (
+        """
+        ego = LeftCM at 0 @ 0
+        raise ego
+        """,
+        """
+        <program>:2:1: `raise` is not supported outside behaviors
+            raise ego
+            ^^^^^^^^^
+        """,
+    ),
+    "temporal requirement": (
+        """
+        ego = LeftCM at 0 @ 0
+        require always ego.x > 3
+        """,
+        """
+        <program>:2:9: `always` is not yet supported (temporal requirements belong to a later version)
+            require always ego.x > 3
+                    ^^^^^^^^^^^^^^^^
+        """,
+    ),
+    "property assigned": (
+        """
+        ego = LeftCM at 0 @ 0
+        ego.x = 5
+        """,
+        """
+        <program>:2:1: properties cannot be assigned outside behaviors (use a `with` specifier)
+            ego.x = 5
+            ^^^^^
+        """,
+    ),
     "behavior that is none": (
         "ego = LeftCM at 0 @ 0, with behavior 5",
         """
