@@ -18,7 +18,7 @@ OWNER_NAMES = ("owned.self", "owned.left", "owned.right", "owned.nobody")
 GOAL_NAMES = ("goal.direction_x", "goal.direction_y", "goal.near", "left_post.slope", "right_post.slope")
 COMMAND_NAMES = (*(f"sticky.{d}" for d in range(1, 9)), "sticky.sprint", "sticky.dribble", "kick.asked", "kick.wait")
 CLOCK_NAMES = ("clock",)
-OTHER_NAMES = ("dx", "dy", "vx", "vy", "near", "keeper")
+OTHER_NAMES = ("dx", "dy", "vx", "vy", "near", "down", "keeper")
 
 BASE_SIZE = sum(map(len, (SELF_NAMES, BALL_NAMES, OWNER_NAMES, GOAL_NAMES, COMMAND_NAMES, CLOCK_NAMES)))
 OTHER_SIZE = len(OTHER_NAMES)
@@ -140,6 +140,7 @@ def _write_team(match, me, team, row, at):
         row[at + 2] = other.vx / RUNNING
         row[at + 3] = other.vy / RUNNING
         row[at + 4] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
-        row[at + 5] = 1.0 if other.role == GK else 0.0
+        row[at + 5] = min(other.down / SOON, LIMIT)
+        row[at + 6] = 1.0 if other.role == GK else 0.0
         at += OTHER_SIZE
     return at
