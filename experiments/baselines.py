@@ -5,12 +5,14 @@ Read next: `evaluate`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from gymnasium.spaces import Discrete
 
 from envs.football.constants import DIRECTION_RIGHT, SHOT
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Discrete
 
 
 class RandomPolicy:

@@ -17,10 +17,14 @@ from typing import Any, TypeVar
 from envs.football.config import FootballConfig
 from experiments.arguments import group, positional
 from experiments.errors import CommandError, nearest
-from ued.config import setting
-from ued.methods.dr import DRConfig
-from ued.methods.paired import PairedConfig
-from ued.ppo import PPOConfig
+from ued.config import (
+    DRConfig,
+    PairedConfig,
+    PPOConfig,
+    check_at_least_1,
+    check_not_negative,
+    setting,
+)
 
 Config = TypeVar("Config")
 
@@ -54,12 +58,8 @@ class TrainConfig:
             raise ValueError(
                 f"training needs the observation 'features'; {self.env.observation!r} is for programs of yours"
             )
-        for name in ("total_env_steps", "num_envs", "threads", "eval_episodes"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
-        for name in ("seed", "eval_every", "record_rollouts", "checkpoint_seconds"):
-            if getattr(self, name) < 0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        check_at_least_1(self, "total_env_steps", "num_envs", "threads", "eval_episodes")
+        check_not_negative(self, "seed", "eval_every", "record_rollouts", "checkpoint_seconds")
 
 
 # ---------------------------------------------------------------- JSON

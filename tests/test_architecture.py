@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from experiments.__main__ import COMMANDS
+
 ROOT = Path(__file__).parent.parent
 OURS = ("scenic_lite", "ued", "envs", "minigames", "experiments")
 STANDARD = set(sys.stdlib_module_names)
@@ -72,6 +74,21 @@ def test_only_the_recorder_imports_rerun():
 def test_importing_a_package_stays_light(module, heavy):
     code = f"import sys, {module}; sys.exit({heavy!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=ROOT).returncode == 0, f"import {module} loads {heavy}"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_waits_for_nothing_heavy(command):
+    code = f"""
+import sys
+from experiments.__main__ import main
+try:
+    main([{command!r}, "--help"])
+except SystemExit:
+    pass
+sys.exit(", ".join({{"gymnasium", "matplotlib", "numba", "rerun", "torch"}} & sys.modules.keys()) or 0)"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, f"regista {command} --help loads {done.stderr}"
+    assert done.stdout.startswith(f"usage: regista {command}")
 
 
 @pytest.mark.parametrize("package", OURS)

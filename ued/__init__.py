@@ -10,31 +10,32 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ued.adversary import Adversary, AdversaryConfig
+    from ued.adversary import Adversary
     from ued.checkpoint import CheckpointError
+    from ued.config import AdversaryConfig, DRConfig, PairedConfig, PPOConfig
     from ued.evaluation import Evaluation, evaluate
     from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
     from ued.methods import LevelBatch, Method
-    from ued.methods.dr import DR, DRConfig
-    from ued.methods.paired import Paired, PairedConfig
-    from ued.ppo import PPO, PPOConfig
+    from ued.methods.dr import DR
+    from ued.methods.paired import Paired
+    from ued.ppo import PPO
     from ued.student import Student
     from ued.upomdp import UPOMDP, ThetaError, level_dtype
 
 _HOME = {
     "Adversary": "ued.adversary",
-    "AdversaryConfig": "ued.adversary",
+    "AdversaryConfig": "ued.config",
     "CheckpointError": "ued.checkpoint",
     "DR": "ued.methods.dr",
-    "DRConfig": "ued.methods.dr",
+    "DRConfig": "ued.config",
     "Evaluation": "ued.evaluation",
     "GymUPOMDP": "ued.gym_upomdp",
     "LevelBatch": "ued.methods",
     "Method": "ued.methods",
     "PPO": "ued.ppo",
-    "PPOConfig": "ued.ppo",
+    "PPOConfig": "ued.config",
     "Paired": "ued.methods.paired",
-    "PairedConfig": "ued.methods.paired",
+    "PairedConfig": "ued.config",
     "Student": "ued.student",
     "ThetaError": "ued.upomdp",
     "UPOMDP": "ued.upomdp",

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,45 +16,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import softplus
 
-from ued.config import setting
+from ued.config import AdversaryConfig
 from ued.networks import Gaussian, linear, mlp
 
 # tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
 UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
 LOG_STD_RANGE = (-5.0, 1.0)
 MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
-
-
-@dataclass(frozen=True)
-class AdversaryConfig:
-    """Settings of the adversary and its learning."""
-
-    learning_rate: float = setting(3e-3, "step size of Adam")
-    ent_coef: float = setting(0.1, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
-    update_epochs: int = setting(5, "gradient steps for each batch of levels")
-    clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
-    vf_coef: float = setting(0.5, "weight of the baseline's loss")
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
-    adam_eps: float = setting(1e-5, "Adam's epsilon")
-    context_size: int = setting(16, "length of the random vector z that each proposal starts from")
-    hidden_size: int = setting(64, "units in each of the two hidden layers")
-    min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
-
-    def __post_init__(self) -> None:
-        for name in ("update_epochs", "context_size", "hidden_size", "min_batch"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
-        for name in ("learning_rate", "clip_coef", "max_grad_norm", "adam_eps"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        for name in ("ent_coef", "vf_coef"):
-            if not getattr(self, name) >= 0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-
-    @classmethod
-    def thesis(cls) -> AdversaryConfig:
-        """Give the settings of the thesis (Table 4.2)."""
-        return cls(learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5)
 
 
 class Proposals(NamedTuple):

@@ -10,74 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import torch
-from gymnasium.spaces import Space
 from torch import Tensor, nn
 
-from ued.config import setting
+from ued.config import PPOConfig
 from ued.rollout import Rollout, gae
 from ued.student import Student
-
-
-@dataclass(frozen=True)
-class PPOConfig:
-    """Settings of a student and its learning, under CleanRL's names."""
-
-    num_steps: int = setting(64, "steps of each environment between two updates")
-    learning_rate: float = setting(5e-4, "step size of Adam")
-    anneal_env_steps: int = setting(0, "env_steps over which the learning rate falls linearly to 0; 0: constant")
-    gamma: float = setting(0.993, "discount per step")
-    gae_lambda: float = setting(0.95, "lambda of generalised advantage estimation")
-    num_minibatches: int = setting(8, "minibatches per epoch")
-    update_epochs: int = setting(4, "passes over each rollout")
-    clip_coef: float = setting(0.2, "how far the ratio of new to old probability may move from 1")
-    clip_vloss: bool = setting(False, "clip the change of the value by clip_coef, too")
-    norm_adv: bool = setting(True, "normalise the advantages of each minibatch")
-    ent_coef: float = setting(0.01, "weight of the entropy bonus")
-    vf_coef: float = setting(0.5, "weight of the value loss")
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
-    target_kl: float = setting(0.0, "stop an update beyond this divergence of old and new policy; 0: never")
-    adam_eps: float = setting(1e-5, "Adam's epsilon")
-    hidden_size: int = setting(128, "units in each hidden layer")
-    hidden_layers: int = setting(2, "hidden layers of each torso")
-    shared_torso: bool = setting(False, "actor and critic share their hidden layers")
-
-    def __post_init__(self) -> None:
-        for name in ("num_steps", "num_minibatches", "update_epochs", "hidden_size", "hidden_layers"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
-        for name in ("learning_rate", "clip_coef", "max_grad_norm", "adam_eps"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
-        for name in ("gamma", "gae_lambda"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise ValueError(f"{name} must be between 0 and 1, got {getattr(self, name)}")
-        for name in ("ent_coef", "vf_coef", "target_kl", "anneal_env_steps"):
-            if not getattr(self, name) >= 0:
-                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
-
-    @classmethod
-    def thesis(cls) -> PPOConfig:
-        """Give the settings of the thesis (Table 4.2); `PairedConfig.thesis` has the adversary's."""
-        return cls(
-            num_steps=128,
-            learning_rate=8e-5,
-            gamma=0.993,
-            gae_lambda=0.95,
-            num_minibatches=8,
-            update_epochs=4,
-            clip_coef=0.27,
-            clip_vloss=True,
-            ent_coef=0.01,
-            vf_coef=0.5,
-            max_grad_norm=0.5,
-            adam_eps=1e-5,
-            shared_torso=True,
-        )
-
-    def make_student(self, observation_space: Space, action_space: Space, generator: torch.Generator) -> Student:
-        """Give a fresh student for these spaces of one environment."""
-        sizes = self.hidden_size, self.hidden_layers
-        return Student(observation_space, action_space, *sizes, self.shared_torso, generator)
 
 
 class PPO:

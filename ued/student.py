@@ -12,6 +12,7 @@ import torch
 from gymnasium.spaces import Box, Discrete, Space
 from torch import Tensor, nn
 
+from ued.config import PPOConfig
 from ued.networks import Policy, PolicyHead, linear, torso
 
 CLIP = 10.0  # standard deviations; a feature that hardly ever moves must not blow up when it does
@@ -51,31 +52,23 @@ class Student(nn.Module):
 
     Args:
         observation_space, action_space: of one environment; flat Box, and Discrete or flat Box.
-        hidden_size, hidden_layers: of each torso.
-        shared: actor and critic read through the same torso, as in the thesis (Fig. 4.10), instead of one each.
+        config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
     """
 
     def __init__(
-        self,
-        observation_space: Space,
-        action_space: Space,
-        hidden_size: int,
-        hidden_layers: int,
-        shared: bool,
-        generator: torch.Generator,
+        self, observation_space: Space, action_space: Space, config: PPOConfig, generator: torch.Generator
     ) -> None:
         super().__init__()
-        self.actor_torso = torso(observation_space, hidden_size, hidden_layers, generator)
-        self.critic_torso = (
-            self.actor_torso if shared else torso(observation_space, hidden_size, hidden_layers, generator)
-        )
+        sizes = config.hidden_size, config.hidden_layers
+        self.actor_torso = torso(observation_space, *sizes, generator)
+        self.critic_torso = self.actor_torso if config.shared_torso else torso(observation_space, *sizes, generator)
         assert observation_space.shape is not None  # `torso` has refused the others
         self.normaliser = Normaliser(observation_space.shape[0])
-        self.actor = PolicyHead(action_space, hidden_size, generator)
-        self.critic = linear(hidden_size, 1, 1.0, generator)
+        self.actor = PolicyHead(action_space, config.hidden_size, generator)
+        self.critic = linear(config.hidden_size, 1, 1.0, generator)
         self.action_space = action_space
-        self.shared = shared
+        self.shared = config.shared_torso
 
     def forward(self, observation: Tensor) -> tuple[Policy, Tensor]:
         """Give the policy and the value `[B]` for observations `[B, size]`."""

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from ued.adversary import Adversary, AdversaryConfig, RunningScale, squashed_entropy
+from ued.adversary import Adversary, RunningScale, squashed_entropy
+from ued.config import AdversaryConfig
 from ued.networks import Gaussian
 from ued.streams import torch_stream
 

@@ -18,9 +18,9 @@ from probes import Follow, Landscape
 
 from ued import checkpoint
 from ued.checkpoint import CheckpointError
+from ued.config import PairedConfig, PPOConfig
 from ued.methods.dr import DR
-from ued.methods.paired import Paired, PairedConfig
-from ued.ppo import PPOConfig
+from ued.methods.paired import Paired
 from ued.upomdp import level_dtype
 
 PPO = PPOConfig(num_steps=10, num_minibatches=2, hidden_size=8)

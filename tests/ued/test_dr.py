@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from probes import Choice, HalfValid, Landscape
 
-from ued.methods.dr import DR, DRConfig
-from ued.ppo import PPOConfig
+from ued.config import DRConfig, PPOConfig
+from ued.methods.dr import DR
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
 

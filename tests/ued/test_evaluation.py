@@ -5,9 +5,10 @@ import pytest
 from probes import Landscape, TwoStep
 
 from ued import evaluation
+from ued.config import PPOConfig
 from ued.evaluation import evaluate
-from ued.ppo import PPOConfig
 from ued.streams import torch_stream
+from ued.student import Student
 
 
 class Lengths(Landscape):
@@ -21,7 +22,7 @@ class Lengths(Landscape):
 
 def student_for(env):
     spaces = env.single_observation_space, env.single_action_space
-    return PPOConfig(hidden_size=8).make_student(*spaces, torch_stream(0))
+    return Student(*spaces, PPOConfig(hidden_size=8), torch_stream(0))
 
 
 @pytest.mark.parametrize(("num_envs", "episodes"), [(4, 203), (16, 5), (7, 7), (1, 6)])

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from probes import Choice, Free, HalfValid, Landscape
 
-from ued.adversary import AdversaryConfig
-from ued.methods.paired import NAMES, Origin, Paired, PairedConfig
-from ued.ppo import PPOConfig
+from ued.config import AdversaryConfig, PairedConfig, PPOConfig
+from ued.methods.paired import NAMES, Origin, Paired
 from ued.scores import regret
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)

@@ -8,11 +8,12 @@ import torch
 from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
 from probes import Choice, Constant, Endless, Follow, Reach, TwoStep
 
+from ued.config import PPOConfig
 from ued.methods.dr import DR
 from ued.networks import Categorical, Gaussian
-from ued.ppo import PPOConfig, explained_variance
+from ued.ppo import explained_variance
 from ued.streams import torch_stream
-from ued.student import Normaliser
+from ued.student import Normaliser, Student
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
 
@@ -181,7 +182,7 @@ def test_explained_variance():
 )
 def test_spaces_that_do_not_fit_are_refused(observations, actions, message):
     with pytest.raises((ValueError, NotImplementedError)) as error:
-        PPOConfig().make_student(observations, actions, torch_stream(0))
+        Student(observations, actions, PPOConfig(), torch_stream(0))
     assert message is None or str(error.value) == message
 
 
@@ -201,14 +202,14 @@ def test_settings_out_of_range_are_refused(setting, number, message):
 
 
 def test_discrete_actions_count_from_where_the_space_starts():
-    student = PPOConfig().make_student(Box(-1, 1, (2,)), Discrete(3, start=5), torch_stream(0))
+    student = Student(Box(-1, 1, (2,)), Discrete(3, start=5), PPOConfig(), torch_stream(0))
     actions = student.play(np.zeros((100, 2)), torch_stream(1))
     assert set(actions) == {5, 6, 7}
 
 
 def test_continuous_actions_keep_to_their_bounds():
     space = Box(np.array([0.0, -np.inf], np.float32), np.array([10.0, np.inf], np.float32))
-    student = PPOConfig().make_student(Box(-1, 1, (2,)), space, torch_stream(0))
+    student = Student(Box(-1, 1, (2,)), space, PPOConfig(), torch_stream(0))
     actions = student.play(np.zeros((500, 2)), torch_stream(1))
     assert actions.dtype == np.float32 and actions[:, 0].min() == 0 and actions[:, 0].max() == 10
     assert actions[:, 0].mean() == pytest.approx(5, abs=0.7) and actions[:, 1].std() == pytest.approx(1, abs=0.1)

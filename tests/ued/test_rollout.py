@@ -5,10 +5,11 @@ import pytest
 import torch
 from probes import Endless, TwoStep
 
+from ued.config import PPOConfig
 from ued.player import Player, collect
-from ued.ppo import PPOConfig
 from ued.rollout import Rollout, gae
 from ued.streams import torch_stream
+from ued.student import Student
 
 
 def random_rollout(steps=40, envs=6, seed=0):
@@ -61,7 +62,7 @@ def test_with_lambda_one_advantage_plus_value_is_the_return():
 
 def player(env, num_steps=8, renew=lambda ended, returns: (ended[:0], None)):
     spaces = env.single_observation_space, env.single_action_space
-    student = PPOConfig(hidden_size=8).make_student(*spaces, torch_stream(0))
+    student = Student(*spaces, PPOConfig(hidden_size=8), torch_stream(0))
     made = Player(student, env, num_steps, torch_stream(1), renew)
     env.reset(seed=0)
     made.start(env.sample_levels(env.num_envs))

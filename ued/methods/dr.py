@@ -6,32 +6,18 @@ the literature run it, keeps a level for a rollout. Read next: `methods.paired`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from ued.config import setting
+from ued.config import DRConfig, PPOConfig
 from ued.methods import LevelBatch, episode_metrics, prefixed
 from ued.player import Episodes, Player, collect
-from ued.ppo import PPO, PPOConfig
+from ued.ppo import PPO
 from ued.streams import split_seed, torch_stream
 from ued.student import Student
 from ued.upomdp import UPOMDP
-
-
-@dataclass(frozen=True)
-class DRConfig:
-    """Settings of domain randomisation."""
-
-    new_level: Literal["episode", "rollout"] = setting(
-        "episode", "each environment draws a new level every: episode, or rollout"
-    )
-
-    def __post_init__(self) -> None:
-        if self.new_level not in ("episode", "rollout"):
-            raise ValueError(f"new_level must be episode or rollout, got {self.new_level!r}")
 
 
 class DR:
@@ -52,7 +38,7 @@ class DR:
         self.config, self.upomdp = config, upomdp
         upomdp.reset(seed=levels)
         spaces = upomdp.single_observation_space, upomdp.single_action_space
-        self.student = ppo.make_student(*spaces, torch_stream(weights))
+        self.student = Student(*spaces, ppo, torch_stream(weights))
         self.player = Player(self.student, upomdp, ppo.num_steps, torch_stream(actions), self._renew)
         self.ppo = PPO(self.student, ppo, torch_stream(minibatches))
         self.due = np.ones(upomdp.num_envs, bool)  # for a new level when the episode ends

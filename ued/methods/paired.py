@@ -15,20 +15,19 @@ Read next: `level_queue`, `adversary`, `scores`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from enum import IntEnum
 from time import perf_counter
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import torch
 
-from ued.adversary import Adversary, AdversaryConfig, Proposals
-from ued.config import setting
+from ued.adversary import Adversary, Proposals
+from ued.config import PairedConfig, PPOConfig
 from ued.level_queue import LevelQueue, entry_dtype
 from ued.methods import LevelBatch, episode_metrics, prefixed
 from ued.player import Player, collect
-from ued.ppo import PPO, PPOConfig
+from ued.ppo import PPO
 from ued.rollout import Rollout
 from ued.scores import regret
 from ued.streams import split_seed, torch_stream
@@ -44,43 +43,6 @@ class Origin(IntEnum):
     ADVERSARY = 0
     RANDOM = 1  # the admixture of domain randomisation
     REPLACED = 2  # random, in the place of a proposal that describes no valid level
-
-
-@dataclass(frozen=True)
-class PairedConfig:
-    """Settings of PAIRED."""
-
-    episodes_per_level: int = setting(2, "whole episodes that each student plays on a level")
-    regret: Literal["max_mean", "mean_mean"] = setting(
-        "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
-    )
-    flexible: bool = setting(False, "on each level the better student plays the antagonist's part")
-    clip_regret: bool = setting(False, "count a negative regret as 0")
-    student_reward: Literal["environment", "regret"] = setting(
-        "environment", "what students learn from: the environment's rewards, or -regret and regret when an episode ends"
-    )
-    dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
-    invalid_penalty: float = setting(
-        0.0, "regret of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
-    )
-    adversary: AdversaryConfig = field(default_factory=AdversaryConfig, metadata={"help": "the adversary"})
-
-    def __post_init__(self) -> None:
-        if self.episodes_per_level < 1:
-            raise ValueError(f"episodes_per_level must be at least 1, got {self.episodes_per_level}")
-        if self.regret not in ("max_mean", "mean_mean"):
-            raise ValueError(f"regret must be max_mean or mean_mean, got {self.regret!r}")
-        if self.student_reward not in ("environment", "regret"):
-            raise ValueError(f"student_reward must be environment or regret, got {self.student_reward!r}")
-        if not 0 <= self.dr_fraction <= 1:
-            raise ValueError(f"dr_fraction must be between 0 and 1, got {self.dr_fraction}")
-        if not self.invalid_penalty >= 0:
-            raise ValueError(f"invalid_penalty must not be negative, got {self.invalid_penalty}")
-
-    @classmethod
-    def thesis(cls) -> PairedConfig:
-        """Give the settings of the thesis (Table 4.2)."""
-        return cls(adversary=AdversaryConfig.thesis())
 
 
 class Paired:
@@ -123,7 +85,7 @@ class Paired:
 
     def _player(self, index: int, upomdp: UPOMDP, ppo: PPOConfig, weights: int, actions: int) -> Player:
         spaces = upomdp.single_observation_space, upomdp.single_action_space
-        student = ppo.make_student(*spaces, torch_stream(weights))
+        student = Student(*spaces, ppo, torch_stream(weights))
         player = Player(
             student,
             upomdp,
