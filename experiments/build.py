@@ -6,6 +6,7 @@ Everything heavy is imported when it is asked for. Read next: `train`.
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,11 +70,20 @@ def test_scenes(game: Minigame) -> dict[str, Path]:
 
 
 def load_program(path: Path, dialect: int) -> Program:
-    """Compile a program of football. Raises `ScenicError` for a broken one."""
+    """Compile a program of football, and print what looks like a slip in it. Raises `ScenicError` for a broken one."""
     from envs.football.domain import FOOTBALL
     from scenic_lite import load
 
-    return load(path, FOOTBALL, dialect)
+    program = load(path, FOOTBALL, dialect)
+    for warning in program.warnings:
+        warn(f"warning: {warning}")
+    return program
+
+
+@cache
+def warn(text: str) -> None:
+    """Print a warning on stderr, the first time that it comes up: a program is compiled for many purposes."""
+    print(text, file=sys.stderr, flush=True)
 
 
 def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
@@ -88,7 +98,7 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
         print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
-    upomdp = FootballVectorEnv(program, num_envs, config=config)
+    upomdp = FootballVectorEnv(load_program(program, config.dialect), num_envs, config=config)
     upomdp.reset(seed=seed)
     return upomdp
 

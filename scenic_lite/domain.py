@@ -15,7 +15,7 @@ class Domain:
     """A world that programs can be about.
 
     `library` maps a dotted module name, aliases included, to the `.scenic` file that it means. `default_model` is
-    imported by a program that has no `model` line of its own and imports none of the library.
+    imported by a program file that has no `model` line of its own and imports none of the library.
     """
 
     name: str

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
+SHOWN = 20  # further errors of the same text
+
 
 class Place(NamedTuple):
     """A stretch of program text. Lines count from 1, columns from 0 (as in Python's `ast`)."""
@@ -25,6 +27,7 @@ class ScenicError(Exception):
     `kind` is one of `syntax`, `name`, `type`, `value`, `specifier`, `random-control-flow`, `rejection`,
     `budget`, `import`, `unsupported`, or `warning` for what is allowed but surely not meant. `str()` gives
     `file:line:column: message (hint)`, then the source line with the culprit underlined; columns are printed from 1.
+    `also` holds what else was found to be wrong at the same time; `str()` shows it below.
     """
 
     def __init__(
@@ -44,6 +47,7 @@ class ScenicError(Exception):
         self.hint = hint
         self.source_line = source_line
         self.notes = tuple(notes)
+        self.also: tuple[ScenicError, ...] = ()
 
     @property
     def line(self) -> int | None:
@@ -58,11 +62,15 @@ class ScenicError(Exception):
     def __str__(self) -> str:
         head = self.message + (f" ({self.hint})" if self.hint else "")
         if self.place is None:
-            return "\n".join([head, *self.notes])
+            return "\n".join([head, *self.notes, *self._others()])
         lines = [f"{self.place.file}:{self.line}:{self.column}: {head}"]
         if self.source_line:
             lines += self._underlined(self.place)
-        return "\n".join([*lines, *self.notes])
+        return "\n".join([*lines, *self.notes, *self._others()])
+
+    def _others(self) -> list[str]:
+        more = len(self.also) - SHOWN
+        return [*map(str, self.also[:SHOWN]), *([f"and {more} errors more"] if more > 0 else [])]
 
     def _underlined(self, place: Place) -> list[str]:
         text = self.source_line.rstrip("\n")

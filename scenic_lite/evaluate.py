@@ -11,9 +11,9 @@ from scenic_lite.calls import CALLS, call
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.expressions import EXPRESSIONS
-from scenic_lite.frame import Frame, Session, Source
+from scenic_lite.frame import Session, Source
 from scenic_lite.functions import BUILTINS
-from scenic_lite.modules import IMPORTS, import_module, parsed, read, take_all, wants_default_model
+from scenic_lite.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.program import Program
 from scenic_lite.statements import STATEMENTS, unpack
 from scenic_lite.values import Namespace
@@ -32,27 +32,22 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
         raise ValueError(f"dialect must be one of {DIALECTS}, not {dialect!r}")
     text, file, folder = text_of(source)
     session = new_session(domain, dialect)
-    tree, doubts = parsed(text, file, dialect)
-    place = Source(file, tuple(text.splitlines()), folder, library=False)
-    session.sources[file] = place
-    frame = Frame(session, place, {})
-    if domain is not None and domain.default_model and wants_default_model(tree, domain.library):
-        take_all(frame, import_module(frame, domain.default_model))
-    frame.run(tree.body)
+    own = source_of(text, file, folder)
+    run_file(session, text, own)
     if session.ego is None and (dialect == 2 or needs_ego(session)):
-        raise no_ego(session, place)
-    session.warnings += remaining(doubts, session)
-    return Program(session, place, text)
+        raise no_ego(session, own)
+    return Program(session, own, text, warnings_of(session))
 
 
-def remaining(doubts: tuple[ScenicError, ...], session: Session) -> list[ScenicError]:
-    """The parser's doubts about properties that the evaluation, knowing the classes, has not settled."""
-    warned = {warning.place for warning in session.warnings}
-    return [
-        doubt
-        for doubt in doubts
-        if doubt.place not in warned and not (doubt.place in session.declared and doubt.hint.startswith("did you mean"))
-    ]
+def warnings_of(session: Session) -> tuple[ScenicError, ...]:
+    """What the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
+    warnings = {(warning.place, warning.message): warning for warning in session.warnings}
+    warned = {place for place, _ in warnings}
+    for doubt in session.doubts:
+        settled = doubt.place in session.declared and doubt.hint.startswith("did you mean")
+        if doubt.place not in warned and not settled:
+            warnings[doubt.place, doubt.message] = doubt
+    return tuple(warnings.values())
 
 
 def no_ego(session: Session, source: Source) -> ScenicError:

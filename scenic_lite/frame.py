@@ -77,6 +77,7 @@ class Session:
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)
     warnings: list[ScenicError] = field(default_factory=list)
+    doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
     declared: set[Place] = field(default_factory=set)  # `with` specifiers of properties that the class declares
     ego: Instance | None = None
     workspace: Value = None

@@ -83,11 +83,7 @@ class Source:
     """A program's text with its lines, and the errors that point into it."""
 
     def __init__(self, text: str, file: str) -> None:
-        if text.startswith("\ufeff"):
-            text = text[1:]
-        if "\r" in text:
-            text = text.replace("\r\n", "\n").replace("\r", "\n")
-        self.text = text
+        self.text = unified(text)
         self.file = file
 
     @cached_property
@@ -117,6 +113,11 @@ class Source:
     ) -> ScenicError:
         """An error at place (line, column, end line, end column)."""
         return ScenicError(kind, message, Place(self.file, *place), hint=hint, source_line=self.line(place[0]))
+
+
+def unified(text: str) -> str:
+    """A text without byte order mark, and with the line feed as its only line end."""
+    return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
 def tokens(text: str, file: str = "<program>") -> list[Token]:

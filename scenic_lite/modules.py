@@ -16,6 +16,7 @@ from scenic_lite.check import check
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, Session, Source, near
 from scenic_lite.functions import MODULES
+from scenic_lite.lexer import unified
 from scenic_lite.parser import parse
 from scenic_lite.values import Namespace
 
@@ -24,7 +25,7 @@ LARGEST_FILE = 1_000_000  # bytes
 
 @lru_cache(maxsize=64)
 def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
-    """The checked tree of a text and the warnings about it. Raises the first ScenicError.
+    """The checked tree of a text and the warnings about it. Raises one ScenicError that shows everything wrong with it.
 
     Kept, since library files are the same for every program.
     """
@@ -32,6 +33,7 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
     findings = check(tree, text, file)
     errors = [finding for finding in findings if finding.kind != "warning"]
     if errors:
+        errors[0].also = tuple(errors[1:])
         raise errors[0]
     return tree, tuple(findings)
 
@@ -51,12 +53,21 @@ def read(path: Path) -> str:
 
 
 def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
-    """Evaluate one file in this session; returns its names."""
+    """Evaluate one file in this session; returns its names, those of the domain's default model included."""
     session.sources[source.file] = source
-    names: dict[str, Any] = {}
-    tree, _ = parsed(text, source.file, session.dialect)
-    Frame(session, source, names).run(tree.body)
-    return names
+    frame, domain = Frame(session, source, {}), session.domain
+    tree, doubts = parsed(text, source.file, session.dialect)
+    if not source.library:
+        session.doubts += doubts
+        if domain is not None and domain.default_model and wants_default_model(tree, domain.library):
+            take_all(frame, import_module(frame, domain.default_model))
+    frame.run(tree.body)
+    return frame.locals
+
+
+def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
+    """A text cut into the lines that the lexer counts."""
+    return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
 def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
@@ -73,7 +84,7 @@ def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
         shown = f"{name.replace('.', '/')}.scenic"
         if library and session.domain:
             shown = f"{session.domain.name}/{path.name}"
-        source = Source(shown, tuple(text.splitlines()), path.parent, library)
+        source = source_of(text, shown, path.parent, library)
         session.importing.append(key)
         try:
             session.modules[key] = Namespace(name, run_file(session, text, source))

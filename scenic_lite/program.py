@@ -52,13 +52,13 @@ class Program:
         source, file: the text and where it came from.
     """
 
-    def __init__(self, session: Session, source: Source, text: str) -> None:
+    def __init__(self, session: Session, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
         self.source, self.file = text, source.file
         self.dialect = session.dialect
         self.behaviors = session.behaviors
         self.monitors = tuple(session.monitors)
         self.terminations = tuple(session.terminations)
-        self.warnings = tuple(session.warnings)
+        self.warnings = warnings
         self._instances = in_order(session)
         name_objects(self._instances)
         self._checks = checks_of(session, self._instances)

@@ -106,6 +106,17 @@ def test_inspect_shows_parameters_objects_and_acceptance(capsys):
         assert piece in text
 
 
+def test_inspect_warns_of_slips_once(capsys, tmp_path):
+    path = tmp_path / "slip.scenic"
+    path.write_text("ego = LeftCM with bahavior 3\nBall\n")
+    assert main(["inspect", str(path), "--n", "1", "--png", str(tmp_path / "scene.png")]) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "warning: slip.scenic:1:14: LeftCM has no property 'bahavior' (did you mean 'behavior'?)",
+        "    ego = LeftCM with bahavior 3",
+        "                 ^^^^^^^^^^^^^^^",
+    ]
+
+
 def test_inspect_shows_what_a_theta_means(capsys):
     assert main(["inspect", "1v1Free", "--theta", "0", "0", "0.5", "0.5", "0", "0"]) == 0
     text = capsys.readouterr().out

@@ -412,6 +412,50 @@ def test_warnings_of_the_parser_are_passed_on():
     ]
 
 
+def test_warnings_come_once_each_and_from_imported_files_too(tmp_path):
+    (tmp_path / "helpers.scenic").write_text("def put(y):\n    return LeftCM at 0 @ y, facing 90\nput(1)\nput(5)\n")
+    main = tmp_path / "main.scenic"
+    main.write_text("from helpers import put\nego = put(9)\nLeftCM at 20 @ 0, with bahavior 3\n")
+    assert [str(each).splitlines()[0] for each in load(main, FOOTBALL).warnings] == [
+        "main.scenic:3:19: LeftCM has no property 'bahavior' (did you mean 'behavior'?)",
+        'helpers.scenic:2:29: angles are in radians, and this one makes 14 turns (degrees are written "90 deg")',
+    ]
+
+
+def test_everything_that_is_wrong_is_shown_at_once():
+    with pytest.raises(ScenicError) as caught:
+        load("take 3\nego = LeftCM\nparam a = 1, a = 2\n", FOOTBALL)
+    assert caught.value.line == 1
+    assert [error.line for error in caught.value.also] == [3]
+    assert str(caught.value).splitlines() == [
+        '<program>:1:1: "take" may only stand in a behavior, not at the top level',
+        "    take 3",
+        "    ^^^^^^",
+        '<program>:3:14: the parameter "a" occurs twice in one statement',
+        "    param a = 1, a = 2",
+        "                 ^",
+    ]
+
+
+def test_many_errors_are_cut_short():
+    with pytest.raises(ScenicError) as caught:
+        load("take 1\n" * 1000)
+    assert len(caught.value.also) == 999
+    assert str(caught.value).splitlines()[-1] == "and 979 errors more"
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_the_line_shown_is_the_one_that_the_lexer_counts(end):
+    text = end.join(["\ufeff# a page\x0cbreak\u2028and more", "x = 'a\u2028b'", "ego = nobody"])
+    with pytest.raises(ScenicError) as caught:
+        load(text)
+    assert str(caught.value).splitlines() == [
+        "<program>:3:7: name 'nobody' is not defined",
+        "    ego = nobody",
+        "          ^^^^^^",
+    ]
+
+
 def test_unknown_property_that_resembles_none_is_no_warning():
     assert load("ego = LeftCM at 0 @ 0, with plan 3", FOOTBALL).warnings == ()
 
