@@ -8,8 +8,10 @@ than 64 bits, as in the states of generators) is spelled out in tensors, numbers
 from __future__ import annotations
 
 import ast
+import io
 import os
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -32,23 +34,22 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
     Raises `CheckpointError` for anything else in it, and if the disk is full or the folder cannot be written.
     """
     path = Path(path)
-    content = {"format": FORMAT, "version": VERSION, "state": encode(state)}
+    content = io.BytesIO()  # torch writing to a full disk itself would tell of its archive, not of the disk
+    torch.save({"format": FORMAT, "version": VERSION, "state": encode(state)}, content)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
         with open(partial, "wb") as file:
-            torch.save(content, file)
+            file.write(content.getbuffer())
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)
-        _sync_folder(path.parent)
-    except (OSError, RuntimeError) as error:  # torch wraps a full disk in a RuntimeError
-        partial.unlink(missing_ok=True)
-        raise CheckpointError(
-            f"cannot write {path}: {_first_line(error)}; the previous checkpoint is intact"
-        ) from error
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    except OSError as error:
+        kept = " (the previous checkpoint is kept)" if path.exists() else ""
+        raise CheckpointError(f"cannot write {path}: {_reason(error)}{kept}") from error
+    finally:
+        with suppress(OSError):  # there is none after the renaming, nor where there is no folder
+            partial.unlink()
+    _sync_folder(path.parent)
 
 
 def load(path: str | Path) -> dict[str, Any]:
@@ -64,7 +65,7 @@ def load(path: str | Path) -> dict[str, Any]:
     except FileNotFoundError as error:
         raise CheckpointError(f"there is no checkpoint at {path}") from error
     except OSError as error:
-        raise CheckpointError(f"cannot read {path}: {_first_line(error)}") from error
+        raise CheckpointError(f"cannot read {path}: {_reason(error)}") from error
     except CheckpointError:
         raise
     except Exception as error:  # whatever a damaged archive makes torch stumble over
@@ -149,14 +150,13 @@ def _describe(dtype: np.dtype) -> Any:
 
 def _sync_folder(folder: Path) -> None:
     """Force the renaming itself to the disk, where the system can."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
-def _first_line(error: BaseException) -> str:
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    return str(error).splitlines()[0]
+def _reason(error: OSError) -> str:
+    return error.strerror or str(error)

@@ -97,19 +97,26 @@ def test_a_full_disk_leaves_the_old_one(tmp_path, monkeypatch):
         patch.setattr(os, "fsync", full)
         with pytest.raises(CheckpointError) as error:
             checkpoint.save(path, {"kept": 2})
-    assert str(error.value) == f"cannot write {path}: No space left on device; the previous checkpoint is intact"
+    assert str(error.value) == f"cannot write {path}: No space left on device (the previous checkpoint is kept)"
     assert checkpoint.load(path) == {"kept": 1} and os.listdir(tmp_path) == ["c.pt"]
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_torch_finding_the_disk_full_is_told_alike(tmp_path, monkeypatch):
+def test_a_disk_that_is_full_from_the_first_byte_on(tmp_path, monkeypatch):
     path = tmp_path / "c.pt"
     real = open
     monkeypatch.setattr("builtins.open", lambda name, mode: real("/dev/full", mode))
-    with pytest.raises(CheckpointError, match=r"cannot write .*c.pt: "):
+    with pytest.raises(CheckpointError) as error:
         checkpoint.save(path, {"weights": torch.zeros(100_000)})
     monkeypatch.undo()
+    assert str(error.value) == f"cannot write {path}: No space left on device"
     assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_that_is_a_file(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(CheckpointError, match=r"cannot write .*/file/c.pt: Not a directory$"):
+        checkpoint.save(tmp_path / "file" / "c.pt", {})
 
 
 def test_a_folder_that_is_not_there(tmp_path):
