@@ -15,9 +15,11 @@ class Domain:
     """A world that programs can be about.
 
     `library` maps a dotted module name, aliases included, to the `.scenic` file that it means. `default_model` is
-    imported by a program file that has no `model` line of its own and imports none of the library.
+    imported by a program file that has no `model` line of its own and imports none of the library. `params` are those
+    parameters of a program that mean something to this world: one that is almost spelt like them is warned of.
     """
 
     name: str
     library: Mapping[str, Path] = field(default_factory=dict)
     default_model: str | None = None
+    params: frozenset[str] = frozenset()

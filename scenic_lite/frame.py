@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,6 +53,13 @@ class Requirement:
     probability: float = 1.0
 
 
+class Termination(NamedTuple):
+    """One `terminate when` or `terminate after`."""
+
+    tree: ast.stmt
+    place: Place
+
+
 @dataclass(eq=False)
 class Session:
     """Everything that loading one program has made so far."""
@@ -71,8 +78,9 @@ class Session:
     columns: list[Column] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
-    terminations: list[ast.stmt] = field(default_factory=list)
+    terminations: list[Termination] = field(default_factory=list)
     library_params: set[str] = field(default_factory=set)
+    param_places: dict[str, Place] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)

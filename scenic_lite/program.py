@@ -47,6 +47,7 @@ class Program:
         objects: the O objects, the ego first, then in order of creation.
         params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
         requirements: the R rules of a scene, in the order of `Scenes.failed`.
+        param_places: where each parameter, random or not, was set.
         behaviors, monitors, terminations: the dynamic half, kept as trees.
         warnings: what looks like a slip but is legal.
         source, file: the text and where it came from.
@@ -58,6 +59,8 @@ class Program:
         self.behaviors = session.behaviors
         self.monitors = tuple(session.monitors)
         self.terminations = tuple(session.terminations)
+        self.param_places = dict(session.param_places)
+        self._sources = session.sources
         self.warnings = warnings
         self._instances = in_order(session)
         name_objects(self._instances)
@@ -66,7 +69,7 @@ class Program:
         self.objects = tuple(info_of(instance) for instance in self._instances)
         self._lay_out(session)
         self._plan(session)
-        self._refuse_impossible(session)
+        self._refuse_impossible()
 
     def _lay_out(self, session: Session) -> None:
         """Find the columns that reach anything, and flatten the graph."""
@@ -246,9 +249,14 @@ class Program:
         """The tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self._columns], self._columns, 10**9)
 
-    # ------------------------------------------------------------ checks at load
+    # ------------------------------------------------------------ errors
 
-    def _refuse_impossible(self, session: Session) -> None:
+    def error(self, kind: str, message: str, place: Place, hint: str = "") -> ScenicError:
+        """An error at a place of the program, to be raised by whoever finds it unfit for its purpose."""
+        line = self._sources[place.file].line(place.line)
+        return ScenicError(kind, message, place, hint=hint, source_line=line)
+
+    def _refuse_impossible(self) -> None:
         """Raise ScenicError for rules that objects without anything random break; and for operations on mixed kinds."""
         probe = np.linspace(-0.9, 0.9, 3)[:, None] * np.ones(self.dim)
         try:
@@ -257,22 +265,21 @@ class Program:
             raise
         except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
             message = f"the random values of the program do not fit together: {fault}"
-            raise ScenicError("type", message, Place(self.file, 1, 0, 1, 1)) from None
+            raise self.error("type", message, Place(self.file, 1, 0, 1, 1)) from None
         fixed = [not any(True for _ in randoms_in(outline_parts(instance))) for instance in self._instances]
         at = 0
         for check in self._checks.batched:
             for offset, members in enumerate(check.members()):
                 if all(fixed[i] for i in members) and scenes.failed[0, at + offset]:
-                    raise self._broken(session, check.rules[offset], [self._instances[i] for i in members])
+                    raise self._broken(check.rules[offset], [self._instances[i] for i in members])
             at += len(check.rules)
         for rule, value in self._checks.nodes:
             if value is False and rule.kind != "require":
-                raise self._broken(session, rule, [])
+                raise self._broken(rule, [])
 
-    def _broken(self, session: Session, rule: Rule, members: list[Instance]) -> ScenicError:
+    def _broken(self, rule: Rule, members: list[Instance]) -> ScenicError:
         where = ", ".join(f"{title_of(each)} is at {each.properties['position']!r}" for each in members)
-        line = session.sources[rule.place.file].line(rule.place.line)
-        return ScenicError("value", f"{rule.label} in every scene", rule.place, hint=where, source_line=line)
+        return self.error("value", f"{rule.label} in every scene", rule.place, where)
 
 
 def place_in_program(column: Column, session: Session) -> Place:
@@ -294,6 +301,6 @@ def in_order(session: Session) -> list[Instance]:
 
 def info_of(instance: Instance) -> ObjectInfo:
     behavior = instance.properties["behavior"]
-    name = behavior.behavior.name if behavior is not None else None
+    attached = (None, None) if behavior is None else (behavior.behavior.name, behavior.place)
     classes = tuple(cls.name for cls in instance.cls.lineage())
-    return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, name)
+    return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, *attached)

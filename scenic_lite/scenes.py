@@ -27,7 +27,7 @@ class ObjectInfo(NamedTuple):
     """What is known of an object before any scene is drawn.
 
     `name` in the program ("" if no variable holds it), `classes`: its class and all bases by name, most derived first;
-    `behavior`: the name of the behavior attached to it, or None.
+    `behavior`: the name of the behavior attached to it, or None; `behavior_place`: where that is written.
     """
 
     name: str
@@ -35,6 +35,7 @@ class ObjectInfo(NamedTuple):
     classes: tuple[str, ...]
     place: Place
     behavior: str | None
+    behavior_place: Place | None
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from scenic_lite.calls import Return, defaults_of, function_of
 from scenic_lite.classes import OBJECT, is_object
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import combined
-from scenic_lite.frame import Frame, Requirement, name_draws
+from scenic_lite.frame import Frame, Requirement, Termination, name_draws, near
 from scenic_lite.graph import Random, Value, is_number
 from scenic_lite.regions import Region
 from scenic_lite.rows import row_by_row
@@ -235,7 +235,7 @@ def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
 def set_params(frame: Frame, node: nodes.Param) -> None:
     """Later params win, except that a library's never replace the program's own."""
     session = frame.session
-    for name, expression in zip(node.names, node.values, strict=True):
+    for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = frame.value(expression)
         name_draws(name, value)
         if frame.source.library:
@@ -244,7 +244,16 @@ def set_params(frame: Frame, node: nodes.Param) -> None:
             session.library_params.add(name)
         else:
             session.library_params.discard(name)
-        session.params[name] = value
+            doubt_param(frame, name, place)
+        session.params[name], session.param_places[name] = value, frame.place(place)
+
+
+def doubt_param(frame: Frame, name: str, node: ast.expr) -> None:
+    """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
+    known = frame.session.domain.params if frame.session.domain else frozenset()
+    hint = "" if name in known else near(name, known)
+    if hint:
+        frame.warn(f"nothing reads the parameter '{name}'", node, hint)
 
 
 def require(frame: Frame, node: nodes.Require) -> None:
@@ -292,7 +301,7 @@ def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    frame.session.terminations.append(node)
+    frame.session.terminations.append(Termination(node, frame.place(node)))
 
 
 def not_yet(frame: Frame, node: ast.AST) -> None:

@@ -5,24 +5,73 @@ Read next: `vector_env`.
 
 from __future__ import annotations
 
-import dataclasses
+from typing import Any
 
 import numpy as np
 
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
+from envs.football.domain import SETTINGS
 from envs.football.state import Lineup, MatchConfig, kick_off
-from scenic_lite import Program, Scenes
+from scenic_lite import Place, Program, Scenes, ScenicError
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
 TEAMS = {"left": LEFT, "right": RIGHT}
 METRES = np.array([METRES_PER_X, METRES_PER_Y])
 
-# Parameters of a program that are settings of the match.
-SETTINGS = {field.name for field in dataclasses.fields(MatchConfig)} - {"learner"}
+LONGEST = 1_000_000  # steps of an episode
+WANTED = {
+    bool: "True or False",
+    int: f"a whole number of steps, 1 to {LONGEST:,}",
+    float: "a number from 0 to 1",
+}
+
+AI_INSTEAD = "leave it out, and the learner or the built-in AI moves this player"
+ENDS_INSTEAD = "leave it out; episodes end by game_duration and the end_episode_on_... parameters"
 
 
 class CastingError(ValueError):
-    """A program that describes no match: the message says what is missing and what would do."""
+    """A program that describes no match: the message says where, what is missing or too much, and what would do.
+
+    `place` is that of the culprit in the program, or None if there is none.
+    """
+
+    place: Place | None = None
+
+
+def refusal(program: Program, message: str, place: Place, hint: str = "") -> CastingError:
+    """The error for one place of a program, its line underlined."""
+    return raised_from([program.error("unsupported", message, place, hint)])
+
+
+def raised_from(findings: list[ScenicError]) -> CastingError:
+    """One error that shows all findings."""
+    error = CastingError("\n".join(map(str, findings)))
+    error.place = findings[0].place
+    return error
+
+
+def refuse_dynamics(program: Program) -> None:
+    """Raise CastingError for behaviors, monitors and terminations: they would silently do nothing."""
+    found = [
+        (
+            info.behavior_place,
+            f"{info.name or info.class_name} has the behavior {info.behavior}, but behaviors",
+            AI_INSTEAD,
+        )
+        for info in program.objects
+        if info.behavior_place is not None
+    ]
+    found += [
+        (call.place, f"{call.behavior.name} is a monitor, but monitors", ENDS_INSTEAD) for call in program.monitors
+    ]
+    found += [(each.place, "conditions that end an episode", ENDS_INSTEAD) for each in program.terminations]
+    if found:
+        raise raised_from(
+            [
+                program.error("unsupported", f"{what} are not played yet", place, hint)
+                for place, what, hint in sorted(found)
+            ]
+        )
 
 
 class Casting:
@@ -41,8 +90,14 @@ class Casting:
         kinds = [set(info.classes) for info in program.objects]
         balls = [index for index, kind in enumerate(kinds) if "Ball" in kind]
         people = [index for index, kind in enumerate(kinds) if "Player" in kind]
-        if len(balls) != 1:
-            raise CastingError(f"{program.file}: a match needs exactly one Ball, this program has {len(balls)}")
+        if len(balls) > 1:
+            place = program.objects[balls[1]].place
+            raise refusal(program, f"a match needs exactly one Ball, this program has {len(balls)}", place)
+        if not balls:
+            raise CastingError(f"{program.file}: a match needs a Ball; write ball = Ball ahead of ego by 2")
+        for index in set(range(len(kinds))).difference(balls, people):
+            info = program.objects[index]
+            raise refusal(program, f"{info.class_name} is neither a player nor the ball", info.place)
         scene = program.instantiate(np.zeros((1, program.dim)))
         who = {index: self._who(scene, index) for index in people}
         self.ball = balls[0]
@@ -66,13 +121,13 @@ class Casting:
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Team and role of one object."""
-        name = self.program.objects[index].class_name
+        name, place = self.program.objects[index].class_name, self.program.objects[index].place
         team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
         if not isinstance(team, str) or team not in TEAMS:
-            raise CastingError(f"{self.program.file}: {name} is in no team; use a Left... or Right... class")
+            raise refusal(self.program, f"{name} is in no team", place, "use a Left... or Right... class")
         if not isinstance(role, str) or role not in ROLES:
             found = "a random role" if isinstance(role, np.ndarray) else f"the role {role!r}"
-            raise CastingError(f"{self.program.file}: {name} has {found}; give it one of {', '.join(ROLES)}")
+            raise refusal(self.program, f"{name} has {found}", place, f"give it one of {', '.join(ROLES)}")
         return TEAMS[team], ROLES[role]
 
     def _check_teams(self) -> None:
@@ -90,13 +145,23 @@ class Casting:
 
 
 def _settings(program: Program) -> MatchConfig:
-    chosen = {name: value for name, value in program.params.items() if name in SETTINGS}
-    for name, value in chosen.items():
-        default = getattr(MatchConfig(), name)
-        fits = isinstance(value, (int, float)) and (isinstance(value, bool) or not isinstance(default, bool))
-        if not fits or (name == "game_duration" and not (float(value).is_integer() and value >= 1)):
-            wanted = {bool: "True or False", int: "a whole number of steps, 1 or more", float: "a number"}[
-                type(default)
-            ]
-            raise CastingError(f"{program.file}: param {name} must be {wanted}, not {value!r}")
-    return MatchConfig(**chosen)
+    """The settings among the parameters of a program; a value that does not fit is refused where it is written."""
+    chosen = {name: place for name, place in program.param_places.items() if name in SETTINGS}
+    for name, place in chosen.items():
+        kind = type(getattr(MatchConfig(), name))
+        if name not in program.params:
+            found = "a random value: every match of a program is played under the same settings"
+        elif not _fits(program.params[name], kind):
+            found = repr(program.params[name])
+        else:
+            continue
+        raise refusal(program, f"param {name} must be {WANTED[kind]}, not {found}", place)
+    return MatchConfig(**{name: program.params[name] for name in chosen})
+
+
+def _fits(value: Any, kind: type) -> bool:
+    if kind is bool or not isinstance(value, int | float) or isinstance(value, bool):
+        return kind is bool and isinstance(value, bool)
+    if kind is int:
+        return 1 <= value <= LONGEST and float(value).is_integer()
+    return 0 <= value <= 1

@@ -11,6 +11,24 @@ from scenic_lite.domain import Domain
 LIBRARY = Path(__file__).parent / "library"
 MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator")}
 
+# Parameters of a program that are settings of the match.
+SETTINGS = frozenset(
+    {
+        *("game_duration", "deterministic", "offsides", "left_team_difficulty", "right_team_difficulty"),
+        *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
+    }
+)
+
+# Those with which programs of Scenic4RL set up its engine, its pictures and its log files: understood, and without use.
+ENGINE = frozenset(
+    {
+        *("action_set", "custom_display_stats", "display_game_stats", "dump_frequency", "dump_full_episodes"),
+        *("dump_scores", "game_engine_random_seed", "logdir", "manual_control", "physics_steps_per_frame", "players"),
+        *("real_time", "render_resolution_x", "render_resolution_y", "rewards", "stacked", "tracesdir"),
+        *("video_format", "video_quality_level", "write_full_episode_dumps", "write_goal_dumps", "write_video"),
+    }
+)
+
 FOOTBALL = Domain(
     name="football",
     library={
@@ -19,4 +37,5 @@ FOOTBALL = Domain(
         for name, path in MODULES.items()
     },
     default_model="football.model",
+    params=SETTINGS | ENGINE,
 )

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
 
 from envs.football.batch import Rules, empty_matches, empty_outcome, observe_batch, step_batch
-from envs.football.casting import Casting
+from envs.football.casting import Casting, refuse_dynamics
 from envs.football.config import FootballConfig
 from envs.football.constants import LEFT, NO_FAULT, NUM_ACTIONS
 from envs.football.domain import FOOTBALL
@@ -45,6 +45,7 @@ class FootballVectorEnv(UPOMDP):
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
+        refuse_dynamics(self.program)
         self.casting = Casting(self.program)
         self.num_players = self.casting.num_players
         size = features_size(self.num_players)

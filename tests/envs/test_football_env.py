@@ -13,7 +13,6 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import minigames
-from envs.football.casting import CastingError
 from envs.football.config import FootballConfig
 from envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRES_PER_Y, SHOT
 from envs.football.gym_env import FootballEnv
@@ -276,32 +275,6 @@ def test_actions_that_are_none_are_refused(actions, message):
     with pytest.raises(ValueError) as error:
         env.step(np.array(actions))
     assert str(error.value) == message
-
-
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        ("ego = LeftCM at 0 @ 0", "a match needs exactly one Ball, this program has 0"),
-        ("ego = RightCM at 0 @ 0\nBall at 5 @ 5", "the learner plays on the left, and this program has no left player"),
-        ("ego = Player at 0 @ 0\nBall at 5 @ 5", "Player is in no team; use a Left... or Right... class"),
-        (
-            "ego = LeftPlayer at 0 @ 0\nBall at 5 @ 5",
-            "LeftPlayer has a random role; give it one of GK, CB, LB, RB, DM, CM, LM, RM, AM, CF",
-        ),
-        (
-            "param game_duration = 'long'\nego = LeftCM at 0 @ 0\nBall at 5 @ 5",
-            "param game_duration must be a whole number of steps, 1 or more, not 'long'",
-        ),
-        (
-            "param offsides = 'no'\nego = LeftCM at 0 @ 0\nBall at 5 @ 5",
-            "param offsides must be True or False, not 'no'",
-        ),
-    ],
-)
-def test_a_program_that_is_no_match_is_refused(body, message):
-    with pytest.raises(CastingError) as error:
-        FootballVectorEnv(body + "\n")
-    assert str(error.value).endswith(message)
 
 
 def test_a_broken_program_points_at_the_line():

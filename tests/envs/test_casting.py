@@ -1,0 +1,166 @@
+"""What a program must be to become a match, and what is said where it is not."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from envs.football.casting import CastingError
+from envs.football.domain import FOOTBALL, SETTINGS
+from envs.football.state import MatchConfig
+from envs.football.vector_env import FootballVectorEnv
+from scenic_lite import load
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+PAIR = "ego = LeftCM at 0 @ 0\nBall at 5 @ 5\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("ego = LeftCM at 0 @ 0", "<program>: a match needs a Ball; write ball = Ball ahead of ego by 2"),
+        (
+            PAIR + "Ball at 9 @ 9",
+            "<program>:3:1: a match needs exactly one Ball, this program has 2\n    Ball at 9 @ 9\n    ^^^^^^^^^^^^^",
+        ),
+        (PAIR + "Object at 9 @ 9", "<program>:3:1: Object is neither a player nor the ball"),
+        (
+            "ego = RightCM at 0 @ 0\nBall at 5 @ 5",
+            "<program>: the learner plays on the left, and this program has no left player",
+        ),
+        (PAIR + "Player at 0 @ 3", "<program>:3:1: Player is in no team (use a Left... or Right... class)"),
+        (
+            PAIR + "LeftPlayer at 0 @ 3",
+            "<program>:3:1: LeftPlayer has a random role (give it one of GK, CB, LB, RB, DM, CM, LM, RM, AM, CF)",
+        ),
+        (PAIR + "for i in range(11):\n    LeftCB at -9 @ (3 * i)", "<program>: 12 left players; a team has at most 11"),
+    ],
+)
+def test_a_program_that_is_no_match_is_refused(body, message):
+    with pytest.raises(CastingError) as error:
+        FootballVectorEnv(body + "\n")
+    assert str(error.value).startswith(message)
+
+
+# ---------------------------------------------------------------- settings
+
+
+@pytest.mark.parametrize(
+    ("setting", "wanted"),
+    [
+        ("game_duration = 'long'", "a whole number of steps, 1 to 1,000,000, not 'long'"),
+        ("game_duration = 0", "a whole number of steps, 1 to 1,000,000, not 0"),
+        ("game_duration = 2.5", "a whole number of steps, 1 to 1,000,000, not 2.5"),
+        ("game_duration = 1e30", "a whole number of steps, 1 to 1,000,000, not 1e+30"),
+        ("game_duration = 1e999", "a whole number of steps, 1 to 1,000,000, not inf"),
+        ("offsides = 'no'", "True or False, not 'no'"),
+        ("offsides = 0", "True or False, not 0"),
+        ("right_team_difficulty = 2", "a number from 0 to 1, not 2"),
+        ("right_team_difficulty = True", "a number from 0 to 1, not True"),
+        ("right_team_difficulty = 1e999 - 1e999", "a number from 0 to 1, not nan"),
+        (
+            "right_team_difficulty = Range(0, 1)",
+            "a number from 0 to 1, not a random value: every match of a program is played under the same settings",
+        ),
+        (
+            "offsides = Uniform(True, False)",
+            "True or False, not a random value: every match of a program is played under the same settings",
+        ),
+    ],
+)
+def test_a_setting_that_does_not_fit_is_refused_where_it_is_written(setting, wanted):
+    name = setting.split()[0]
+    with pytest.raises(CastingError) as error:
+        FootballVectorEnv(f"{PAIR}param {setting}\n")
+    assert str(error.value).splitlines() == [
+        f"<program>:3:7: param {name} must be {wanted}",
+        f"    param {setting}",
+        f"          {'^' * len(name)}",
+    ]
+
+
+def test_the_last_of_several_settings_counts():
+    env = FootballVectorEnv(f"param game_duration = 'x'\nparam game_duration = 30\n{PAIR}param offsides = True\n")
+    assert (env.casting.config.game_duration, env.casting.config.offsides) == (30, True)
+
+
+def test_settings_are_those_of_a_match():
+    assert {field.name for field in dataclasses.fields(MatchConfig)} - {"learner"} == SETTINGS
+
+
+def test_parameters_of_the_model_and_of_the_original_engine_are_known():
+    names = [*load(PAIR, FOOTBALL).params, "write_video", "render_resolution_y", "dump_frequency", "players"]
+    text = PAIR + "".join(f"param {name} = 1\n" for name in names)
+    assert load(text, FOOTBALL).warnings == ()
+    assert {"action_set", "rewards", "stacked", "real_time"} <= set(names) <= FOOTBALL.params
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        (
+            "param game_duraton = 400",
+            "<program>:3:7: nothing reads the parameter 'game_duraton' (did you mean 'game_duration'?)",
+        ),
+        (
+            "param end_episode_on_goal = True",
+            "<program>:3:7: nothing reads the parameter 'end_episode_on_goal' (did you mean 'end_episode_on_score'?)",
+        ),
+        ("param weather = 'sunny'", None),
+    ],
+)
+def test_a_misspelt_setting_is_warned_of(line, expected):
+    heads = [str(warning).splitlines()[0] for warning in load(PAIR + line, FOOTBALL).warnings]
+    assert heads == ([expected] if expected else [])
+
+
+# ---------------------------------------------------------------- what is not played yet
+
+
+def test_a_behavior_is_refused_where_it_is_attached_and_the_language_still_loads_it():
+    text = "from football.behaviors import *\n" + PAIR + "LeftGK with behavior HoldPosition()\nRightGK\n"
+    assert load(text, FOOTBALL).objects[2].behavior == "HoldPosition"
+    with pytest.raises(CastingError) as error:
+        FootballVectorEnv(text)
+    assert str(error.value).splitlines() == [
+        "<program>:4:22: LeftGK has the behavior HoldPosition, but behaviors are not played yet "
+        "(leave it out, and the learner or the built-in AI moves this player)",
+        "    LeftGK with behavior HoldPosition()",
+        "                         ^^^^^^^^^^^^^^",
+    ]
+    assert error.value.place is not None and error.value.place.line == 4
+
+
+def test_all_behaviors_are_shown_at_once():
+    program = load(PROGRAMS / "figure_2_1.scenic", FOOTBALL)
+    with pytest.raises(CastingError) as error:
+        FootballVectorEnv(program)
+    heads = [line for line in str(error.value).splitlines() if line.startswith("figure_2_1.scenic:")]
+    assert [head.split(":")[1] for head in heads] == ["36", "38", "40", "43"]
+
+
+@pytest.mark.parametrize(
+    ("text", "dialect", "message"),
+    [
+        ("monitor Watch:\n    while True:\n        wait", 2, ":3:1: Watch is a monitor, but monitors are not played"),
+        (
+            "monitor Watch():\n    while True:\n        wait\nrequire monitor Watch()",
+            3,
+            ":6:17: Watch is a monitor, but monitors are not played",
+        ),
+        ("terminate when ego.x > 5", 2, ":3:1: conditions that end an episode are not played"),
+        ("terminate simulation when ego.x > 5", 2, ":3:1: conditions that end an episode are not played"),
+        ("terminate after 5 seconds", 2, ":3:1: conditions that end an episode are not played"),
+    ],
+)
+def test_monitors_and_terminations_are_refused(text, dialect, message):
+    pair = PAIR if dialect == 2 else PAIR.replace("LeftCM", "new LeftCM").replace("Ball", "new Ball")
+    program = load(pair + text, FOOTBALL, dialect)
+    with pytest.raises(CastingError) as error:
+        FootballVectorEnv(program)
+    assert str(error.value).startswith("<program>" + message)
+    assert "(leave it out; episodes end by game_duration and the end_episode_on_... parameters)" in str(error.value)
+
+
+def test_a_behavior_that_nobody_follows_is_no_matter():
+    assert FootballVectorEnv("behavior Stand():\n    while True:\n        wait\n" + PAIR).num_players == 1
