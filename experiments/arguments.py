@@ -26,7 +26,7 @@ def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
     return field(default=default, metadata={"help": help, "positional": True})
 
 
-def group(factory: type, help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
+def group(factory: Callable[[], Any], help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
     """Give a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
 
     The fields `without` get no flag.

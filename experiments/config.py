@@ -33,6 +33,23 @@ class ConfigError(CommandError):
     """A `config.json` that is none: the message names the file, the key, and what would have been right."""
 
 
+def football_ppo() -> PPOConfig:
+    """Give the settings of students of football: bolder steps and a longer view than `PPOConfig`'s own.
+
+    On 1v1 Restricted shooting at once is easily learned and then hard to leave; with these settings students learn
+    to go round the keeper within a few million steps.
+    """
+    return PPOConfig(
+        learning_rate=2e-3,
+        gamma=0.995,
+        gae_lambda=0.98,
+        num_minibatches=16,
+        clip_coef=0.3,
+        ent_coef=0.001,
+        shared_torso=True,
+    )
+
+
 @dataclass(frozen=True)
 class TrainConfig:
     """One training run. Two runs with equal configurations on one machine give equal numbers."""
@@ -41,7 +58,7 @@ class TrainConfig:
     method: str = setting("paired", "how levels are chosen: dr (domain randomisation) or paired")
     seed: int = setting(0, "seed of every random stream of the run")
     total_env_steps: int = setting(2_000_000, "stop when this many steps were simulated, the antagonist's too")
-    num_envs: int = setting(64, "environments that each student plays at a time")
+    num_envs: int = setting(256, "environments that each student plays at a time")
     threads: int = setting(1, "threads for the simulator and for the networks")
     eval_every: int = setting(100_000, "env_steps between evaluations on the test scenes; 0 for none")
     eval_episodes: int = setting(64, "episodes on each scene in these evaluations")
@@ -49,7 +66,7 @@ class TrainConfig:
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none")
     env: FootballConfig = group(FootballConfig, "environment")
-    ppo: PPOConfig = group(PPOConfig, "PPO")
+    ppo: PPOConfig = group(football_ppo, "PPO")
     dr: DRConfig = group(DRConfig, "domain randomisation", prefix="dr.")
     paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
 

@@ -18,7 +18,7 @@ OWNER_NAMES = ("owned.self", "owned.left", "owned.right", "owned.nobody")
 GOAL_NAMES = ("goal.direction_x", "goal.direction_y", "goal.near", "left_post.slope", "right_post.slope")
 COMMAND_NAMES = (*(f"sticky.{d}" for d in range(1, 9)), "sticky.sprint", "sticky.dribble", "kick.asked", "kick.wait")
 CLOCK_NAMES = ("clock",)
-OTHER_NAMES = ("dx", "dy", "vx", "vy", "near", "down", "keeper")
+OTHER_NAMES = ("dx", "dy", "along", "across", "vx", "vy", "near", "down", "keeper")
 
 BASE_SIZE = sum(map(len, (SELF_NAMES, BALL_NAMES, OWNER_NAMES, GOAL_NAMES, COMMAND_NAMES, CLOCK_NAMES)))
 OTHER_SIZE = len(OTHER_NAMES)
@@ -26,6 +26,7 @@ OTHER_SIZE = len(OTHER_NAMES)
 LIMIT = 6.0  # every entry lies in [-LIMIT, LIMIT]
 NEARBY = 20.0  # m, unit of distances to others
 CLOSE = 4.0  # m, at which `near` is one half
+LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the learner to the goal's centre
 RUNNING = 8.0  # m/s, unit of players' speeds
 FLYING = 20.0  # m/s, unit of the ball's speed
 ALOFT = 2.5  # m, unit of height: the crossbar
@@ -130,6 +131,9 @@ def _write_command(me, row, at):
 
 @kernel
 def _write_team(match, me, team, row, at):
+    goal_dx, goal_dy = HALF_LENGTH - me.x, -me.y
+    distance = math.sqrt(goal_dx * goal_dx + goal_dy * goal_dy) + 1e-6
+    ux, uy = goal_dx / distance, goal_dy / distance
     for index in range(match.num_players):
         other = match.players[index]
         if other.team != team or index == match.controlled:
@@ -137,10 +141,12 @@ def _write_team(match, me, team, row, at):
         dx, dy = other.x - me.x, other.y - me.y
         row[at] = _limited(dx / NEARBY)
         row[at + 1] = _limited(dy / NEARBY)
-        row[at + 2] = other.vx / RUNNING
-        row[at + 3] = other.vy / RUNNING
-        row[at + 4] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
-        row[at + 5] = min(other.down / SOON, LIMIT)
-        row[at + 6] = 1.0 if other.role == GK else 0.0
+        row[at + 2] = _limited((dx * ux + dy * uy) / LANE_LENGTH)
+        row[at + 3] = _limited((dy * ux - dx * uy) / LANE_WIDTH)
+        row[at + 4] = other.vx / RUNNING
+        row[at + 5] = other.vy / RUNNING
+        row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
+        row[at + 7] = min(other.down / SOON, LIMIT)
+        row[at + 8] = 1.0 if other.role == GK else 0.0
         at += OTHER_SIZE
     return at
