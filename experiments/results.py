@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from ued.evaluation import Evaluation
     from ued.statistics import Interval
 
-FOOTNOTE = "[95 % intervals: over runs and their episodes; for a single run or a baseline, over its episodes alone]"
+FOOTNOTE = (
+    "[95 % intervals: over runs and their episodes, wide where runs are few; "
+    "for a single run or a baseline, over its episodes alone]"
+)
 BOOTSTRAP_SEED = 0  # a table of the same results is the same table
 
 
@@ -69,55 +72,45 @@ def select(results: Sequence[Result], method: str, scene: str) -> list[Result]:
 
 def goal_rate(rows: Sequence[Result]) -> Interval:
     """Estimate the goal rate of a method on a scene: bootstrap over runs, or Wilson's interval for a single one."""
-    from ued.statistics import bootstrap_interval, wilson
+    from ued.statistics import bootstrap, wilson
 
     if len(rows) == 1:
         return wilson(rows[0].goals, rows[0].episodes)
-    rates = np.array([row.goal_rate for row in rows])
-    errors = np.sqrt(rates * (1 - rates) / [row.episodes for row in rows])
-    mean = _ResampledMean()
-    found = bootstrap_interval(np.stack([rates, errors], 1), mean.rng, mean)
-    return found._replace(estimate=float(rates.mean()), low=max(found.low, 0.0), high=min(found.high, 1.0))
+    episodes = np.array([row.episodes for row in rows])
+    rates = np.array([row.goals for row in rows]) / episodes
+    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): no goal at all is not certainty
+    errors = np.sqrt(likely * (1 - likely) / (episodes + 4))
+    found = bootstrap(rates, _rng(), errors=errors).interval()
+    return found._replace(low=max(found.low, 0.0), high=min(found.high, 1.0))
 
 
 def mean_return(rows: Sequence[Result]) -> Interval:
     """Estimate the mean return of a method on a scene: bootstrap over runs, or normal for a single run."""
-    from ued.statistics import Interval, bootstrap_interval
+    from ued.statistics import Interval, bootstrap
 
-    values = _returns(rows)
+    values, errors = _returns(rows)
     if len(rows) == 1:
-        value, error = values[0].tolist()
-        return Interval(value, value - 1.96 * error, value + 1.96 * error)
-    mean = _ResampledMean()
-    return bootstrap_interval(values, mean.rng, mean)._replace(estimate=float(values[:, 0].mean()))
+        return Interval(values[0], values[0] - 1.96 * errors[0], values[0] + 1.96 * errors[0])
+    return bootstrap(values, _rng(), errors=errors).interval()
 
 
 def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
     """Estimate by how much one method's mean return on a scene exceeds another's, resampling whole runs of both."""
-    from ued.statistics import bootstrap_difference
+    from ued.statistics import bootstrap
 
-    values, others = _returns(rows), _returns(reference)
-    mean = _ResampledMean()
-    found = bootstrap_difference(values, others, mean.rng, mean)
-    return found._replace(estimate=float(values[:, 0].mean() - others[:, 0].mean()))
-
-
-class _ResampledMean:
-    """The mean over runs `[R, 2]` of (value, standard error), with the luck of each run's own episodes drawn anew.
-
-    Without it, two runs that happen to agree would look certain, however few their episodes.
-    """
-
-    def __init__(self) -> None:
-        self.rng = np.random.default_rng(BOOTSTRAP_SEED)
-
-    def __call__(self, runs: np.ndarray) -> float:
-        return float((runs[:, 0] + runs[:, 1] * self.rng.normal(size=len(runs))).mean())
+    rng = _rng()
+    one, other = (bootstrap(values, rng, errors=errors) for values, errors in map(_returns, (rows, reference)))
+    return (one - other).interval()
 
 
-def _returns(rows: Sequence[Result]) -> np.ndarray:
-    """Give each run's mean return and its standard error: `[R, 2]`."""
-    return np.array([(row.mean_return, row.return_std / np.sqrt(row.episodes)) for row in rows])
+def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
+    """Give each run's mean return `[R]` and its standard error `[R]`."""
+    values = np.array([row.mean_return for row in rows])
+    return values, np.array([row.return_std / np.sqrt(row.episodes) for row in rows])
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(BOOTSTRAP_SEED)
 
 
 def unique(values: Sequence[str]) -> list[str]:

@@ -13,6 +13,7 @@ import pytest
 
 from experiments import compare
 from experiments.__main__ import main
+from experiments.config import TrainConfig
 from experiments.results import Result, advantage, goal_rate, mean_return, render_table
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
@@ -65,7 +66,10 @@ def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
     command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--out", str(tmp_path / "demo")]
     assert main(command) == 0
     assert main([*command, "--gamma", "0.5"]) == 1
-    assert "was trained with ppo.gamma = 0.993; it cannot continue with 0.5" in capsys.readouterr().err
+    assert (
+        f"was trained with ppo.gamma = {TrainConfig().ppo.gamma}; it cannot continue with 0.5"
+        in capsys.readouterr().err
+    )
 
 
 def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
@@ -78,8 +82,6 @@ def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
 
 
 def test_a_run_without_checkpoint_cannot_be_evaluated(in_process, tmp_path, capsys):
-    from experiments.config import TrainConfig
-
     RunFolder.create(tmp_path / "run", TrainConfig())
     assert main(["evaluate", str(tmp_path / "run")]) == 1
     assert "has no checkpoint yet" in capsys.readouterr().err
@@ -95,9 +97,10 @@ def row(method, seed, goals, scene="easy", trained=(1000, 10)):
 def test_a_single_run_has_wilson_and_several_have_the_bootstrap():
     single = goal_rate([row("dr", 0, 50)])
     assert single == pytest.approx((0.5, 0.4038, 0.5962), abs=1e-3)
-    several = goal_rate([row("dr", seed, goals) for seed, goals in enumerate((20, 40, 60))])
+    several = goal_rate([row("dr", seed, goals) for seed, goals in enumerate((36, 40, 44))])
     assert several.estimate == pytest.approx(0.4)
-    assert 0.1 < several.low < 0.3 and 0.5 < several.high < 0.7
+    assert several.low == pytest.approx(0.4 - 4.303 * 0.04 / 3**0.5, abs=0.05)  # Student's t, a little more for luck
+    assert several.high == pytest.approx(0.4 + 4.303 * 0.04 / 3**0.5, abs=0.05)
     assert mean_return([row("dr", 0, 50)]).high == pytest.approx(0.5 + 1.96 * 0.04)
 
 
@@ -108,7 +111,8 @@ def test_runs_that_agree_by_chance_are_not_certain():
     ):
         assert interval.estimate == 0.5
         assert 0.03 < interval.high - interval.estimate < 0.12  # 1.96 standard errors of 200 episodes are 0.07
-    assert goal_rate([row("dr", 0, 100), row("dr", 1, 100)]) == (1.0, 1.0, 1.0)
+    always = goal_rate([row("dr", 0, 100), row("dr", 1, 100)])
+    assert 0.97 < always.low < 0.99 and always.estimate == always.high == 1.0
 
 
 def test_the_advantage_of_a_better_method_is_positive():
