@@ -79,14 +79,12 @@ def bootstrap(
     estimate = statistic(runs)
     if count == 1:
         return Bootstrap(estimate, np.full(samples, np.nan))
-    widen = np.sqrt(count / rng.chisquare(count - 1, samples))
-    draws = np.empty(samples)
-    for s in range(samples):
-        chosen = rng.integers(0, count, count)
-        drawn = statistic(runs[chosen])
-        draws[s] = estimate + widen[s] * (drawn - estimate)
-        if errors is not None:
-            draws[s] += statistic(runs[chosen] + errors[chosen] * rng.normal(size=runs.shape)) - drawn
+    chosen = rng.integers(0, count, (samples, count))
+    drawn = np.array([statistic(runs[rows]) for rows in chosen])
+    draws = estimate + np.sqrt(count / rng.chisquare(count - 1, samples)) * (drawn - estimate)
+    if errors is not None:
+        luck = errors[chosen] * rng.normal(size=(samples, *runs.shape))
+        draws += [statistic(runs[rows] + extra) for rows, extra in zip(chosen, luck, strict=True)] - drawn
     return Bootstrap(estimate, draws)
 
 

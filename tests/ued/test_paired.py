@@ -21,9 +21,9 @@ def test_the_adversary_moves_to_where_regret_is():
     method = Paired(Landscape(64), PPO, PairedConfig(), seed=0)
     first = method.update()
     assert share_near_peak(method.last.theta) < 0.15  # uniform: 0.096
-    for _ in range(80):
+    for _ in range(50):
         last = method.update()
-    assert share_near_peak(method.last.theta) > 0.3
+    assert share_near_peak(method.last.theta) > 0.4
     assert last["regret"] > first["regret"] + 0.05
     assert last["theta_std"] > 0.1
     assert last["regret/luck"] == pytest.approx(last["regret"], abs=0.06)  # there is no skill in this landscape
@@ -104,8 +104,8 @@ def test_a_penalty_teaches_the_adversary_what_is_valid():
         invalid = proposals.theta[:, 0] <= 0
         assert (scores[invalid] == -0.5).all() and (scores[~invalid] >= -0.01 - 1).all()
     method = Paired(HalfValid(64), PPO, PairedConfig(invalid_penalty=0.5), seed=0)
-    share = [metrics["levels/invalid"] / metrics["levels"] for metrics in (method.update() for _ in range(60))]
-    assert share[0] > 0.4 and np.mean(share[-5:]) < 0.25
+    share = [metrics["levels/invalid"] / metrics["levels"] for metrics in (method.update() for _ in range(30))]
+    assert share[0] > 0.4 and np.mean(share[-5:]) < 0.2
 
 
 def test_too_few_levels_wait_for_more():
