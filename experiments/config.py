@@ -43,7 +43,7 @@ def football_ppo() -> PPOConfig:
         learning_rate=2e-3,
         gamma=0.995,
         gae_lambda=0.98,
-        num_minibatches=16,
+        num_minibatches=8,
         clip_coef=0.3,
         ent_coef=0.001,
         shared_torso=True,
@@ -57,8 +57,8 @@ class TrainConfig:
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     method: str = setting("paired", "how levels are chosen: dr (domain randomisation) or paired")
     seed: int = setting(0, "seed of every random stream of the run")
-    total_env_steps: int = setting(2_000_000, "stop when this many steps were simulated, the antagonist's too")
-    num_envs: int = setting(256, "environments that each student plays at a time")
+    total_env_steps: int = setting(4_000_000, "stop when this many steps were simulated, the antagonist's too")
+    num_envs: int = setting(128, "environments that each student plays at a time")
     threads: int = setting(1, "threads for the simulator and for the networks")
     eval_every: int = setting(100_000, "env_steps between evaluations on the test scenes; 0 for none")
     eval_episodes: int = setting(64, "episodes on each scene in these evaluations")
