@@ -2,7 +2,7 @@
 
     config.json       the TrainConfig; enough to start the run over
     program.scenic    the text of the program, as it was when the run began
-    metrics.csv       one row per update
+    metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
     levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on

@@ -41,10 +41,14 @@ class TestScenes:
         return {label: evaluate(policy, scene, self.episodes, SEED) for label, scene in self.scenes.items()}
 
     def metrics(self, policy: Any) -> dict[str, float]:
-        """Give the mean return on each scene as `eval/<scene>`, and the seconds it took."""
-        began = time.perf_counter()
-        found = {f"eval/{label}": float(result.returns.mean()) for label, result in self.play(policy).items()}
-        return {**found, "time/eval": time.perf_counter() - began}
+        """Give the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
+
+        These steps train nobody: they are `eval_env_steps`, not part of `env_steps`.
+        """
+        began, found = time.perf_counter(), self.play(policy)
+        metrics = {f"eval/{label}": float(result.returns.mean()) for label, result in found.items()}
+        metrics["eval_env_steps"] = float(sum(result.env_steps for result in found.values()))
+        return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
         """Say whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""

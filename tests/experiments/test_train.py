@@ -36,6 +36,8 @@ def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
         update for update, value in zip(metrics["update"], metrics["eval/easy"], strict=True) if value == value
     ]
     assert evaluated == [1, 5, 10, 15, 20]
+    spent = metrics["eval_env_steps"][metrics["update"] == 5]
+    assert spent == [16 * 4]  # 16 episodes of one step on each of four scenes, beside env_steps
     levels = read_columns(tmp_path / "run" / "levels.csv")
     assert len(levels["update"]) == 20 * 8
     assert {"theta/place.x", "return/protagonist", "score"} <= set(levels)
