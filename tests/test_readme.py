@@ -1,0 +1,67 @@
+"""What the README shows works as it stands there."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+import envs.football.domain
+import scenic_lite
+from experiments.__main__ import COMMANDS, main
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+STEPS = "200_000"  # of training, in the example; here fewer
+
+
+def blocks(language):
+    """The fenced blocks of a language, "" for those of none."""
+    return [text for name, text in re.findall(r"^```(\w*)\n(.*?)^```", README, re.M | re.S) if name == language]
+
+
+def test_the_wrapper_on_an_environment_of_ones_own(capsys):
+    torch.set_num_threads(1)
+    (example,) = blocks("python")
+    assert example.count(STEPS) == 1
+    names = {}
+    exec(example.replace(STEPS, "6_000"), names)
+    method, upomdp = names["method"], names["upomdp"]
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == method.updates + 1 and method.env_steps >= 6_000
+    assert "'return/protagonist'" in lines[0] and "'regret'" in lines[-2]
+    values = upomdp.describe(method.last.theta)
+    assert values and str(values) == lines[-1]
+    for draw in upomdp.draws:
+        assert all(draw.low <= level[draw.name] <= draw.high for level in values)
+
+
+def test_the_scenario_has_the_free_parameters_that_are_promised():
+    (text,) = blocks("")
+    program = scenic_lite.load(text, envs.football.domain.FOOTBALL)
+    assert f"here D = {program.dim}" in README
+    assert program.sample(10, np.random.default_rng(0))[1].ok.all()
+
+
+COMMAND_LINES = re.findall(r"^regista (\w+) ?([^#\n]*)", "".join(blocks("sh")), re.M)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_is_shown_with_flags_that_it_has(command, capsys):
+    shown = [words for name, words in COMMAND_LINES if name == command]
+    assert shown
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    flags = set(re.findall(r"--[a-z.-]+", capsys.readouterr().out))
+    assert set(re.findall(r"--[a-z.-]+", " ".join(shown))) <= flags
+
+
+def test_links_lead_somewhere():
+    targets = [target for target in re.findall(r"\]\(([^)]+)\)", README) if "://" not in target]
+    assert targets and [target for target in targets if not (ROOT / target).exists()] == []
+
+
+def test_make_can_do_what_is_shown():
+    shown = set(re.findall(r"^make ([\w-]+)", "".join(blocks("sh")), re.M))
+    assert shown and shown <= set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
