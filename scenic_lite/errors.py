@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 SHOWN = 20  # further errors of the same text
+WIDEST = 160  # characters of a source line
 
 
 class Place(NamedTuple):
@@ -61,12 +62,10 @@ class ScenicError(Exception):
 
     def __str__(self) -> str:
         head = self.message + (f" ({self.hint})" if self.hint else "")
-        if self.place is None:
-            return "\n".join([head, *self.notes, *self._others()])
-        lines = [f"{self.place.file}:{self.line}:{self.column}: {head}"]
-        if self.source_line:
+        lines = [head if self.place is None else f"{self.place.file}:{self.line}:{self.column}: {head}"]
+        if self.place is not None and self.source_line:
             lines += self._underlined(self.place)
-        return "\n".join([*lines, *self.notes, *self._others()])
+        return harmless("\n".join([*lines, *self.notes, *self._others()]))
 
     def _others(self) -> list[str]:
         more = len(self.also) - SHOWN
@@ -75,6 +74,14 @@ class ScenicError(Exception):
     def _underlined(self, place: Place) -> list[str]:
         text = self.source_line.rstrip("\n")
         end = place.end_column if place.end_line == place.line else len(text)
+        start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # of the part that is shown
+        text = text[start : start + WIDEST]
         # Tabs stay tabs in the margin, so that the carets stand under the text whatever the tab width.
-        margin = "".join(c if c == "\t" else " " for c in text[: place.column])
-        return ["    " + text, "    " + margin + "^" * max(1, end - place.column)]
+        margin = "".join(c if c == "\t" else " " for c in text[: place.column - start])
+        carets = "^" * max(1, min(end, start + len(text)) - place.column)
+        return ["    " + text, "    " + margin + carets]
+
+
+def harmless(text: str) -> str:
+    """A text that commands no terminal, whatever the program contains."""
+    return "".join(each if each.isprintable() or each in "\n\t" else "\ufffd" for each in text)

@@ -60,6 +60,8 @@ def no_ego(session: Session, source: Source) -> ScenicError:
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:
     """Text, name to print, and folder of a source."""
+    if not isinstance(source, str | Path):
+        raise TypeError(f"load takes the path or the text of a program, not {type(source).__name__}")
     if isinstance(source, Path) or source.endswith(".scenic") or is_file(source):
         path = Path(source)
         return read(path), path.name, path.parent

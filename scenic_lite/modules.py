@@ -21,6 +21,7 @@ from scenic_lite.parser import parse
 from scenic_lite.values import Namespace
 
 LARGEST_FILE = 1_000_000  # bytes
+LONGEST_NAME = 200  # characters of a path that are shown
 
 
 @lru_cache(maxsize=64)
@@ -40,16 +41,24 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
 
 def read(path: Path) -> str:
     """The text of a program file. Raises ScenicError if it is no readable text."""
+    shown = str(path) if len(str(path)) <= LONGEST_NAME else f"{str(path)[:LONGEST_NAME]}..."
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise ScenicError("budget", f"{path} is larger than {LARGEST_FILE:,} bytes")
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise ScenicError("import", f"there is no file {path}") from None
-    except IsADirectoryError:
-        raise ScenicError("import", f"{path} is a folder, not a program") from None
-    except UnicodeDecodeError:
-        raise ScenicError("syntax", f"{path} is not UTF-8 text") from None
+        if path.is_dir():
+            raise ScenicError("import", f"{shown} is a folder, not a program")
+        if not path.is_file():  # a pipe or a device would be read for ever
+            raise ScenicError("import", f"there is no file {shown}")
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as fault:
+        reason = (fault.strerror if isinstance(fault, OSError) else None) or fault
+        raise ScenicError("import", f"{shown} cannot be read: {reason}") from None
+    if len(data) > LARGEST_FILE:
+        raise ScenicError("budget", f"{shown} is larger than {LARGEST_FILE:,} bytes")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as fault:
+        line = data.count(b"\n", 0, fault.start) + 1
+        raise ScenicError("syntax", f"{shown} is not UTF-8 text: see line {line}") from None
 
 
 def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
@@ -106,6 +115,8 @@ def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
     if frame.source.folder is not None:
         path = frame.source.folder.joinpath(*name.split(".")).with_suffix(".scenic")
         if path.is_file():
+            if not path.resolve().is_relative_to(frame.source.folder.resolve()):
+                raise ScenicError("import", f"{path.name} is a link that leads out of the program's folder")
             return path, frame.source.library
     known = [*library, *MODULES, *neighbours(frame)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
@@ -117,7 +128,9 @@ def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
 def neighbours(frame: Frame) -> list[str]:
     """Programs beside this one."""
     folder = frame.source.folder
-    return sorted(path.stem for path in folder.glob("*.scenic"))[:20] if folder and not frame.source.library else []
+    if folder is None or frame.source.library:
+        return []
+    return sorted(path.stem for path in folder.glob("*.scenic") if path.is_file())[:20]
 
 
 def model(frame: Frame, node: nodes.Model) -> None:
