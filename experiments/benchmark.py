@@ -21,9 +21,8 @@ import numpy as np
 
 from experiments import arguments, build
 from experiments.config import TrainConfig
-from experiments.errors import UsageError
 from experiments.results import align
-from ued.config import setting
+from ued.config import check_at_least_1, check_positive, setting
 
 DESCRIPTION = "Measure env steps per second of the simulator and of training, on this machine."
 
@@ -43,6 +42,10 @@ class BenchmarkConfig:
     seconds: float = setting(1.0, "about how long each measurement takes")
     json: bool = setting(False, "print JSON instead of a table")
 
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "num_envs")
+        check_positive(self, "seconds")
+
 
 class Measurement(NamedTuple):
     """One line of the table: steps of a single environment per second."""
@@ -55,8 +58,6 @@ class Measurement(NamedTuple):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
-    if config.num_envs < 1 or not config.seconds > 0:
-        raise UsageError("--num-envs must be at least 1 and --seconds positive")
     build.find_minigame(config.minigame)
     found: dict[str, list[Measurement]] = {}
     if config.suite in ("sim", "all"):

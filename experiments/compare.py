@@ -17,7 +17,6 @@ from typing import Literal
 from experiments import arguments, build, level_plots, plots
 from experiments.arguments import group, positional
 from experiments.config import TrainConfig, presets
-from experiments.errors import CommandError, UsageError
 from experiments.evaluate import evaluate_baselines, evaluate_run
 from experiments.overview import Comparison, overview
 from experiments.results import render_table, save_csv
@@ -26,7 +25,7 @@ from experiments.stopping import StopRequest
 from experiments.table import cannot_write
 from experiments.testing import TestScenes
 from experiments.workers import train_all
-from ued.config import setting
+from ued.config import check_at_least_1, check_not_negative, setting
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -47,6 +46,12 @@ class CompareConfig:
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
     train: TrainConfig = group(TrainConfig, "each run", without=OWN)
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "seeds", "episodes")
+        check_not_negative(self, "processes")
+        if not self.methods or len(set(self.methods)) < len(self.methods):
+            raise ValueError(f"methods must be one or more, each named once, got {' '.join(self.methods) or 'none'}")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -119,13 +124,6 @@ def _read(argv: Sequence[str]) -> CompareConfig:
     typed = arguments.typed_settings(CompareConfig(), argv, "compare", DESCRIPTION)
     base = CompareConfig(train=presets()[typed.get("preset", "fast")])
     config = arguments.replace_paths(base, typed)
-    for name in ("seeds", "episodes"):
-        if getattr(config, name) < 1:
-            raise UsageError(f"--{name} must be at least 1, got {getattr(config, name)}")
-    if not config.methods or config.processes < 0:
-        raise UsageError("--methods needs at least one name, and --processes must not be negative")
     for method in config.methods:
         build.find_method(method)
-    if len(set(config.methods)) < len(config.methods):
-        raise CommandError("--methods names a method twice")
     return config

@@ -21,7 +21,7 @@ from experiments.errors import CommandError, UsageError
 from experiments.results import Result, render_table, save_csv, summarise
 from experiments.run import RunFolder
 from experiments.testing import TestScenes
-from ued.config import setting
+from ued.config import check_at_least_1, setting
 
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
@@ -37,16 +37,15 @@ class EvaluateConfig:
     csv: Path | None = setting(None, "also write the results to this CSV file")
     json: bool = setting(False, "print JSON instead of a table")
 
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "episodes", "threads")
+
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(EvaluateConfig(), argv, "evaluate", DESCRIPTION)
     if not config.runs:
         raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
-    if config.episodes < 1:
-        raise UsageError(f"--episodes must be at least 1, got {config.episodes}")
-    if config.threads < 1:
-        raise UsageError(f"--threads must be at least 1, got {config.threads}")
     runs = [RunFolder.open(path) for path in config.runs]
     games = {run.config.minigame for run in runs}
     if len(games) > 1:

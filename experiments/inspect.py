@@ -21,7 +21,7 @@ from experiments import arguments, build
 from experiments.arguments import positional
 from experiments.errors import UsageError
 from experiments.results import align
-from ued.config import setting
+from ued.config import check_at_least_1, setting
 
 if TYPE_CHECKING:
     from scenic_lite import Program
@@ -45,14 +45,15 @@ class InspectConfig:
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
     dialect: int = setting(2, "version of Scenic that the program is written in: 2 or 3")
 
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "n")
+
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
-    if config.n < 1:
-        raise UsageError(f"--n must be at least 1, got {config.n}")
     path = build.find_minigame(config.program).program
     if config.show in ("tokens", "nodes"):
         print_text(path, config)

@@ -6,6 +6,7 @@ Read next: `evaluate`, which makes a table of it.
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +22,7 @@ ENVIRONMENTS = 64  # at most, on each scene
 
 
 class TestScenes:
-    """The test scenes of one minigame, ready to be played: `episodes` on each."""
+    """The test scenes of one minigame, ready to be played: `episodes` on each. Goals pay, whatever pays in training."""
 
     __test__ = False  # for pytest: these are not tests of ours
 
@@ -55,7 +56,8 @@ class TestScenes:
         return bool(self.every) and (before == 0 or last or before // self.every < after // self.every)
 
     def _make(self, label: str, path: Path, config: TrainConfig) -> Any:
-        return build.make_upomdp(path, min(ENVIRONMENTS, self.episodes), config.env, SEED, config.threads)
+        env = replace(config.env, rewards="scoring")
+        return build.make_upomdp(path, min(ENVIRONMENTS, self.episodes), env, SEED, config.threads)
 
     def _check_sizes(self, config: TrainConfig) -> None:
         wanted = self.scenes[build.TRAINING_SCENE].single_observation_space.shape

@@ -11,13 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments import compare
+from envs.football.config import FootballConfig
+from experiments import build, compare
 from experiments.__main__ import main
 from experiments.config import TrainConfig
 from experiments.results import Result, advantage, goal_rate, mean_return, render_table
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
 from experiments.table import read_rows
+from experiments.testing import TestScenes
 from experiments.train import train
 
 ROOT = Path(__file__).parents[2]
@@ -79,6 +81,15 @@ def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
     out = capsys.readouterr().out
     assert "hard" in out and "shoot" in out and "5_000" in out
     assert len((tmp_path / "r.csv").read_text().splitlines()) == 1 + 3 * 4
+
+
+def test_goals_are_what_counts_whatever_pays_in_training(in_process, monkeypatch):
+    paid, make = [], build.make_upomdp
+    monkeypatch.setattr(
+        build, "make_upomdp", lambda path, n, env, *rest: paid.append(env.rewards) or make(path, n, env, *rest)
+    )
+    TestScenes(TrainConfig(env=FootballConfig(rewards="scoring,checkpoints")), 4)
+    assert paid == ["scoring"] * 4
 
 
 def test_a_run_without_checkpoint_cannot_be_evaluated(in_process, tmp_path, capsys):

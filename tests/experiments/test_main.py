@@ -37,7 +37,8 @@ ROOT = Path(__file__).parents[2]
         (["train", "--out", "/dev/null/run"], 1, "regista: cannot write /dev/null/run: Not a directory"),
         (["evaluate"], 2, "regista: evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0"),
         (["evaluate", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
-        (["compare", "--seeds", "0"], 2, "regista: --seeds must be at least 1, got 0"),
+        (["compare", "--seeds", "0"], 2, "regista: seeds must be at least 1, got 0"),
+        (["compare", "--methods", "dr", "dr"], 2, "regista: methods must be one or more, each named once, got dr dr"),
         (["compare", "--methods", "dr", "plr"], 2, "regista: unknown method 'plr'; known are dr, paired"),
         (["inspect"], 2, "regista: inspect needs a program: a minigame's name or the path of a .scenic file"),
         (
@@ -45,7 +46,7 @@ ROOT = Path(__file__).parents[2]
             2,
             "regista: --theta takes 6 numbers in [-1, 1] for free.scenic, got 0 2",
         ),
-        (["benchmark", "--seconds", "0"], 2, "regista: --num-envs must be at least 1 and --seconds positive"),
+        (["benchmark", "--seconds", "0"], 2, "regista: seconds must be positive, got 0.0"),
     ],
 )
 def test_errors_are_one_sentence(argv, code, sentence, capsys, tmp_path, monkeypatch):

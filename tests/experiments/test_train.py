@@ -13,6 +13,7 @@ import pytest
 from experiments.__main__ import main
 from experiments.run import RunFolder
 from experiments.table import read_columns, read_rows
+from tests.experiments.probe import ProbeMethod
 
 ROOT = Path(__file__).parents[2]
 SHORT = ["--total-env-steps", "20000", "--eval-every", "5000", "--eval-episodes", "16", "--no-record"]
@@ -198,6 +199,16 @@ def test_a_full_disk_is_one_sentence_and_keeps_the_checkpoint(probe, tmp_path, m
     assert capsys.readouterr().err == f"regista: {problem}\n"
     assert (path / "checkpoint.pt").read_bytes() == before
     assert len(read_rows(path / "metrics.csv")) == 24
+
+
+def test_a_training_that_diverges_is_one_sentence(probe, tmp_path, monkeypatch, capsys):
+    def diverge(self):
+        raise FloatingPointError("the gradient is not finite (loss nan): try a smaller learning_rate")
+
+    monkeypatch.setattr(ProbeMethod, "update", diverge)
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]) == 1
+    problem = "the gradient is not finite (loss nan): try a smaller learning_rate"
+    assert capsys.readouterr().err == f"regista: {problem}\n"
 
 
 def test_an_open_run_is_locked(probe, tmp_path, capsys):
