@@ -62,6 +62,20 @@ class Budget:
             raise exceeded(f"a collection of {length:,} elements; at most {self.limits.elements:,} are allowed")
         self.spend(length)
 
+    def whole(self, value: object) -> None:
+        """Count what Python visits to compare or to hash a value: a part that is shared is visited each time."""
+        if not isinstance(value, list | tuple | set | dict):
+            return
+        count, pending = 0, [value]
+        while pending:
+            each = pending.pop()
+            count += len(each)
+            if count > self.limits.elements:
+                raise exceeded(f"a collection whose parts hold more than {self.limits.elements:,} elements in all")
+            parts = each.values() if isinstance(each, dict) else each
+            pending += [part for part in parts if isinstance(part, list | tuple | set | dict)]
+        self.spend(count)
+
     def text(self, length: int) -> None:
         if length > self.limits.characters:
             raise exceeded(f"a text of {length:,} characters; at most {self.limits.characters:,} are allowed")

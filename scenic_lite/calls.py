@@ -92,6 +92,8 @@ def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dic
             return argument.merged(
                 [call_builtin(frame, function, [*before, each, *after], keywords, node) for each in argument.options]
             )
+    if not function.sited:
+        frame.session.budget.whole(arguments)
     given = [frame, node, *arguments] if function.sited else arguments
     check_signature(function, given, keywords)
     result = function.function(*given, **keywords)

@@ -76,6 +76,7 @@ def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, righ
         inside = membership(frame, node, left, right)
         return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
     for side in (left, right):
+        frame.session.budget.whole(side)
         if not frame.session.in_requirement:
             frame.refuse_random(side, node, "random values cannot be compared here")
     if isinstance(left, Choice):

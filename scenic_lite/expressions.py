@@ -208,6 +208,7 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
         container = container.names
     if not isinstance(container, list | tuple | dict | str | range):
         raise ScenicError("type", f"{describe_kind(container)} has no elements to index")
+    frame.session.budget.whole(index)
     result = container[index]
     frame.session.budget.keep(result) if isinstance(index, slice) else None
     return result
@@ -228,7 +229,19 @@ def sequence(frame: Frame, node: ast.List | ast.Tuple | ast.Set) -> Value:
     frame.session.budget.container(len(items))
     if isinstance(node, ast.Tuple):
         return tuple(items)
-    return set(items) if isinstance(node, ast.Set) else items
+    return set_of(frame, items) if isinstance(node, ast.Set) else items
+
+
+def set_of(frame: Frame, items: list[Value]) -> set:
+    frame.session.budget.whole(items)
+    return set(items)
+
+
+def key_of(frame: Frame, node: ast.expr) -> Value:
+    """A key of a dictionary."""
+    key = frame.value(node)
+    frame.session.budget.whole(key)
+    return key
 
 
 def dictionary(frame: Frame, node: ast.Dict) -> dict:
@@ -237,7 +250,7 @@ def dictionary(frame: Frame, node: ast.Dict) -> dict:
         if key is None:
             result.update(frame.value(value))
         else:
-            result[frame.value(key)] = frame.value(value)
+            result[key_of(frame, key)] = frame.value(value)
     frame.session.budget.container(len(result))
     return result
 
@@ -261,11 +274,11 @@ def comprehension(frame: Frame, node: ast.ListComp | ast.SetComp | ast.Generator
         result.append(inner.value(node.elt))
         frame.session.budget.spend(1)
     frame.session.budget.container(len(result))
-    return set(result) if isinstance(node, ast.SetComp) else result
+    return set_of(frame, result) if isinstance(node, ast.SetComp) else result
 
 
 def dictionary_comprehension(frame: Frame, node: ast.DictComp) -> dict:
-    result = {inner.value(node.key): inner.value(node.value) for inner in frame.bindings(node.generators)}
+    result = {key_of(inner, node.key): inner.value(node.value) for inner in frame.bindings(node.generators)}
     frame.session.budget.container(len(result))
     return result
 

@@ -156,11 +156,17 @@ def make_tuple(frame: Frame, node: ast.AST, values: Value = ()) -> tuple:
 
 
 def make_set(frame: Frame, node: ast.AST, values: Value = ()) -> set:
-    return kept(frame, set(frame.elements(values, node)))
+    elements = frame.elements(values, node)
+    frame.session.budget.whole(elements)
+    return kept(frame, set(elements))
 
 
 def make_dictionary(frame: Frame, node: ast.AST, values: Value = ()) -> dict:
-    return kept(frame, dict(values) if isinstance(values, dict) else dict(frame.elements(values, node)))
+    if isinstance(values, dict):
+        return kept(frame, dict(values))
+    pairs = frame.elements(values, node)
+    frame.session.budget.whole(pairs)
+    return kept(frame, dict(pairs))
 
 
 def numbered(frame: Frame, node: ast.AST, values: Value, start: int = 0) -> list:
@@ -178,6 +184,7 @@ def backwards(frame: Frame, node: ast.AST, values: Value) -> list:
 def ordered(frame: Frame, node: ast.AST, values: Value, key: Value = None, reverse: bool = False) -> list:
     items = frame.elements(values, node)
     keys = [frame.call(key, [item], {}, node) for item in items] if key is not None else items
+    frame.session.budget.whole(keys)
     for each in keys:
         frame.refuse_random(each, node, "random values cannot be sorted")
     order = sorted(range(len(items)), key=lambda i: keys[i], reverse=bool(reverse))

@@ -69,6 +69,7 @@ def bind_target(frame: Frame, target: ast.expr, value: Value) -> None:
         container, index = frame.value(target.value), frame.value(target.slice)
         if not isinstance(container, list | dict) or isinstance(index, Random | slice):
             raise frame.error("type", f"elements of {describe_kind(container)} cannot be assigned here", target)
+        frame.session.budget.whole(index)
         container[index] = value
     else:
         message = "properties cannot be assigned outside behaviors"

@@ -90,3 +90,24 @@ def test_sampling_ends():
     with pytest.raises(ScenicError) as caught:
         program.sample(10, __import__("numpy").random.default_rng(0))
     assert caught.value.kind == "rejection"
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        "x == y",
+        "x < y",
+        "x in [y]",
+        "sorted([x, y])",
+        "{x}",
+        "{x: 1}",
+        "set([x])",
+        "{}.get(x)",
+        "[y].index(x)",
+        "{}[x]",
+    ],
+)
+def test_shared_parts_are_counted_each_time_before_they_are_compared_or_hashed(use):
+    text = f"x, y = (1,), (1,)\nfor i in range(60):\n    x, y = (x, x), (y, y)\nz = {use}\n"
+    with pytest.raises(ScenicError, match="evaluation budget exceeded"):
+        load(text)
