@@ -1,7 +1,7 @@
 """The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
-fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.entropy-coef`). Only what
+fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only what
 was typed changes the base configuration, so a preset or a resumed run can serve as base. Read next: `config`.
 """
 

@@ -17,7 +17,7 @@ from experiments.progress import Progress
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
 
-POLL_SECONDS = 0.2
+POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
 
 def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> None:

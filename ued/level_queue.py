@@ -88,12 +88,12 @@ class LevelQueue:
         return self.entries["level"][rows]
 
     def settled(self) -> np.ndarray:
-        """Give the indices of the entries that every student has played often enough."""
-        return np.flatnonzero((self.entries["played"] == self.episodes).all(1))
+        """Say for each entry whether every student has played it often enough."""
+        return (self.entries["played"] == self.episodes).all(1)
 
     def take_settled(self) -> np.ndarray:
-        """Remove and give the entries that every student has played often enough, in the order of play."""
-        settled = (self.entries["played"] == self.episodes).all(1)
+        """Remove and give the settled entries, in the order of play."""
+        settled = self.settled()
         done, before = self.entries[settled], np.cumsum(settled) - settled
         index = np.where(settled, NONE, np.arange(len(self.entries)) - before)
         index = np.append(index, NONE)  # so that NONE, the last, stays NONE

@@ -214,8 +214,8 @@ class CurriculumRecorder:
 
     def _note(self, update: int, theta: np.ndarray) -> None:
         """Add the levels of an update to the densities over updates and to the heat map."""
-        columns = self._density.shape[1]
-        column = min(update * columns // self._horizon, columns - 1)
+        last = self._density.shape[1] - 1
+        column = min(update * (last + 1) // self._horizon, last)
         bins = np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1)  # [L, D]
         for d in range(len(self.names)):
             self._density[d, column] += np.bincount(bins[:, d], minlength=BINS)

@@ -55,7 +55,7 @@ class Rollout:
         )
 
     def columns(self, envs: Tensor) -> Rollout:
-        """Give a copy with some of the environments only."""
+        """Give a copy with the environments `envs` (bool `[N]`) only."""
         each = {item.name: getattr(self, item.name) for item in fields(self)}
         last_value = each.pop("last_value")[envs]
         return Rollout(**{name: value[:, envs] for name, value in each.items()}, last_value=last_value)

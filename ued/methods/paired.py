@@ -113,7 +113,7 @@ class Paired:
         if self.config.student_reward == "regret":
             self._begin_together()
         collect(self.players)
-        settled_envs = self.queue.settled()
+        counting = self.queue.settled()
         settled = self.queue.take_settled()
         began = perf_counter()
         self._judge(settled)
@@ -121,7 +121,7 @@ class Paired:
         taught = perf_counter()
         rollouts = [player.rollout for player in self.players]
         if self.config.student_reward == "regret":
-            rollouts = self._pay_regret(rollouts, settled_envs, settled["score"])
+            rollouts = self._pay_regret(rollouts, counting, settled["score"])
         for name, player, ppo, rollout in zip(NAMES, self.players, self.ppos, rollouts, strict=True):
             metrics |= episode_metrics(name, player.take_episodes())
             if rollout.reward.numel():
@@ -186,11 +186,14 @@ class Paired:
         for index, player in enumerate(self.players):
             player.start(self.queue.first(index))
 
-    def _pay_regret(self, rollouts: list[Rollout], settled: np.ndarray, score: np.ndarray) -> list[Rollout]:
-        """Replace rewards: at the end of every episode -regret for the protagonist, regret for the antagonist."""
+    def _pay_regret(self, rollouts: list[Rollout], counting: np.ndarray, score: np.ndarray) -> list[Rollout]:
+        """Replace rewards: at the end of every episode -regret for the protagonist, regret for the antagonist.
+
+        `counting` (bool `[N]`) are the environments whose level is settled, `score` the regrets of these levels.
+        """
         paid = []
         for rollout, sign in zip(rollouts, (-1.0, 1.0), strict=True):
-            mine = rollout.columns(torch.as_tensor(settled))
+            mine = rollout.columns(torch.as_tensor(counting))
             ended = mine.terminated | mine.truncated
             mine.reward = torch.where(ended, sign * torch.tensor(score.tolist()), 0.0)
             mine.terminated, mine.truncated = ended, torch.zeros_like(ended)  # regret is all there is
