@@ -115,10 +115,9 @@ class CurriculumRecorder:
         self._pending.append((update, env_steps, dict(metrics)))
         if not len(batch.theta):
             return
-        score = batch.score if np.isfinite(batch.score).any() else np.full(len(batch.theta), np.nan)
         self._note(update, batch.theta)
-        self._curves(batch, score)
-        self._scenes(update, batch, score)
+        self._curves(batch)
+        self._scenes(update, batch)
         self._theta(update, batch.theta)
         if update >= 1.25 * self._mapped:  # seldom enough that the file grows by a constant factor only
             self._over_time(update)
@@ -227,10 +226,10 @@ class CurriculumRecorder:
         self._heat *= HEAT_MEMORY
         np.add.at(self._heat, (cells[inside, 1], cells[inside, 0]), 1.0)
 
-    def _curves(self, batch: Any, score: np.ndarray) -> None:
+    def _curves(self, batch: Any) -> None:
         for index, (student, returns) in enumerate(batch.returns.items()):
             self._band(f"metrics/return_per_level/{student}", student, returns, STUDENT_COLOURS[index])
-        self._band("metrics/score_per_level", "score", score, SCORE_COLOUR)
+        self._band("metrics/score_per_level", "score", batch.score, SCORE_COLOUR)
 
     def _band(self, path: str, name: str, values: np.ndarray, colour: Colour) -> None:
         import rerun
@@ -240,9 +239,10 @@ class CurriculumRecorder:
             band = rerun.Measurements(known.mean(), variances=known.var(), colors=[colour], names=[name], widths=[2.0])
             self.stream.log(path, band)
 
-    def _scenes(self, update: int, batch: Any, score: np.ndarray) -> None:
+    def _scenes(self, update: int, batch: Any) -> None:
         import rerun
 
+        score = batch.score  # [L]
         places = self.painter.positions(batch.theta)  # [L, K, 2]
         rank = np.nan_to_num(score, nan=-np.inf)
         order = np.argsort(-rank, kind="stable")[:TOP_LEVELS]
@@ -251,18 +251,18 @@ class CurriculumRecorder:
             if slot < len(order):
                 level = order[slot]
                 self.stream.log(f"{path}/points", self._points(places[level]))
-                self.stream.log(f"{path}/note", self._note_above(self._caption(batch, score, level)))
+                self.stream.log(f"{path}/note", self._note_above(self._caption(batch, level)))
             else:  # a smaller batch than before: nothing stale may stay in the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
         share = _unit(score)
         colours = ramp(share, CALM_TO_RED) if np.isfinite(score).any() else np.full((len(score), 3), 225, np.uint8)
-        labels = [self._caption(batch, score, level) for level in range(len(score))]
+        labels = [self._caption(batch, level) for level in range(len(score))]
         dots = rerun.Points2D(
             places[:, self.painter.focus], colors=colours, radii=0.5 + 0.6 * share, labels=labels, show_labels=False
         )
         self.stream.log("scene/batch", dots)
         self.stream.log("scene/heat/map", self._heat_image())
-        self.stream.log("levels/card", self._card(update, batch, score, order[0]))
+        self.stream.log("levels/card", self._card(update, batch, order[0]))
 
     def _theta(self, update: int, theta: np.ndarray) -> None:
         import rerun
@@ -367,15 +367,16 @@ class CurriculumRecorder:
         place = [[(x_low + x_high) / 2, y_high - 1.0]]
         return rerun.Points2D(place, labels=[text], colors=[(225, 225, 225)], radii=0.01, show_labels=True)
 
-    def _caption(self, batch: Any, score: np.ndarray, level: int) -> str:
+    def _caption(self, batch: Any, level: int) -> str:
         parts = [f"{student} {returns[level]:+.2f}" for student, returns in batch.returns.items()]
-        if np.isfinite(score[level]):
-            parts.insert(0, f"score {score[level]:.2f}")
+        if np.isfinite(batch.score[level]):
+            parts.insert(0, f"score {batch.score[level]:.2f}")
         return "   ".join(parts)
 
-    def _card(self, update: int, batch: Any, score: np.ndarray, level: int) -> Any:
+    def _card(self, update: int, batch: Any, level: int) -> Any:
         import rerun
 
+        score = batch.score  # [L]
         low, value, high = (
             self.low + (row + 1) / 2 * (self.high - self.low)
             for row in (np.quantile(batch.theta, 0.1, 0), batch.theta[level], np.quantile(batch.theta, 0.9, 0))
