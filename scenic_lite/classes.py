@@ -9,7 +9,7 @@ import math
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
-from scenic_lite.graph import Value
+from scenic_lite.graph import Value, is_number
 from scenic_lite.regions import SectorRegion, truth_of
 from scenic_lite.values import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
 
@@ -102,6 +102,8 @@ def checked(name: str, value: Value) -> Value:
         if heading is None:
             raise ScenicError("type", f"{name} must be a number, not {describe_kind(value)}")
         return heading
+    if name in ("width", "length") and is_number(value) and not 0 <= value < math.inf:
+        raise ScenicError("value", f"{name} must be finite and not negative, not {value}")
     return value
 
 

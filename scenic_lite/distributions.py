@@ -29,6 +29,8 @@ def draw_range(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
     check_numbers("Range", low, high)
     place = frame.place(node)
     if is_number(low) and is_number(high):
+        if not math.isfinite(float(high) - float(low)):
+            raise ScenicError("value", f"Range({low}, {high}) has no finite length")
         return frame.session.column("range", place, float(low), float(high) - float(low))
     column = frame.session.column("range", place)
     column.shown = low + (high - low) * column

@@ -201,7 +201,7 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
         return container.merged([item_of(frame, option, index) for option in container.options])
     if isinstance(index, Random | Choice):
         hint = "write Uniform(*items) for a random element"
-        raise ScenicError("type", "the index of a list must not be random", hint=hint)
+        raise ScenicError("random-control-flow", "the index of a list must not be random", hint=hint)
     if isinstance(container, Vector):
         container = (container.x, container.y)
     if isinstance(container, Namespace):

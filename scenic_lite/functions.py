@@ -38,6 +38,7 @@ from scenic_lite.graph import (
     Value,
     apply,
     as_number,
+    is_number,
     kind_of,
     to_integers,
 )
@@ -234,15 +235,23 @@ def outside_behavior(frame: Frame, node: ast.AST) -> None:
 
 
 def rectangle(position: Value, heading: Value, width: Value, length: Value) -> Region:
-    return RectangularRegion(vector(position), number(heading), number(width), number(length))
+    return RectangularRegion(vector(position), number(heading), size("width", width), size("length", length))
 
 
 def disc(center: Value, radius: Value) -> Region:
-    return SectorRegion(vector(center), number(radius))
+    return SectorRegion(vector(center), size("radius", radius))
 
 
 def sector(center: Value, radius: Value, heading: Value, angle: Value) -> Region:
-    return SectorRegion(vector(center), number(radius), number(heading), number(angle))
+    return SectorRegion(vector(center), size("radius", radius), number(heading), number(angle))
+
+
+def size(name: str, value: Value) -> Value:
+    """A length of a region; 0 is a region of one point or line."""
+    extent = number(value)
+    if is_number(extent) and not 0 <= extent < math.inf:
+        raise ScenicError("value", f"the {name} of a region must be finite and not negative, not {extent}")
+    return extent
 
 
 def polygon(frame: Frame, node: ast.AST, points: Value, orientation: Value = None) -> Region:

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -87,9 +88,9 @@ class Program:
 
     def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
         for instance in self._instances:
-            refuse_huge(instance.properties, f"a property of {instance.title()}")
+            refuse_huge(instance.properties, f"a property of {instance.title()} in {self.file}")
             yield from randoms_in(instance)
-        refuse_huge(params, "a parameter")
+        refuse_huge(params, f"a parameter of {self.file}")
         yield from randoms_in(params)
         yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
 
@@ -231,7 +232,7 @@ class Program:
         return RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
 
     def _impossible(self, rng: np.random.Generator) -> ScenicError:
-        return ScenicError("rejection", str(self.report(FIRST_DRAWS, rng)))
+        return ScenicError("rejection", str(replace(self.report(FIRST_DRAWS, rng), accepted=0)))
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
         """The values that one row theta [D] stands for, by name of the draw, in the program's units."""

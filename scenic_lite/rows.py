@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ from scenic_lite.frame import Frame
 from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.scenes import randoms_in
 from scenic_lite.values import Bound, Choice, Function, Instance
+
+STEPS = 20_000  # of one condition in one scene, of which there are thousands
 
 
 def row_by_row(frame: Frame, node: ast.expr) -> Random:
@@ -42,7 +45,7 @@ class RowByRow:
         session = self.frame.session
         before = session.row, session.ego, session.budget
         session.row = {id(column): value for column, value in zip(self.columns, values, strict=True)}
-        session.ego, session.budget = self.ego, Budget(session.budget.limits)
+        session.ego, session.budget = self.ego, Budget(replace(session.budget.limits, steps=STEPS))
         try:
             with session.requiring():
                 return bool(self.frame.value(self.node))

@@ -83,7 +83,7 @@ def refuse_huge(value: Value, what: str) -> None:
         count += 1
         if count > LARGEST_VALUE or depth > DEEPEST_VALUE:
             raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
-        if isinstance(each, list | tuple | set | dict):
+        if isinstance(each, list | tuple | set | dict | Choice | BehaviorCall):
             stack += [(part, depth + 1) for part in parts_of(each)]
 
 

@@ -196,6 +196,8 @@ def define_class(frame: Frame, node: ast.ClassDef) -> None:
 
 
 def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass:
+    if node.keywords:
+        raise frame.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
     if not node.bases:
         return OBJECT
     if len(node.bases) > 1:

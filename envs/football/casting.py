@@ -124,7 +124,8 @@ class Casting:
         name, place = self.program.objects[index].class_name, self.program.objects[index].place
         team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
         if not isinstance(team, str) or team not in TEAMS:
-            raise refusal(self.program, f"{name} is in no team", place, "use a Left... or Right... class")
+            found = "in a random team" if isinstance(team, np.ndarray) else "in no team"
+            raise refusal(self.program, f"{name} is {found}", place, "use a Left... or Right... class")
         if not isinstance(role, str) or role not in ROLES:
             found = "a random role" if isinstance(role, np.ndarray) else f"the role {role!r}"
             raise refusal(self.program, f"{name} has {found}", place, f"give it one of {', '.join(ROLES)}")

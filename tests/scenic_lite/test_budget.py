@@ -31,8 +31,11 @@ TOO_MUCH = [
     ("for i in range(10**4):\n    Object at 3 * i @ 9", "more than 400 objects"),
     ("x = [Range(0, 1) for i in range(10**4)]", "more than 2,000 random values"),
     ("x = Range(0, 1)\nfor i in range(15000):\n    x = x * 1.5 + 1\nparam x = x", "more than 20,000 random operations"),
-    ("x = []\nx.append(x)\nparam x = x", "a parameter has more than 20,000 parts, or holds itself"),
-    ("x = [1]\nfor i in range(60):\n    x = [x, x]\nparam x = x", "a parameter has more than 20,000 parts"),
+    ("x = []\nx.append(x)\nparam x = x", "a parameter of <program> has more than 20,000 parts, or holds itself"),
+    (
+        "x = [1]\nfor i in range(60):\n    x = [x, x]\nparam x = x",
+        "a parameter of <program> has more than 20,000 parts",
+    ),
     ("x = 'a' % 10**10", "texts are not formatted by `%` here"),
     ("x = " + "(" * 500 + "1" + ")" * 500, "nested more than"),
     ("x = " + "-" * 5000 + "1", "nested too deeply"),
@@ -110,4 +113,14 @@ def test_sampling_ends():
 def test_shared_parts_are_counted_each_time_before_they_are_compared_or_hashed(use):
     text = f"x, y = (1,), (1,)\nfor i in range(60):\n    x, y = (x, x), (y, y)\nz = {use}\n"
     with pytest.raises(ScenicError, match="evaluation budget exceeded"):
+        load(text)
+
+
+@pytest.mark.parametrize("use", ["b = new Object with behavior B(a)", "param b = Uniform(a, 3)"])
+def test_endless_arguments_and_options_are_refused(use):
+    text = (
+        "ego = new Object at 9 @ 9\nbehavior B(x):\n    take x\na = (1, Range(0, 1))\n"
+        f"for i in range(60):\n    a = (a, a)\n{use}\n"
+    )
+    with pytest.raises(ScenicError, match="has more than 20,000 parts, or holds itself"):
         load(text)

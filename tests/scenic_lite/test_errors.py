@@ -4,6 +4,7 @@ import os
 import textwrap
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from envs.football.domain import FOOTBALL
@@ -545,3 +546,40 @@ def test_messages_command_no_terminal():
     with pytest.raises(ScenicError) as caught:
         load("x = '\x1b[2J\u202e' + nope")
     assert str(caught.value).splitlines()[1] == "    x = '\ufffd[2J\ufffd' + nope"
+
+
+# ------------------------------------------------------------ numbers and arguments that mean nothing
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("x = Range(0, 1e999)", "1:5: Range(0, inf) has no finite length"),
+        ("x = Range(-1e308, 1e308)", "1:5: Range(-1e+308, 1e+308) has no finite length"),
+        ("x = CircularRegion(0 @ 0, -3)", "1:5: the radius of a region must be finite and not negative, not -3"),
+        ("x = RectangularRegion(0 @ 0, 0, 1e999, 1)", "1:5: the width of a region must be finite and not negative"),
+        ("ego = new Object with length -1", "1:18: length must be finite and not negative, not -1"),
+        ("class A(Object, size=3):\n    pass", "1:22: a class has a base and no other arguments"),
+    ],
+)
+def test_nonsense_is_refused_where_it_is_written(line, message):
+    with pytest.raises(ScenicError) as caught:
+        load(line)
+    assert str(caught.value).startswith("<program>:" + message)
+
+
+def test_a_region_of_no_extent_is_a_point():
+    program = load("ego = new Object in RectangularRegion(3 @ 4, 0, 0, 0)")
+    assert program.sample(2, np.random.default_rng(0))[1].positions[:, 0].tolist() == [[3, 4], [3, 4]]
+
+
+def test_a_requirement_may_index_by_a_random_number():
+    program = load("xs = [1, 5, 9]\ni = DiscreteRange(0, 2)\nego = new Object at i @ 0\nrequire xs[i] > 4\n")
+    _, scenes = program.sample(200, np.random.default_rng(0))
+    assert set(scenes.positions[:, 0, 0]) == {1, 2}
+
+
+def test_a_soft_requirement_that_never_holds_is_reported_as_impossible():
+    program = load("ego = new Object at Range(0, 1) @ 0\nrequire[0.5] ego.x > 2\n")
+    with pytest.raises(ScenicError, match="no valid scene in 4096 draws"):
+        program.sample(20, np.random.default_rng(0))
