@@ -3,9 +3,12 @@
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from envs.football.casting import CastingError
+from envs.football.config import FootballConfig
+from envs.football.constants import METRES_PER_X, METRES_PER_Y
 from envs.football.domain import FOOTBALL, SETTINGS
 from envs.football.state import MatchConfig
 from envs.football.vector_env import FootballVectorEnv
@@ -164,3 +167,36 @@ def test_monitors_and_terminations_are_refused(text, dialect, message):
 
 def test_a_behavior_that_nobody_follows_is_no_matter():
     assert FootballVectorEnv("behavior Stand():\n    while True:\n        wait\n" + PAIR).num_players == 1
+
+
+# ---------------------------------------------------------------- the thesis's striker keeps his ball
+
+
+@pytest.mark.parametrize("figure", ["figure_4_1", "figure_4_3"])
+@pytest.mark.parametrize(("dialect", "ahead"), [(2, 2.1), (3, 2.6)])
+def test_the_ball_lies_before_the_striker_on_whatever_level_is_played(figure, dialect, ahead):
+    text = (PROGRAMS / f"{figure}.scenic").read_text().replace("\nMyGK\n", "\nnew MyGK\n")
+    env = FootballVectorEnv(text + "param game_duration = 3\n", 32, config=FootballConfig(dialect=dialect))
+    assert env.theta_dim == 6
+    env.reset(seed=0)
+    theta = np.random.default_rng(1).uniform(-1, 1, (32, 6))
+    theta[::2, 2:4] = theta[::2, :2]  # the keeper inside the striker: invalid
+    _, info = env.step_adversary(theta)
+    assert info["replaced"][::2].all()
+    assert_ball_is_ahead(env, ahead)
+    env.next_levels = env.sample_levels
+    for _ in range(3):
+        _, _, terminated, truncated, _ = env.step(np.zeros(32, int))
+    assert (terminated | truncated).any()
+    assert_ball_is_ahead(env, ahead, terminated | truncated)
+    env.reset_random()
+    assert_ball_is_ahead(env, ahead)
+
+
+def assert_ball_is_ahead(env, ahead, where=slice(None)):
+    matches, theta = env.matches[where], env.levels["theta"][where]
+    striker = matches["players"][:, 1]  # after his keeper
+    np.testing.assert_allclose(striker["x"], (theta[:, 0] + 1) * 40 * METRES_PER_X, atol=1e-9)
+    np.testing.assert_allclose(striker["y"], theta[:, 1] * 25 * METRES_PER_Y, atol=1e-9)
+    np.testing.assert_allclose(matches["ball"]["x"], striker["x"], atol=1e-9)
+    np.testing.assert_allclose(matches["ball"]["y"] - striker["y"], ahead * METRES_PER_Y, atol=1e-9)

@@ -1,10 +1,14 @@
 """The thesis's own programs: Figures 4.1 and 4.3 are one environment with six parameters; Figure 2.1 runs whole."""
 
+import itertools
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as some
 
+import minigames
 from envs.football.domain import FOOTBALL
 from scenic_lite import load
 
@@ -35,6 +39,71 @@ def test_corresponding_theta_gives_the_same_scene(by_region, by_range):
     a, b = by_region.instantiate(theta), by_range.instantiate(theta)
     np.testing.assert_array_equal(a.positions, b.positions)
     np.testing.assert_array_equal(a.ok, b.ok)
+
+
+EDGES = some.tuples(some.integers(-90, 85), some.integers(1, 10), some.integers(-38, 30), some.integers(1, 8))
+
+
+@settings(max_examples=25, deadline=None)
+@given(EDGES, EDGES, some.sampled_from([2, 3]), some.integers(0, 2**32))
+def test_a_region_and_two_ranges_are_the_same_wherever_they_lie(a, b, dialect, seed):
+    by_region = load(REGIONS.format(*edges(a), *edges(b)), FOOTBALL, dialect)
+    by_range = load(RANGES.format(*edges(a), *edges(b)), FOOTBALL, dialect)
+    columns = [[(draw.low, draw.high) for draw in each.draws] for each in (by_region, by_range)]
+    assert len(columns[0]) == 6 and columns[0] == columns[1]
+    theta = np.concatenate([RNG(seed).uniform(-1, 1, (40, 6)), CORNERS])
+    one, other = by_region.instantiate(theta), by_range.instantiate(theta)
+    np.testing.assert_array_equal(one.positions, other.positions)
+    np.testing.assert_array_equal(one.ok, other.ok)
+    gap = one.positions[:, 3] - one.positions[:, 0]
+    np.testing.assert_allclose(gap, [[0, 2.1 if dialect == 2 else 2.6]] * len(theta), atol=1e-12)
+
+
+REGIONS = """\
+ego = LeftCM on get_reg_from_edges({}, {}, {}, {})
+opponent = RightGK on get_reg_from_edges({}, {}, {}, {})
+new MyGK
+ball = Ball ahead of ego by 2
+"""
+RANGES = """\
+X1 = Range({}, {})
+Y1 = Range({}, {})
+X2 = Range({}, {})
+Y2 = Range({}, {})
+ego = LeftCM at (X1 @ Y1)
+opponent = RightGK at (X2 @ Y2)
+new MyGK
+ball = Ball ahead of ego by 2
+"""
+CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=6)))
+
+
+def edges(sides):
+    left, width, bottom, height = sides
+    return left, left + width, bottom, bottom + height
+
+
+@pytest.mark.parametrize("game", minigames.MINIGAMES)
+def test_the_edges_of_theta_belong_to_it(game):
+    program = load(minigames.MINIGAMES[game].program, FOOTBALL)
+    scenes = program.instantiate(CORNERS)
+    inside = [i for i, rule in enumerate(program.requirements) if rule.kind == "containment"]
+    assert inside and not scenes.failed[:, inside].any()
+    limits = np.array([[draw.low, draw.high] for draw in program.draws])
+    values = np.array([list(program.describe(corner).values()) for corner in CORNERS])
+    np.testing.assert_array_equal(values, np.where(CORNERS < 0, limits[:, 0], limits[:, 1]))
+
+
+def test_theta_of_single_precision_means_the_same(by_region):
+    theta = RNG(4).uniform(-1, 1, (300, 6)).astype(np.float32)
+    single, double = by_region.instantiate(theta), by_region.instantiate(theta.astype(np.float64))
+    np.testing.assert_array_equal(single.positions, double.positions)
+    np.testing.assert_array_equal(single.ok, double.ok)
+    valid, _ = by_region.sample(2000, RNG(5))
+    rounded = by_region.instantiate(valid.astype(np.float32))
+    near = np.abs(rounded.positions - by_region.instantiate(valid).positions)
+    assert near.max() < 1e-5
+    assert rounded.ok.mean() > 0.999  # a pair that all but touched may touch
 
 
 def test_theta_is_scaled_linearly(by_region):
