@@ -31,11 +31,18 @@ def draw_range(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
     if is_number(low) and is_number(high):
         if not math.isfinite(float(high) - float(low)):
             raise ScenicError("value", f"Range({low}, {high}) has no finite length")
-        return frame.session.column("range", place, float(low), float(high) - float(low))
+        return frame.session.column("range", place, float(low), span_between(float(low), float(high)))
     column = frame.session.column("range", place)
     column.shown = low + (high - low) * column
     column.low, column.high = math.nan, math.nan
     return column.shown
+
+
+def span_between(low: float, high: float) -> float:
+    """What must be added to `low` for exactly `high`: their difference, unless rounding leads past the end."""
+    span = high - low
+    near = (span, math.nextafter(span, 0.0), math.nextafter(span, 2 * span))
+    return next((each for each in near if low + each == high), near[1])
 
 
 def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:

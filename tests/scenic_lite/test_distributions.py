@@ -5,6 +5,8 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as some
 from scene import things
 
 from scenic_lite import load
@@ -179,3 +181,16 @@ def test_points_of_a_region_are_uniform(text, inside, area):
             edge = low[axis] + cut * (high - low)[axis]
             share = np.mean(within[:, axis] < edge)
             assert abs(np.mean(points[:, axis] < edge) - share) < 5 * math.sqrt(share * (1 - share) / N) + 0.005
+
+
+@settings(deadline=None, max_examples=60)
+@given(some.floats(-100, 100), some.floats(0.001, 100))
+def test_both_ends_of_a_range_belong_to_it_and_nothing_beyond(low, width):
+    high = low + width
+    program = load(
+        f"x = Range({low!r}, {high!r})\nego = new Object at 0 @ 0\nparam x = x\nrequire {low!r} <= x <= {high!r}\n"
+    )
+    scenes = program.instantiate(np.array([[-1.0], [np.nextafter(-1, 0)], [0], [np.nextafter(1, 0)], [1.0]]))
+    assert scenes.ok.all()
+    assert scenes.params["x"][0] == low
+    np.testing.assert_allclose(scenes.params["x"][-1], high, rtol=1e-15)
