@@ -170,10 +170,16 @@ class Program:
         return self.instantiate(theta).ok
 
     def _checked(self, theta: Any) -> np.ndarray:
-        theta = np.asarray(theta, dtype=float)
-        if theta.ndim != 2 or theta.shape[1] != self.dim:
-            raise ValueError(f"theta must have the shape [N, {self.dim}] for {self.file}, not {list(theta.shape)}")
-        return theta
+        wanted = f"theta must be an array of numbers of the shape [N, {self.dim}] for {self.file}"
+        try:
+            array = np.asarray(theta)
+            if array.dtype.kind not in "biuf":
+                raise TypeError(f"an array of {array.dtype}")
+        except (TypeError, ValueError) as fault:
+            raise ValueError(f"{wanted}: {fault}") from None
+        if array.ndim != 2 or array.shape[1] != self.dim:
+            raise ValueError(f"{wanted}, not {list(array.shape)}")
+        return array.astype(float, copy=False)
 
     def _scaled(self, theta: np.ndarray) -> np.ndarray:
         """Columns [D, N], each contiguous: from [-1, 1] to offset + [0, 1] · span."""
@@ -203,6 +209,8 @@ class Program:
         A soft requirement is in force in its share of the scenes, decided once for each. Raises ScenicError of kind
         `rejection` with the report if no draw is valid.
         """
+        if n < 0:
+            raise ValueError(f"a number of scenes is 0 or more, not {n}")
         soft = [(i, rule.probability) for i, rule in enumerate(self.requirements) if rule.probability < 1]
         active = np.stack([rng.random(n) < p for _, p in soft], axis=1) if soft else np.zeros((n, 0), dtype=bool)
         theta = np.empty((n, self.dim))
@@ -225,6 +233,8 @@ class Program:
 
     def report(self, n: int, rng: np.random.Generator) -> RejectionReport:
         """What share of n uniform draws each rule rejects."""
+        if n < 1:
+            raise ValueError(f"a report needs at least one draw, not {n}")
         scenes = self.instantiate(rng.uniform(-1.0, 1.0, (n, self.dim)))
         shares = scenes.failed.mean(axis=0)
         order = sorted(range(len(shares)), key=lambda i: -shares[i])

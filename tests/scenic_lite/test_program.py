@@ -83,7 +83,9 @@ def test_rows_that_divide_by_zero_are_not_valid():
 
 def test_theta_of_a_wrong_shape_is_refused():
     program = things("thing = new Thing at Range(0, 1) @ Range(0, 1)")
-    with pytest.raises(ValueError, match=r"theta must have the shape \[N, 2\] for <program>, not \[3\]"):
+    with pytest.raises(
+        ValueError, match=r"theta must be an array of numbers of the shape \[N, 2\] for <program>, not \[3\]"
+    ):
         program.instantiate(np.zeros(3))
 
 
@@ -295,3 +297,31 @@ def test_behaviors_and_monitors_are_kept():
     assert arguments["to"] == 0  # the ego, by its index
     np.testing.assert_array_equal(arguments["speed"], [4, 1])
     assert [draw.name for draw in program.draws] == ["thing.behavior"]
+
+
+@pytest.mark.parametrize(
+    ("theta", "found"),
+    [
+        ([0.0], "not [1]"),
+        ([[0.0, 0.0]], "not [1, 2]"),
+        ([["a"]], "an array of <U1"),
+        (None, "object"),
+        ([[1j]], "complex"),
+    ],
+)
+def test_theta_that_is_none_is_refused(theta, found):
+    program = load("x = Range(0, 1)\nego = Object at x @ 0")
+    with pytest.raises(ValueError) as caught:
+        program.instantiate(theta)
+    assert str(caught.value).startswith("theta must be an array of numbers of the shape [N, 1] for <program>")
+    assert found in str(caught.value)
+
+
+def test_no_scenes_are_no_scenes():
+    program = load("x = Range(0, 1)\nego = Object at x @ 0\nparam text = f'{x}'")
+    theta, scenes = program.sample(0, RNG(0))
+    assert theta.shape == (0, 1) and scenes.positions.shape == (0, 1, 2) and len(scenes.params["text"]) == 0
+    with pytest.raises(ValueError, match="a number of scenes is 0 or more, not -1"):
+        program.sample(-1, RNG(0))
+    with pytest.raises(ValueError, match="a report needs at least one draw, not 0"):
+        program.report(0, RNG(0))
