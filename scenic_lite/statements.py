@@ -121,24 +121,27 @@ def repeat(frame: Frame, node: ast.For) -> None:
     for element in frame.elements(frame.value(node.iter), node.iter):
         unpack(frame, node.target, element)
         frame.session.budget.step()
-        try:
-            frame.run(node.body)
-        except Continue:
-            continue
-        except Break:
+        if not one_round(frame, node.body):
             return
     frame.run(node.orelse)
 
 
 def repeat_while(frame: Frame, node: ast.While) -> None:
     while frame.truth(node.test):
-        try:
-            frame.run(node.body)
-        except Continue:
-            continue
-        except Break:
+        if not one_round(frame, node.body):
             return
     frame.run(node.orelse)
+
+
+def one_round(frame: Frame, body: list[ast.stmt]) -> bool:
+    """Run the body of a loop; whether the loop goes on."""
+    try:
+        frame.run(body)
+    except Continue:
+        return True
+    except Break:
+        return False
+    return True
 
 
 def leave_loop(frame: Frame, node: ast.Break) -> None:
