@@ -1,6 +1,6 @@
 """`regista compare`: train methods on a minigame over seeds, test them all, tabulate and draw.
 
-    regista compare 1v1Restricted --methods dr paired --seeds 2 --total-env-steps 2_000_000 --out demo
+    regista compare 1v1Restricted --methods dr paired --seeds 4 --total-env-steps 3_000_000 --out demo
 
 Every run is a folder beneath `--out`; a second call skips what is finished and continues what is not.
 Read next: `workers`, which trains; `results`, which counts; `overview`, which draws.
@@ -40,7 +40,7 @@ class CompareConfig:
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare")
-    seeds: int = setting(2, "runs of each method, with seeds 0, 1, ...")
+    seeds: int = setting(4, "runs of each method, with seeds 0, 1, ...")
     episodes: int = setting(500, "whole episodes on each test scene after training")
     processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")

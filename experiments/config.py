@@ -40,12 +40,14 @@ def football_ppo() -> PPOConfig:
     to go round the keeper within a few million steps.
     """
     return PPOConfig(
-        learning_rate=2e-3,
+        learning_rate=3e-3,
         gamma=0.995,
         gae_lambda=0.98,
         num_minibatches=8,
+        update_epochs=3,
         clip_coef=0.3,
         ent_coef=0.001,
+        hidden_size=64,
         shared_torso=True,
     )
 
@@ -57,10 +59,10 @@ class TrainConfig:
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     method: str = setting("paired", "how levels are chosen: dr (domain randomisation) or paired")
     seed: int = setting(0, "seed of every random stream of the run")
-    total_env_steps: int = setting(4_000_000, "stop when training has simulated this many steps, the antagonist's too")
+    total_env_steps: int = setting(3_000_000, "stop when training has simulated this many steps, the antagonist's too")
     num_envs: int = setting(128, "environments that each student plays at a time")
     threads: int = setting(1, "threads for the simulator and for the networks")
-    eval_every: int = setting(100_000, "env_steps between evaluations on the test scenes; 0 for none")
+    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none")
     eval_episodes: int = setting(64, "episodes on each scene in these evaluations, whose steps are counted apart")
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
