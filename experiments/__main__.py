@@ -6,6 +6,7 @@ that `--help` does not wait for torch. Read next: `train`.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -35,6 +36,7 @@ Begin with: regista compare 1v1Restricted --out demo
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts its threads; see `scenic_lite.jit`
     words = list(sys.argv[1:] if argv is None else argv)
     debug = "--debug" in words
     words = [word for word in words if word != "--debug"]

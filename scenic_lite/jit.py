@@ -16,6 +16,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+# Numba and torch bring an OpenMP pool each. Threads that wait by spinning take the cores from each other's work: two
+# threads then train ten times slower than one. This must be said before either library starts its pool.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
 import numba
 
 ROOT = Path(__file__).resolve().parent.parent
