@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 import gymnasium
 import numpy as np
 
-from ued.upomdp import UPOMDP, Draw, check_theta
+from ued.upomdp import MAX_TRIES, UPOMDP, Draw, ThetaError, check_theta
 
 Apply = Callable[[gymnasium.Env, dict[str, Any]], object]
 Range = tuple[float, float]
@@ -122,11 +122,11 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         return self._restart(None, {})[0]
 
     def _random_theta(self) -> np.ndarray:
-        for _ in range(4096):
+        for _ in range(MAX_TRIES):
             theta = self._streams.uniform(-1.0, 1.0, (1, len(self.draws)))
             if self.theta_map.valid(theta)[0]:
                 return theta[0]
-        raise ValueError("no valid theta found in 4096 draws")
+        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws")
 
     def _restart(self, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         self.apply(self.env, self.theta_map.values(self.theta))
