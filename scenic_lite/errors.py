@@ -6,7 +6,7 @@ Read next: `lexer`, where the first of them are raised.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 SHOWN = 20  # further errors of the same text
 WIDEST = 160  # characters of a source line
@@ -49,6 +49,7 @@ class ScenicError(Exception):
         self.source_line = source_line
         self.notes = tuple(notes)
         self.also: tuple[ScenicError, ...] = ()
+        self.fault: Any = None  # an exceptions.Fault, where a program's `except` knows it by another name than its kind
 
     @property
     def line(self) -> int | None:

@@ -21,13 +21,14 @@ from scenic_lite import nodes
 from scenic_lite.budget import Budget, exceeded
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
+from scenic_lite.exceptions import from_python
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import TEXT, Column, Random, Value, columns_of
+from scenic_lite.regions import Region
 from scenic_lite.values import Behavior, BehaviorCall, Choice, Instance, Namespace, describe_kind
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 WORDS = {ast.Delete: "del", ast.AsyncFunctionDef: "async def", nodes.TryInterrupt: "try"}
-KINDS_OF_FAULTS = ((RecursionError, "budget"), (MemoryError, "budget"), (TypeError, "type"), (Exception, "value"))
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,14 @@ class Requirement:
     probability: float = 1.0
 
 
+class DrawnPoint(NamedTuple):
+    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's."""
+
+    region: Region
+    columns: tuple[Column, ...]
+    point: Vector
+
+
 class Termination(NamedTuple):
     """One `terminate when` or `terminate after`."""
 
@@ -75,7 +84,9 @@ class Session:
     objects: list[Instance] = field(default_factory=list)
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
+    conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
     columns: list[Column] = field(default_factory=list)
+    points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
     terminations: list[Termination] = field(default_factory=list)
@@ -348,13 +359,3 @@ def near(name: str, names: Iterable[str]) -> str:
     """A hint with the nearest spelling, or nothing."""
     close = difflib.get_close_matches(name, [each for each in names if not each.startswith("_")], 1, 0.7)
     return f"did you mean '{close[0]}'?" if close else ""
-
-
-def from_python(fault: BaseException) -> ScenicError:
-    """Our error for a fault of Python's own operators and methods."""
-    kind = next(kind for types, kind in KINDS_OF_FAULTS if isinstance(fault, types))
-    if isinstance(fault, RecursionError):
-        return exceeded("expressions and functions are nested too deeply")
-    if isinstance(fault, KeyError):
-        return ScenicError(kind, f"key {fault} is not in the dictionary")
-    return ScenicError(kind, str(fault) or type(fault).__name__)
