@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, Requirement
+from scenic_lite.frame import DrawnPoint, Frame, Requirement
 from scenic_lite.geometry import Vector, is_scalar
 from scenic_lite.graph import Column, Operation, Random, Value, apply, is_number
 from scenic_lite.regions import Filtered, Region
@@ -153,6 +153,8 @@ def point_in(frame: Frame, node: ast.AST, region: Value) -> tuple[Vector, Value]
     else:
         point = region.point(columns[0], columns[-1])
         heading = region.heading_of(point, columns[0])
+    if isinstance(region, Region):
+        frame.session.points.append(DrawnPoint(region, tuple(columns), point))
     if count == 2:
         show_coordinates(columns, point, region.bounds() if isinstance(region, Region) else None)
     if isinstance(region, Filtered):

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -16,11 +16,14 @@ import numpy as np
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session, Source
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
+from scenic_lite.levels import Inverse
 from scenic_lite.naming import column_names, name_objects, title_of
+from scenic_lite.refusals import Refusals
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule, checks_of
 from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
 from scenic_lite.values import BehaviorCall, Instance
+from scenic_lite.wishes import Subjects, wishes_of_description, wishes_of_scenes
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
@@ -62,6 +65,8 @@ class Program:
         self.terminations = tuple(session.terminations)
         self.param_places = dict(session.param_places)
         self._sources = session.sources
+        self._points = session.points
+        self._param_values = session.params
         self.warnings = warnings
         self._instances = in_order(session)
         name_objects(self._instances)
@@ -259,6 +264,37 @@ class Program:
     def _shown(self) -> Tape:
         """The tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self._columns], self._columns, 10**9)
+
+    # ------------------------------------------------------------ from scenes to θ
+
+    def theta(self, scenes: Scenes | Mapping[Any, Any], default: np.ndarray | None = None) -> np.ndarray:
+        """The inverse of `instantiate`: the rows of theta [N, D] that describe some scenes, valid or not.
+
+        `scenes` are Scenes, or what a person writes of them: `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an
+        object (its label, index, class if there is one of it, or `ego`), a parameter or a draw. An object takes
+        (x, y), (x, y, heading in radians) or a dict of properties, in which `behavior` takes a dict of arguments; each
+        number may be an array [N]. `default` [D] or [N, D] gives the draws that are not decided by this; for Scenes
+        it is 0. Raises ScenicError naming the draws left undecided, or the value that cannot be met and why.
+        """
+        if isinstance(scenes, Scenes):
+            wishes = wishes_of_scenes(self._subjects, scenes)
+            default = np.zeros(self.dim) if default is None else default
+        elif isinstance(scenes, Mapping):
+            wishes = wishes_of_description(self._subjects, scenes)
+        else:
+            raise TypeError(f"scenes are Scenes or a description such as {{'ego': (30, 5)}}, not {scenes!r:.80}")
+        if default is not None:
+            default = np.clip(self._checked(np.atleast_2d(default)), -1.0, 1.0)
+        return self._inverse.theta(wishes, default, Refusals(self, self._subjects))
+
+    @cached_property
+    def _subjects(self) -> Subjects:
+        draws = {draw.name: column for draw, column in zip(self.draws, self._columns, strict=True)}
+        return Subjects(self.file, self._instances, self._param_values, self.param_places, draws)
+
+    @cached_property
+    def _inverse(self) -> Inverse:
+        return Inverse(self._roots(self._param_values), self._columns, self._points)
 
     # ------------------------------------------------------------ errors
 

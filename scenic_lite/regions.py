@@ -45,6 +45,13 @@ class Region:
         """The point for two uniform numbers, scaled as `scales` says."""
         raise NotImplementedError
 
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        """The numbers in [0, 1] from which `point` would make a known point (arrays [N]), one for each column.
+
+        nan outside the region. None if there is no such inverse: they are searched for then.
+        """
+        return None
+
     def heading_of(self, point: Vector, u: Value) -> Value:
         """The orientation at a point that was drawn with `u`; None if the region has none."""
         return self.orientation.heading_at(point) if self.orientation else None

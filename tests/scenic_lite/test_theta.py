@@ -1,0 +1,152 @@
+"""`Program.theta`, the inverse of `instantiate`: round trips, hand-made scenes, and what cannot be met."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scene import things
+
+from envs.football.domain import FOOTBALL
+from minigames.suites import MINIGAMES
+from scenic_lite import ScenicError, load
+
+ROOT = Path(__file__).parents[2]
+FIGURES = sorted((ROOT / "tests" / "programs").glob("*.scenic"))
+MINIGAME_FILES = sorted({game.program for game in MINIGAMES.values()})
+CONTINUOUS = ("range", "normal", "point.x", "point.y", "point.along")
+N = 32
+
+# Each draws with a different kind of expression between θ and the scene.
+PROGRAMS = {
+    "nested range": "a = new Thing at Range(0, Range(5, 9)) @ 0",
+    "a shared draw": "x = Range(0, 5)\na = new Thing at x @ 2 * x\nb = new Thing at (x - 1) @ (3 / (x + 1))",
+    "normal values": "a = new Thing at Normal(3, 2) @ TruncatedNormal(0, 1, -1, 2)",
+    "choices": "a = new Thing at Uniform(1, 5, 9) @ Discrete({1: 2, 4: 1}), with kind Uniform('x', 'y')",
+    "integers": "a = new Thing at DiscreteRange(-3, 12) @ -DiscreteRange(1, 6)",
+    "a rotated rectangle": "r = RectangularRegion(3 @ 4, 30 deg, 10, 4)\na = new Thing in r",
+    "a disc and a sector": "a = new Thing in CircularRegion(1 @ 2, 5)\nb = new Thing in SectorRegion(0 @ 0, 9, 0.3, 1)",
+    "a polygon": "a = new Thing in PolygonalRegion([(0, 0), (9, 0), (9, 3), (3, 3), (3, 8), (0, 8)])",
+    "a polyline": "a = new Thing on PolylineRegion([(0, 0), (9, 0), (9, 7)])",
+    "points": "a = new Thing in PointSetRegion('spots', [(0, 0), (9, 0), (9, 7)])",
+    "a random heading": "a = new Thing facing Range(0, 90) deg\nb = new Thing left of a by Range(1, 3)",
+    "a polar offset": "a = new Thing offset by Range(-3, 3) @ Range(2, 5), facing Range(-1, 1)",
+    "what several draws decide": "u = Range(0, 1)\nv = Range(0, 2)\na = new Thing at (u + v) @ (u - 2 * v)",
+    "bent functions": "a = new Thing at abs(Range(1, 5)) @ sin(Range(0, 1)), with speed Range(1, 3) ** 2",
+    "a chosen object": "a = new Thing at 9 @ 9\nb = new Thing with friend Uniform(ego, a)",
+    "params": "param day = Range(1, 30)\nparam weather = Uniform('sun', 'rain')",
+    "arguments": "behavior Walk(speed, to):\n    wait\nr = RectangularRegion(3 @ 4, 0, 2, 4)\n"
+    "a = new Thing with behavior Walk(Range(1, 5), Point on r)",
+    "a fixed range": "a = new Thing at Range(4, 4) @ Range(1, 2)",
+}
+
+AMBIGUOUS = {"nested range", "points"}  # many θ give the same scene
+
+
+def assert_round_trip(program):
+    theta = np.random.default_rng(0).uniform(-1, 1, (N, program.dim))
+    scenes = program.instantiate(theta)
+    back = program.theta(scenes)
+    again = program.instantiate(back)
+    np.testing.assert_allclose(again.positions, scenes.positions, atol=1e-6)
+    np.testing.assert_allclose(again.headings, scenes.headings, atol=1e-6)
+    assert repr(again.params) == repr(scenes.params) or np.allclose(*map(numbers, (again.params, scenes.params)))
+    known = [d for d, draw in enumerate(program.draws) if draw.kind in CONTINUOUS and draw.low != draw.high]
+    return np.abs(back - theta)[:, known].max(initial=0.0)
+
+
+def numbers(params):
+    return np.array([value for value in params.values() if np.asarray(value).dtype.kind == "f"])
+
+
+@pytest.mark.parametrize("path", [*FIGURES, *MINIGAME_FILES], ids=lambda path: path.stem)
+def test_scenes_of_football_lead_back_to_their_theta(path):
+    assert assert_round_trip(load(path, FOOTBALL)) < 1e-9
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_scenes_lead_back_to_their_theta(name):
+    away = assert_round_trip(things(PROGRAMS[name]))
+    assert away < 1e-9 or name in AMBIGUOUS
+
+
+@pytest.fixture
+def figure():
+    return load(ROOT / "tests/programs/figure_4_3.scenic", FOOTBALL)
+
+
+def test_a_hand_made_scene_becomes_a_level(figure):
+    theta = figure.theta({"ego": (30, 5), "opponent": (70, 0), "MyGK": (-99, 0)})
+    scenes = figure.instantiate(theta)
+    np.testing.assert_allclose(scenes.positions[0, :2], [(30, 5), (70, 0)], atol=1e-9)
+    np.testing.assert_allclose(theta[0], [-0.25, 0.2, 0.75, 0, -1 / 3, 0], atol=1e-9)
+
+
+def test_an_object_that_others_follow_is_enough(figure):
+    theta = figure.theta({"ball": (30, 7.1)}, default=np.zeros(6))
+    np.testing.assert_allclose(figure.instantiate(theta).positions[0, 0], (30, 5), atol=1e-9)
+
+
+def test_arrays_describe_many_scenes(figure):
+    places = np.array([[10, 5], [20, -5], [30, 0]])
+    theta = figure.theta({"ego": places, 1: (np.array([50, 60, 70]), 3)}, default=np.zeros(6))
+    scenes = figure.instantiate(theta)
+    np.testing.assert_allclose(scenes.positions[:, 0], places, atol=1e-9)
+    np.testing.assert_allclose(scenes.positions[:, 1], [(50, 3), (60, 3), (70, 3)], atol=1e-9)
+
+
+def test_params_draws_properties_and_arguments_are_asked_for_by_name():
+    program = things(
+        "behavior Walk(speed):\n    wait\nx = Range(0, 4)\nparam day = Range(1, 30)\n"
+        "a = new Thing at x @ 0, with colour Uniform('red', 'blue'), with behavior Walk(Range(1, 5))"
+    )
+    asked = {"x": 3, "day": 12.5, "a": {"colour": "blue", "behavior": {"speed": 2}}}
+    scenes = program.instantiate(program.theta(asked))
+    assert scenes.positions[0, 1, 0] == pytest.approx(3)
+    assert scenes.params["day"][0] == pytest.approx(12.5)
+    assert scenes.properties["colour"][1][0] == "blue"
+    assert scenes.behavior_arguments[1]["speed"][0] == pytest.approx(2)
+
+
+def test_a_heading_may_be_a_turn_away():
+    program = things("a = new Thing at 3 @ Range(0, 1), facing Range(-90, 90) deg", 3)
+    theta = program.theta({"a": (3, 0.5, 2 * np.pi + 0.5)})
+    assert program.instantiate(theta).headings[0, 1] == pytest.approx(0.5)
+
+
+def test_draws_of_one_sum_are_found_together():
+    program = things("a = new Thing at (Range(0, 1) + Range(0, 1)) @ 0")
+    theta = program.theta({"a": (1.9, 0)})
+    assert program.instantiate(theta).positions[0, 1, 0] == pytest.approx(1.9)
+
+
+ERRORS = [
+    ({"ego": (30, 5)}, "nothing that is asked of the scene decides X2 (line 3), Y2 (line 4)", 3),
+    ({"ego": (98, 5)}, "no θ gives ego the position (98 @ 5) (X1 would have to be 98, and lies between 0 and 80)", 1),
+    ({"MyGK": (0, 0)}, "that is outside the region from which it is drawn on line 9", 9),
+    ({"ball": (30, 5), "ego": (30, 0)}, "no θ gives ball the position (30 @ 5)", 10),
+    ({"ego": {"heading": 1}}, "no θ gives ego the heading 1 (the program fixes it at 0)", 6),
+    ({"ego": (np.array([3, 98]), 5)}, "no θ gives ego the position (98 @ 5) in scene 1", 1),
+    ({"keeper": (3, 4)}, "has no object, parameter or draw 'keeper'", None),
+    ({"Player": (3, 4)}, "has 3 objects of the class Player (say ego, opponent, MyGK)", None),
+    ({9: (3, 4)}, "has 4 objects, and no object 9", None),
+    ({"ego": {"wdth": 2}}, "ego has no property 'wdth' (did you mean 'width'?)", 6),
+    ({"ego": 3}, "ego takes (x, y) or (x, y, heading), not 3", 6),
+    ({"ego": ("far", 3)}, "position is a number, and cannot be 'far'", 6),
+    ({"ego": (float("nan"), 3)}, "what is asked of ego holds a number that is not finite", None),
+    ({"ego": (np.zeros(2), 3), 1: (np.zeros(3), 0)}, "have different lengths: 2 and 3", None),
+]
+
+
+@pytest.mark.parametrize(("asked", "message", "line"), ERRORS, ids=[str(asked) for asked, _, _ in ERRORS])
+def test_what_cannot_be_met_is_said(figure, asked, message, line):
+    default = None if message.startswith("nothing") else np.zeros(6)
+    with pytest.raises(ScenicError) as caught:
+        figure.theta(asked, default=default)
+    assert message in str(caught.value)
+    assert (caught.value.place.line if caught.value.place else None) == line
+
+
+def test_scenes_of_another_program_are_refused(figure):
+    program = things("a = new Thing at 1 @ 1")
+    with pytest.raises(ScenicError, match="has 4 objects, and these scenes have 2"):
+        figure.theta(program.instantiate(np.zeros((1, 0))))
