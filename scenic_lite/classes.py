@@ -28,12 +28,22 @@ VELOCITY = Default(
     frozenset({"speed", "heading"}),
 )
 NOWHERE_IN_PARTICULAR = Vector(0.0, 0.0)
+UNIT_SPREAD = Vector(1.0, 1.0)  # what `mutate` adds to a position, unless told otherwise
 POINT = ScenicClass(
     "Point",
     None,
-    constants(position=NOWHERE_IN_PARTICULAR, width=0.0, length=0.0, visibleDistance=50.0),
+    constants(
+        position=NOWHERE_IN_PARTICULAR,
+        width=0.0,
+        length=0.0,
+        visibleDistance=50.0,
+        mutationScale=0.0,
+        positionStdDev=UNIT_SPREAD,
+    ),
 )
-ORIENTED_POINT = ScenicClass("OrientedPoint", POINT, constants(heading=0.0, viewAngle=2 * math.pi))
+ORIENTED_POINT = ScenicClass(
+    "OrientedPoint", POINT, constants(heading=0.0, viewAngle=2 * math.pi, headingStdDev=math.radians(5))
+)
 OBJECT = ScenicClass(
     "Object",
     ORIENTED_POINT,
@@ -52,7 +62,10 @@ OBJECT = ScenicClass(
     | {"velocity": VELOCITY},
 )
 VECTOR_PROPERTIES = frozenset({"position", "velocity", "cameraOffset"})
-NUMBER_PROPERTIES = frozenset({"width", "length", "heading", "visibleDistance", "viewAngle", "speed", "angularSpeed"})
+NUMBER_PROPERTIES = frozenset(
+    {"width", "length", "heading", "visibleDistance", "viewAngle", "speed", "angularSpeed", "mutationScale"}
+    | {"headingStdDev"}
+)
 # Sides and corners: what share of the half width and half length lies between the centre and the point.
 SIDES = {
     "front": (0, 1),
@@ -87,8 +100,10 @@ def as_heading(value: Value) -> Value:
     return None
 
 
-def checked(name: str, value: Value) -> Value:
+def checked(name: str, value: Value, dialect: int) -> Value:
     """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    if name == "positionStdDev":
+        return spread_of(value, dialect)
     if name == "behavior" and not isinstance(value, BehaviorCall | None):
         message = f"the property 'behavior' must be a behavior, not {describe_kind(value)}"
         raise ScenicError("type", message, hint="write with behavior B()")
@@ -105,6 +120,20 @@ def checked(name: str, value: Value) -> Value:
     if name in ("width", "length") and is_number(value) and not 0 <= value < math.inf:
         raise ScenicError("value", f"{name} must be finite and not negative, not {value}")
     return value
+
+
+def spread_of(value: Value, dialect: int) -> Value:
+    """The standard deviation of a position: a number in dialect 2; in dialect 3 one for each axis, the third unused."""
+    if dialect == 2 and not is_scalar(value):
+        if value is UNIT_SPREAD:
+            return 1.0
+        raise ScenicError("type", f"positionStdDev must be a number, not {describe_kind(value)}")
+    if dialect == 3 and as_vector(value) is None:
+        if not (isinstance(value, tuple | list) and len(value) == 3 and all(is_scalar(part) for part in value)):
+            hint = "write (s, s, 0)" if is_scalar(value) else ""
+            raise ScenicError("type", f"positionStdDev must be a vector, not {describe_kind(value)}", hint=hint)
+        return Vector(value[0], value[1])
+    return value if dialect == 2 else as_vector(value)
 
 
 def oriented_point(at: Vector, heading: Value, like: Instance) -> Instance:

@@ -15,6 +15,7 @@ from scenic_lite.frame import Session, Source
 from scenic_lite.functions import BUILTINS
 from scenic_lite.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.program import Program
+from scenic_lite.requirements import settle
 from scenic_lite.statements import STATEMENTS, unpack
 from scenic_lite.values import Namespace
 
@@ -34,6 +35,7 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
     session = new_session(domain, dialect)
     own = source_of(text, file, folder)
     run_file(session, text, own)
+    settle(session)
     if session.ego is None and (dialect == 2 or needs_ego(session)):
         raise no_ego(session, own)
     return Program(session, own, text, warnings_of(session))

@@ -50,7 +50,7 @@ def column_name(column: Column) -> str:
     if column.owner is None:
         return f"{column.draw_kind.split('.')[0]}{column.place.line}"
     instance, name = column.owner
-    axis = axis_of(column, instance)
+    axis = "" if name.startswith("noise.") else axis_of(column, instance)
     if axis:
         return f"{path_of(instance)}.{axis}"
     return f"{path_of(instance)}.{name}"

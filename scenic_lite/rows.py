@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from scenic_lite.bindings import Bindings
 from scenic_lite.budget import Budget
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
@@ -25,9 +26,7 @@ STEPS = 20_000  # of one condition in one scene, of which there are thousands
 def row_by_row(frame: Frame, node: ast.expr) -> Random:
     """The truth of a condition for each sample, evaluated one after the other."""
     columns = tuple(columns_of(*(random for value in mentioned(frame, node) for random in randoms_in(value))))
-    names = dict(frame.locals)  # as they are now: a later assignment does not change the requirement
-    snapshot = Frame(frame.session, frame.source, names, frame.outer)
-    return Random(RowByRow(snapshot, node, columns), columns, "truth")
+    return Random(RowByRow(frame, node, columns), columns, "truth")
 
 
 class RowByRow:
@@ -35,17 +34,18 @@ class RowByRow:
 
     def __init__(self, frame: Frame, node: ast.expr, columns: tuple[Column, ...]) -> None:
         self.frame, self.node, self.columns = frame, node, columns
-        self.ego = frame.session.ego
+        self.bindings = Bindings(frame)
 
     def __call__(self, *arrays: Any) -> Any:
-        return np.array([self._one(values) for values in zip(*arrays, strict=True)], dtype=bool)
+        with self.bindings.restored():
+            return np.array([self._one(values) for values in zip(*arrays, strict=True)], dtype=bool)
 
     def _one(self, values: tuple) -> bool:
         """One sample; a condition that cannot be computed there does not hold."""
         session = self.frame.session
-        before = session.row, session.ego, session.budget
+        before = session.row, session.budget
         session.row = {id(column): value for column, value in zip(self.columns, values, strict=True)}
-        session.ego, session.budget = self.ego, Budget(replace(session.budget.limits, steps=STEPS))
+        session.budget = Budget(replace(session.budget.limits, steps=STEPS))
         try:
             with session.requiring():
                 return bool(self.frame.value(self.node))
@@ -54,7 +54,7 @@ class RowByRow:
                 return False
             raise
         finally:
-            session.row, session.ego, session.budget = before
+            session.row, session.budget = before
 
 
 def mentioned(frame: Frame, node: ast.AST) -> list[Value]:

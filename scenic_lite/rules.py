@@ -145,6 +145,8 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
     nodes += [*sometimes_apart(objects), *visibility(session, objects)]
     for requirement in session.requirements:
+        if requirement.condition is True:
+            continue
         rule = Rule(requirement.label, requirement.place, "require", requirement.probability)
         nodes.append((rule, requirement.condition))
     return Checks(tuple(batched), tuple(nodes))

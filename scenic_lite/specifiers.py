@@ -70,7 +70,7 @@ class Resolution:
             given = meaning.compute(self.instance)
         for name, value in given.items():
             if self.winners.get(name) is meaning:
-                self.instance.properties[name] = checked(name, value)
+                self.instance.properties[name] = checked(name, value, self.frame.session.dialect)
 
     def _missing(self, meaning: Meaning, need: str) -> ScenicError:
         message = f"`{meaning.name}` needs the property '{need}', which {self.instance.cls.name} does not have"

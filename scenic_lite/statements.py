@@ -14,11 +14,11 @@ from scenic_lite.calls import Return, defaults_of, function_of
 from scenic_lite.classes import OBJECT, is_object
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import combined
-from scenic_lite.frame import Frame, Requirement, Termination, name_draws, near
-from scenic_lite.graph import Random, Value, is_number
+from scenic_lite.frame import Frame, Termination, name_draws, near
+from scenic_lite.graph import Random, Value
 from scenic_lite.regions import Region
-from scenic_lite.rows import row_by_row
-from scenic_lite.values import Behavior, BehaviorCall, Choice, Default, Delayed, Instance, ScenicClass, describe_kind
+from scenic_lite.requirements import mutate, require
+from scenic_lite.values import Behavior, BehaviorCall, Default, Delayed, Instance, ScenicClass, describe_kind
 
 
 class Break(Exception):
@@ -262,43 +262,6 @@ def doubt_param(frame: Frame, name: str, node: ast.expr) -> None:
         frame.warn(f"nothing reads the parameter '{name}'", node, hint)
 
 
-def require(frame: Frame, node: nodes.Require) -> None:
-    session = frame.session
-    probability = 1.0 if node.probability is None else frame.value(node.probability)
-    if not is_number(probability) or not 0 <= probability <= 1:
-        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
-    with session.requiring():
-        condition = condition_of(frame, node.condition)
-    if isinstance(condition, BehaviorCall):
-        hint = f"write require monitor {condition.behavior.name}()"
-        raise frame.error("type", "a monitor is no condition", node.condition, hint)
-    if isinstance(condition, Choice):
-        raise frame.error("type", "the condition of a requirement must be true or false", node.condition)
-    if not isinstance(condition, Random):
-        condition = bool(condition)
-    label = node.name or source_text(frame, node)
-    if condition is not True:
-        session.requirements.append(Requirement(label, frame.place(node), condition, float(probability)))
-
-
-def condition_of(frame: Frame, node: ast.expr) -> Value:
-    """A condition over all samples at once; row by row if functions in it decide on random values."""
-    try:
-        return frame.value(node)
-    except ScenicError as error:
-        if error.kind != "random-control-flow":
-            raise
-    return row_by_row(frame, node)
-
-
-def source_text(frame: Frame, node: ast.AST) -> str:
-    """The first line of a statement as the program writes it."""
-    place = frame.place(node)
-    line = frame.source.line(place.line)
-    end = place.end_column if place.end_line == place.line else len(line)
-    return line[place.column : end].strip()
-
-
 def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
     value = frame.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
@@ -311,7 +274,7 @@ def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAf
 
 
 def not_yet(frame: Frame, node: ast.AST) -> None:
-    words = {nodes.Mutate: "`mutate`", nodes.Record: "`record`", nodes.Scenario: "a modular `scenario`"}
+    words = {nodes.Record: "`record`", nodes.Scenario: "a modular `scenario`"}
     raise ScenicError("unsupported", f"{words[type(node)]} is not yet supported")
 
 
@@ -343,7 +306,7 @@ STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
     nodes.Simulator: nothing,
     nodes.TerminateWhen: keep_termination,
     nodes.TerminateAfter: keep_termination,
-    nodes.Mutate: not_yet,
+    nodes.Mutate: mutate,
     nodes.Record: not_yet,
     nodes.Scenario: not_yet,
     nodes.Take: only_in_behavior,
