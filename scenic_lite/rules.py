@@ -70,7 +70,7 @@ class Overlaps:
     def fails(self, outlines: Outlines) -> Any:
         """[pairs, N]: whether the two meet."""
         upright = outlines.heading.shape[1] == 1 and not outlines.heading.any()
-        test = upright_meet if upright else rectangles_meet
+        test = upright_meet if upright else turned_meet
         parts = [
             test(*outlines.of(self.first[block]), *outlines.of(self.second[block]))
             for block in blocks(len(self.first), outlines)
@@ -88,6 +88,18 @@ def upright_meet(*numbers: Any) -> Any:
     """As `rectangles_meet` for headings that are all 0, the usual case."""
     ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
     return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
+
+
+def turned_meet(*numbers: Any) -> Any:
+    """As `rectangles_meet`, which is asked only about those whose circumscribed circles meet: few, as a rule."""
+    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
+    dx, dy = ax - bx, ay - by
+    reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
+    meets = dx * dx + dy * dy <= reach * reach
+    near = np.nonzero(meets)
+    if len(near[0]):
+        meets[near] = rectangles_meet(*(np.broadcast_to(each, meets.shape)[near] for each in numbers))
+    return meets
 
 
 class Containment:
