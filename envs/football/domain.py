@@ -9,7 +9,8 @@ from pathlib import Path
 from scenic_lite.domain import Domain
 
 LIBRARY = Path(__file__).parent / "library"
-MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator")}
+MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator", "constants")}
+ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # what Scenic4RL has in other places
 
 # Parameters of a program that are settings of the match.
 SETTINGS = frozenset(
@@ -35,7 +36,8 @@ FOOTBALL = Domain(
         f"{package}.{name}": path
         for package in ("football", "scenic.simulators.gfootball")
         for name, path in MODULES.items()
-    },
+    }
+    | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()},
     default_model="football.model",
     params=SETTINGS | ENGINE,
 )

@@ -1,8 +1,17 @@
 """What a player can do in one step; an action is the number that Google Research Football gives it.
 
 Directions are 1 left, 2 top left, 3 top, 4 top right, 5 right, 6 bottom right, 7 bottom, 8 bottom left, as the player
-sees the pitch: the right team sees it turned by half a turn.
+sees the pitch: the right team sees it turned by half a turn, so that 5 leads every player towards the goal that he attacks. Of
+`take A, B` only the first action counts: a player presses one key in a step.
+
+Unlike in Scenic4RL the sectors of `lookup_direction` are 45 degrees wide and centred on the compass points (there due
+west gave top left), an action is its number (it has no `.code`), and `get_closest_player_info` leaves out the player
+himself and not whoever stands exactly where he does. Read next: behaviors.scenic.
 """
+
+import math
+
+from football.constants import *
 
 def NoAction():
     return 0
@@ -47,3 +56,24 @@ def ReleaseDribble():
 
 def BuiltinAIAction():
     return 19
+
+# Helpers that Scenic4RL's programs find beside the actions.
+
+def player_with_ball(ds, ball, team=None):
+    """The player who owns the ball, of one team if it is given, or None; ds is simulation().game_ds."""
+    for player in ds.players:
+        if player.owns_ball and (team is None or player.team == team):
+            return player
+    return None
+
+def get_closest_player_info(player, players):
+    """Who of some players is closest to this one (himself aside), and how far away: (None, infinity) if nobody is."""
+    closest = None
+    shortest = math.inf
+    for other in players:
+        if other is not player:
+            gap = distance from player to other
+            if gap < shortest:
+                shortest = gap
+                closest = other
+    return closest, shortest

@@ -13,6 +13,20 @@ param real_time = True
 param physics_steps_per_frame = 10
 param render_resolution_x = 1280
 
+# The compass, as headings; the teams, as players' `team` reads.
+
+north = 0
+northwest = 45 deg
+west = 90 deg
+southwest = 135 deg
+south = 180 deg
+southeast = 225 deg
+east = 270 deg
+northeast = 315 deg
+
+left_team = "left"
+right_team = "right"
+
 # The pitch.
 
 field_width = 200
