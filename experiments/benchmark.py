@@ -1,6 +1,7 @@
-"""`regista benchmark`: steps per second of the simulator and of training, measured side by side in one run.
+"""`regista benchmark`: the speed of the simulator, of training and of the language, side by side in one run.
 
     regista benchmark --suite sim
+    regista benchmark --suite language
     regista benchmark --json > today.json
 
 Read next: `envs.football.batch`, the loop that is measured.
@@ -12,31 +13,34 @@ import json
 import os
 import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
 from experiments import arguments, build
+from experiments.benchmark_language import language_suite, render_language
 from experiments.config import TrainConfig
+from experiments.measuring import STRETCHES, Measurement, rate
 from experiments.results import align
 from ued.config import check_at_least_1, check_positive, setting
 
-DESCRIPTION = "Measure env steps per second of the simulator and of training, on this machine."
+DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
 
 # Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
 # over scenarios and observations. Measured with its own `create_environment(render=False)`.
 REFERENCE = (310, 570)
-STRETCHES = 3  # of each measurement; the best counts, for others may use the machine meanwhile
 
 
 @dataclass(frozen=True)
 class BenchmarkConfig:
     """What is typed after `regista benchmark`."""
 
-    suite: Literal["sim", "train", "all"] = setting("all", "sim: the simulator alone; train: domain randomisation; all")
+    suite: Literal["sim", "train", "language", "all"] = setting(
+        "all", "sim: the simulator alone; train: domain randomisation; language: programs and their scenes; all"
+    )
     minigame: str = setting("1v1Free", "what is played")
     num_envs: int = setting(256, "environments of the simulator's batch")
     seconds: float = setting(1.0, "about how long each measurement takes")
@@ -47,23 +51,17 @@ class BenchmarkConfig:
         check_positive(self, "seconds")
 
 
-class Measurement(NamedTuple):
-    """One line of the table: steps of a single environment per second."""
-
-    what: str
-    steps_per_second: float
-    note: str = ""
-
-
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
     build.find_minigame(config.minigame)
-    found: dict[str, list[Measurement]] = {}
+    found: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
         found["simulator"] = simulator_suite(config)
     if config.suite in ("train", "all"):
         found["training"] = training_suite(config)
+    if config.suite in ("language", "all"):
+        found["language"] = language_suite(config.seconds)
     if config.json:
         results = {suite: [row._asdict() for row in rows] for suite, rows in found.items()}
         print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
@@ -120,7 +118,7 @@ def _steps_per_second(config: BenchmarkConfig, num_envs: int, threads: int) -> f
             env.step(actions[t % 64])
 
     step(8)
-    return num_envs * _rate(step, config.seconds)
+    return num_envs * rate(step, config.seconds)
 
 
 def _levels_per_second(config: BenchmarkConfig) -> float:
@@ -130,25 +128,12 @@ def _levels_per_second(config: BenchmarkConfig) -> float:
         for _ in range(count):
             env.reset_to_levels(env.sample_levels(config.num_envs))
 
-    return config.num_envs * _rate(renew, config.seconds / 2)
+    return config.num_envs * rate(renew, config.seconds / 2)
 
 
 def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
     program = build.find_minigame(config.minigame).program
     return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
-
-
-def _rate(run: Callable[[int], None], seconds: float) -> float:
-    """Give calls per second: the best of several stretches, each long enough to be measured."""
-    began = time.perf_counter()
-    run(4)
-    count = max(1, int(4 * seconds / STRETCHES / max(time.perf_counter() - began, 1e-6)))
-    best = 0.0
-    for _ in range(STRETCHES):
-        began = time.perf_counter()
-        run(count)
-        best = max(best, count / (time.perf_counter() - began))
-    return best
 
 
 # ---------------------------------------------------------------- training
@@ -205,8 +190,10 @@ def _machine_line() -> str:
     return f"{facts['processor']}, {facts['cores']} cores; {versions}"
 
 
-def render(suite: str, rows: Sequence[Measurement]) -> str:
+def render(suite: str, rows: Sequence[Any]) -> str:
     """Give one suite as a table."""
+    if suite == "language":
+        return render_language(rows)
     lines = [[suite, "env steps/s", ""]]
     for row in rows:
         speed = "" if np.isnan(row.steps_per_second) else f"{row.steps_per_second:,.0f}"

@@ -1,0 +1,29 @@
+"""`regista benchmark --suite language`: every program of the table is measured, and none is forgotten."""
+
+import json
+
+from experiments.__main__ import main
+from experiments.benchmark_language import CASES, PROGRAMS
+
+
+def test_every_program_is_in_the_table():
+    assert {path.stem for path in PROGRAMS.glob("*.scenic")} == set(CASES)
+
+
+def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
+    monkeypatch.setattr("experiments.benchmark_language.LARGE", 64)
+    monkeypatch.setattr("experiments.benchmark_language.SMALL", 8)
+    assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["results"]["language"]
+    assert [row["program"] for row in rows] == list(CASES)
+    for row in rows:
+        assert row["scenes_per_second"] > 0 and row["load_ms"] > 0 and 0 < row["valid"] <= 1
+    teams = rows[1]
+    assert (teams["objects"], teams["draws"]) == (23, 46)
+
+
+def test_the_table_names_the_original(capsys, monkeypatch):
+    monkeypatch.setattr("experiments.benchmark_language.CASES", {"soft": CASES["soft"]})
+    assert main(["benchmark", "--suite", "language", "--seconds", "0.001"]) == 0
+    table = capsys.readouterr().out
+    assert "Scenic 3.1.1: scenes/s" in table and "soft" in table
