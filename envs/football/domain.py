@@ -6,6 +6,7 @@ Read next: `library/model.scenic`.
 
 from pathlib import Path
 
+from envs.football.world import FOOTBALL_WORLD
 from scenic_lite.domain import Domain
 
 LIBRARY = Path(__file__).parent / "library"
@@ -40,4 +41,5 @@ FOOTBALL = Domain(
     | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()},
     default_model="football.model",
     params=SETTINGS | ENGINE,
+    world=FOOTBALL_WORLD,
 )
