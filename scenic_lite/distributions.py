@@ -16,7 +16,7 @@ import numpy as np
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import DrawnPoint, Frame, Requirement
 from scenic_lite.geometry import Vector, is_scalar
-from scenic_lite.graph import Column, Operation, Random, Value, apply, is_number
+from scenic_lite.graph import LESS_EQUAL, Column, Operation, Random, Value, apply, is_number
 from scenic_lite.regions import Filtered, Region
 from scenic_lite.values import Choice, choose, describe_kind
 
@@ -88,17 +88,50 @@ class Cut:
         return np.searchsorted(self.bounds, uniform, side="right")
 
 
-def draw_integers(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
-    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, equally often."""
+def draw_integers(frame: Frame, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
+    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight."""
+    check_numbers("DiscreteRange", low, high)
     if not (is_number(low) and is_number(high)):
-        raise ScenicError("type", "the ends of DiscreteRange must be fixed numbers")
+        return integers_between(frame, node, low, high)
     first, last = math.ceil(low), math.floor(high)
     if last < first:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
+    if weights is not None:
+        return weighted_integers(frame, node, range(first, last + 1), weights)
     column = frame.session.column("integers", frame.place(node))
     column.shown = Random(Integers(first, last - first + 1), (column,))
     column.low, column.high = float(first), float(last)
     return column.shown
+
+
+def integers_between(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+    """As `draw_integers` with random ends; a scene whose range is empty is rejected."""
+    column = frame.session.column("integers", frame.place(node))
+    first, last = apply(CEILING, low), apply(FLOOR, high)
+    filled = apply(LESS_EQUAL, first, last, kind="truth")
+    frame.session.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
+    column.shown = Random(integer_between, (column, first, last))
+    column.low, column.high = math.nan, math.nan
+    return column.shown
+
+
+def weighted_integers(frame: Frame, node: ast.AST, integers: range, weights: Value) -> Value:
+    """One of the integers, each with its weight."""
+    if not isinstance(weights, list | tuple) or len(weights) != len(integers):
+        found = describe_kind(weights)
+        raise ScenicError(
+            "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {found}"
+        )
+    return draw_discrete(frame, node, dict(zip(integers, weights, strict=True)))
+
+
+def integer_between(uniform: Any, first: Any, last: Any) -> Any:
+    """From a uniform number [N] to one of the integers from `first` to `last`; `first` if there is none."""
+    count = np.maximum(last - first + 1, 1)
+    return (first + np.minimum(np.floor(uniform * count), count - 1)).astype(np.int64)
+
+
+CEILING, FLOOR = Operation(math.ceil, np.ceil), Operation(math.floor, np.floor)
 
 
 class Integers:

@@ -1,0 +1,5 @@
+#! id: broken_break
+#! kind: error
+#! tags: break outside a loop
+ego = new Object
+break
