@@ -14,8 +14,9 @@ from scenic_lite import nodes
 from scenic_lite.bindings import Bindings
 from scenic_lite.classes import is_object
 from scenic_lite.distributions import normal_quantile
+from scenic_lite.dynamics.temporal import formula_of, is_temporal, possible
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, Requirement, Session
+from scenic_lite.frame import Frame, Requirement, Session, Watched
 from scenic_lite.geometry import Vector, normalised
 from scenic_lite.graph import Random, Value, is_number
 from scenic_lite.rows import row_by_row
@@ -23,7 +24,7 @@ from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
 
 
 def require(frame: Frame, node: nodes.Require) -> None:
-    """`require[p] condition as name`."""
+    """`require[p] condition as name`; a temporal one is watched in the episode, too."""
     session = frame.session
     if session.in_requirement:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
@@ -34,6 +35,8 @@ def require(frame: Frame, node: nodes.Require) -> None:
     label = node.name or source_text(frame, node)
     requirement = Requirement(label, frame.place(node), condition, float(probability))
     bindings = Bindings(frame)
+    if is_temporal(node.condition):
+        session.temporal.append(Watched(node, requirement.place, frame, label, bindings))
 
     def again() -> None:
         with bindings.restored():
@@ -45,6 +48,8 @@ def require(frame: Frame, node: nodes.Require) -> None:
 
 def condition_of(frame: Frame, node: ast.expr) -> Value:
     """A condition over all samples at once; row by row if functions in it decide on random values."""
+    if is_temporal(node):
+        return possible(formula_of(node), lambda part: condition_of(frame, part))
     with frame.session.requiring():
         try:
             condition = frame.value(node)

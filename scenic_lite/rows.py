@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
 from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.scenes import randoms_in
-from scenic_lite.values import Bound, Choice, Function, Instance
+from scenic_lite.values import Behavior, BehaviorCall, Bound, Choice, Function, Instance
 
 STEPS = 20_000  # of one condition in one scene, of which there are thousands
 
@@ -44,7 +45,7 @@ class RowByRow:
         """One sample; a condition that cannot be computed there does not hold."""
         session = self.frame.session
         before = session.row, session.budget
-        session.row = {id(column): value for column, value in zip(self.columns, values, strict=True)}
+        session.row = dict(zip(self.columns, values, strict=True))
         session.budget = Budget(replace(session.budget.limits, steps=STEPS))
         try:
             with session.requiring():
@@ -59,18 +60,30 @@ class RowByRow:
 
 def mentioned(frame: Frame, node: ast.AST) -> list[Value]:
     """The values that an expression may read: of its names, of what its functions name, and of the ego."""
-    found: list[Value] = [frame.session.ego] if frame.session.ego is not None else []
+    found = [frame.session.ego] if frame.session.ego is not None else []
+    return found + reached([(frame, node)])
+
+
+def reached(pending: list[tuple[Frame, ast.AST]]) -> list[Value]:
+    """The values of all names in some trees, and in the functions and behaviors that they name."""
+    found: list[Value] = []
     seen: set[int] = set()
-    pending: list[tuple[Frame, ast.AST]] = [(frame, node)]
     while pending:
         scope, tree = pending.pop()
-        for name in {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}:
+        for name in names_in(tree):
             value = visible(scope, name)
             if id(value) not in seen:
                 seen.add(id(value))
                 found.append(value)
-                pending += [(function.frame, part) for function in functions_in(value) for part in body_of(function)]
+                for part in definitions_in(value):
+                    found += [*part.defaults, *part.keyword_defaults.values()]
+                    pending += [(part.frame, each) for each in body_of(part)]
     return found
+
+
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def names_in(tree: ast.AST) -> frozenset[str]:
+    return frozenset(each.id for each in ast.walk(tree) if isinstance(each, ast.Name))
 
 
 def visible(frame: Frame, name: str) -> Value:
@@ -83,22 +96,26 @@ def visible(frame: Frame, name: str) -> Value:
     return frame.module_names.get(name)
 
 
-def functions_in(value: Value) -> Iterator[Function]:
-    """The functions of the program that a value is or carries: methods of objects are among them."""
-    if isinstance(value, Function):
+def definitions_in(value: Value) -> Iterator[Function | Behavior]:
+    """The functions and behaviors that a value is or carries: methods of objects are among them."""
+    if isinstance(value, Function | Behavior):
         yield value
     elif isinstance(value, Bound):
-        yield from functions_in(value.function)
+        yield from definitions_in(value.function)
+    elif isinstance(value, BehaviorCall):
+        yield value.behavior
     elif isinstance(value, Instance):
         for cls in value.cls.lineage():
             yield from (member for member in cls.members.values() if isinstance(member, Function))
     elif isinstance(value, list | tuple):
         for each in value:
-            yield from functions_in(each)
+            yield from definitions_in(each)
     elif isinstance(value, Choice):
         for each in value.options:
-            yield from functions_in(each)
+            yield from definitions_in(each)
 
 
-def body_of(function: Function) -> list[ast.AST]:
-    return list(function.body) if isinstance(function.body, list) else [function.body]
+def body_of(definition: Function | Behavior) -> list[ast.AST]:
+    if isinstance(definition, Behavior):
+        return [definition.node]
+    return list(definition.body) if isinstance(definition.body, list) else [definition.body]
