@@ -9,7 +9,7 @@ import math
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
-from scenic_lite.graph import Value, is_number
+from scenic_lite.graph import OR, Value, apply, is_number
 from scenic_lite.regions import SectorRegion, truth_of
 from scenic_lite.values import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
 
@@ -173,14 +173,22 @@ def rectangle_of(instance: Instance) -> tuple[Value, ...]:
     return p["position"].x, p["position"].y, p["heading"], p["width"], p["length"]
 
 
-def can_see(viewer: Instance, seen: Value) -> Value:
-    """Whether the viewer's sector meets an object's rectangle or holds a point; nothing hides anything."""
+def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
+    """Whether the viewer's sector holds a point or meets an object's rectangle; nothing hides anything.
+
+    Dialect 2 looks at the corners of the rectangle alone, as Scenic 2 does.
+    """
     view = view_of(viewer)
     if not is_object(seen):
         point = as_vector(seen)
         if point is None:
             raise ScenicError("type", f"`can see` needs an object or a point, not {describe_kind(seen)}")
         return view.contains(point)
+    if dialect == 2:
+        found: Value = False
+        for corner in outline(seen):
+            found = apply(OR, found, view.contains(corner), kind="truth")
+        return found
     sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
     return truth_of(sector_and_rectangle, *sector, *rectangle_of(seen))
 

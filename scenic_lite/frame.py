@@ -62,6 +62,13 @@ class DrawnPoint(NamedTuple):
     point: Vector
 
 
+class Sight(NamedTuple):
+    """What an object's specifier demands: that `viewer` sees it, or that it does not."""
+
+    viewer: Instance
+    wanted: bool
+
+
 class Termination(NamedTuple):
     """One `terminate when` or `terminate after`."""
 
@@ -84,6 +91,7 @@ class Session:
     objects: list[Instance] = field(default_factory=list)
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
+    sights: list[tuple[Instance, Sight]] = field(default_factory=list)
     conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
     columns: list[Column] = field(default_factory=list)
     points: list[DrawnPoint] = field(default_factory=list)

@@ -30,7 +30,7 @@ from scenic_lite.geometry import (
     normalised,
     rectangles_meet,
 )
-from scenic_lite.graph import NOT, Value, apply
+from scenic_lite.graph import NOT, Random, Value, apply
 from scenic_lite.placement import ego_of, vector_of, viewer_of
 from scenic_lite.polygons import difference, intersection
 from scenic_lite.regions import Filtered, PolygonalRegion, Region, VectorField, truth_of
@@ -148,9 +148,13 @@ def offset_along(frame: Frame, start: Value, direction: Value, offset: Value) ->
 
 
 def sees(frame: Frame, viewer: Value, seen: Value) -> Value:
-    if not frame.session.in_requirement:
+    dialect = frame.session.dialect
+    if not frame.session.in_requirement and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
-    return can_see(viewer_of(frame, viewer), seen)
+    result = can_see(viewer_of(frame, viewer), seen, dialect)
+    if isinstance(result, Random) and not frame.session.in_requirement:
+        raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
+    return result
 
 
 def intersects(frame: Frame, x: Value, y: Value) -> Value:

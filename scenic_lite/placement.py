@@ -9,11 +9,11 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.classes import as_heading, is_object, is_oriented, view_of
+from scenic_lite.classes import as_heading, is_object, view_of
 from scenic_lite.distributions import point_in
 from scenic_lite.errors import ScenicError
 from scenic_lite.fields import follow
-from scenic_lite.frame import Frame
+from scenic_lite.frame import Frame, Sight
 from scenic_lite.geometry import Vector, angle_between, as_vector, is_scalar, normalised
 from scenic_lite.graph import NOT, Value, apply
 from scenic_lite.regions import Filtered, Region, VectorField
@@ -146,36 +146,57 @@ def offset_along(frame: Frame, node: ast.AST, direction: Value, offset: Value) -
 
 
 def beyond(frame: Frame, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> Meaning:
+    """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
     viewpoint = ego_of(frame) if viewpoint is None else viewpoint
     far, near_end = vector_of("beyond", anchor), vector_of("beyond ... from", viewpoint)
     shift = Vector(0.0, gap) if is_scalar(gap) else vector_of("beyond ... by", gap)
     place = far + shift.rotated(angle_between(near_end, far))
-    return at_with_heading(frame, node, place, as_heading(viewpoint) if is_oriented(viewpoint) else None)
+    return at_with_heading(frame, node, place, 0.0)
 
 
 def at_with_heading(frame: Frame, node: ast.AST, place: Vector, heading: Value) -> Meaning:
-    """A position, and in dialect 3 a parent heading, if there is one."""
+    """A position, and in dialect 3 a parent heading."""
     words = node.name  # type: ignore[attr-defined]
-    if frame.session.dialect == 3 and heading is not None:
+    if frame.session.dialect == 3:
         gives = POSITION | optional_heading(frame)
         return Meaning(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
     return Meaning(words, node, POSITION, lambda self: {"position": place})
 
 
 def visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
+    """`visible [from V]`: a point of V's view; dialect 3 also demands that V sees the object, wherever it is put."""
     viewer = viewer_of(frame, viewer)
-    point, _ = point_in(frame, node, view_of(viewer))
-    return Meaning("visible", node, POSITION, lambda self: {"position": point})
+    return in_or_out_of_sight(frame, node, Sight(viewer, True), lambda self: view_of(viewer))
 
 
 def not_visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
-    view = view_of(viewer_of(frame, viewer))
-    workspace = frame.session.workspace
-    if workspace is None:
-        raise ScenicError("value", "`not visible` needs a workspace to draw from")
-    region = Filtered(workspace, lambda point: apply(NOT, view.contains(point), kind="truth"))
-    point, _ = point_in(frame, node, region)
-    return Meaning("not visible", node, POSITION, lambda self: {"position": point})
+    """`not visible [from V]`: a point of the container outside V's view; dialect 3 hides all of the object."""
+    viewer = viewer_of(frame, viewer)
+    view = view_of(viewer)
+
+    def hidden(self: Instance) -> Region:
+        container = self.properties["regionContainedIn"] or frame.session.workspace
+        if container is None:
+            raise ScenicError("value", "`not visible` needs a workspace to draw from")
+        return Filtered(container, lambda point: apply(NOT, view.contains(point), kind="truth"))
+
+    return in_or_out_of_sight(frame, node, Sight(viewer, False), hidden)
+
+
+def in_or_out_of_sight(frame: Frame, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]) -> Meaning:
+    """A position drawn from a region that depends on what can be seen."""
+    dialect = frame.session.dialect
+    words = "visible" if sight.wanted else "not visible"
+
+    def compute(self: Instance) -> dict[str, Value]:
+        return {"position": point_in(frame, node, region_for(self))[0]}
+
+    def demand(self: Instance) -> None:
+        if dialect == 3:
+            frame.session.sights.append((self, sight))
+
+    gives = {"position": LOOSE if dialect == 3 else FIRM}
+    return Meaning(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
 
 
 def viewer_of(frame: Frame, viewer: Value) -> Instance:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.classes import can_see, outline, rectangle_of
+from scenic_lite.classes import can_see, is_object, outline, rectangle_of
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session
 from scenic_lite.geometry import rectangles_meet
@@ -155,7 +155,7 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
         for i in where:
             rule = Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
-    nodes += [*sometimes_apart(objects), *visibility(session, objects)]
+    nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session)]
     for requirement in session.requirements:
         if requirement.condition is True:
             continue
@@ -198,10 +198,22 @@ def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Va
         wanted = instance.properties["requireVisible"]
         if wanted is False or instance is session.ego or session.ego is None:
             continue
-        seen = can_see(session.ego, instance)
+        seen = can_see(session.ego, instance, session.dialect)
         if isinstance(wanted, Random):
             seen = apply(OR, seen, apply(NOT, wanted, kind="truth"), kind="truth")
         rule = Rule(f"{instance.title()} is not visible from {session.ego.title()}", instance.place, "visibility")
         if seen is not True:
             nodes.append((rule, seen))
     return nodes
+
+
+def sights(session: Session) -> Iterator[tuple[Rule, Value]]:
+    """What the specifiers `visible` and `not visible` of dialect 3 demand."""
+    for instance, (viewer, wanted) in session.sights:
+        if not is_object(instance):
+            continue
+        seen = can_see(viewer, instance, session.dialect)
+        label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"
+        holds = seen if wanted else apply(NOT, seen, kind="truth")
+        if holds is not True:
+            yield Rule(label, instance.place, "visibility"), holds

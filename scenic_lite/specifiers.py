@@ -24,7 +24,8 @@ FIRM, LOOSE = 1, 3  # priorities: a firm specification beats a loose one
 class Meaning:
     """One specifier with its operands evaluated.
 
-    `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given.
+    `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given;
+    `always` is what it means besides, even where stronger specifiers give all that it would.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Meaning:
     gives: dict[str, int]
     compute: Callable[[Instance], dict[str, Value]]
     needs: frozenset[str] = frozenset()
+    always: Callable[[Instance], None] | None = None
 
 
 @dataclass(eq=False)
@@ -65,6 +67,10 @@ class Resolution:
             raise self.frame.placed(error, meaning.node) from None
 
     def _compute(self, meaning: Meaning) -> None:
+        if meaning.always is not None:
+            meaning.always(self.instance)
+        if not any(self.winners.get(name) is meaning for name in meaning.gives):
+            return
         owned = next(iter(meaning.gives))
         with self.frame.session.owned(self.instance, owned):
             given = meaning.compute(self.instance)

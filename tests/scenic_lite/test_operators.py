@@ -119,7 +119,8 @@ def test_view_of_a_sector_meets_rectangles():
     program = things(
         "ego = new Thing at 0 @ 0, facing 0, with visibleDistance 10, with viewAngle 60 deg\n"
         "thing = new Thing at Range(-15, 15) @ Range(-15, 15), facing Range(0, 360) deg, with width 4, with length 2\n"
-        "require ego can see thing"
+        "require ego can see thing",
+        dialect=3,
     )
     scenes = program.instantiate(np.random.default_rng(0).uniform(-1, 1, (400, 3)))
     grid = np.stack(np.meshgrid(np.linspace(-2, 2, 81), np.linspace(-1, 1, 41)), -1).reshape(-1, 2)
