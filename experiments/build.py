@@ -80,6 +80,19 @@ def load_program(path: Path, dialect: int) -> Program:
     return program
 
 
+def load_any_program(path: Path, dialect: int) -> tuple[Program, bool]:
+    """Compile a program of football or of anything else, and say whether it is football: it needs its library then."""
+    from scenic_lite import ScenicError, load
+
+    try:
+        program = load(path, None, dialect)
+    except ScenicError:
+        return load_program(path, dialect), True
+    for warning in program.warnings:
+        warn(f"warning: {warning}")
+    return program, False
+
+
 @cache
 def warn(text: str) -> None:
     """Print a warning on stderr, the first time that it comes up: a program is compiled for many purposes."""

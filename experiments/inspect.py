@@ -3,8 +3,9 @@
     regista inspect 1v1Free
     regista inspect mine.scenic --show nodes
     regista inspect 1v1Free --png scenes.png --n 12 --seed 3
+    regista inspect mine.scenic --rrd scenes.rrd
 
-Read next: `scenic_lite.program`, which is what is shown.
+Read next: `scenic_lite.program`, which is what is shown; `stage`, how scenes are drawn.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ class InspectConfig:
         "theta", "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text"
     )
     png: Path | None = setting(None, "draw --n scenes to this picture")
-    n: int = setting(6, "scenes to draw or to print")
+    rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
+    n: int = setting(6, "scenes to draw, to record or to print")
     seed: int = setting(0, "seed of the scenes")
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
     dialect: int = setting(2, "version of Scenic that the program is written in: 2 or 3")
@@ -58,15 +60,20 @@ def main(argv: Sequence[str]) -> int:
     if config.show in ("tokens", "nodes"):
         print_text(path, config)
         return 0
-    program = build.load_program(path, config.dialect)
-    theta = choose_theta(program, config)
+    program, football = build.load_any_program(path, config.dialect)
     if config.show == "scenes":
-        print(render_scenes(program, theta))
+        print(render_scenes(program, choose_theta(program, config)))
     else:
-        print(render_theta(program, theta if config.theta else None))
-    if config.png is not None:
-        draw_scenes(program, theta, config.png)
-        print(f"\n{len(theta)} scene{'s' * (len(theta) > 1)} drawn to {config.png}")
+        print(render_theta(program, choose_theta(program, config) if config.theta else None))
+    if config.png is not None or config.rrd is not None:
+        theta = choose_theta(program, config)
+        plural = "s" * (len(theta) > 1)
+        if config.png is not None:
+            draw_scenes(program, theta, config.png, football)
+            print(f"\n{len(theta)} scene{plural} drawn to {config.png}")
+        if config.rrd is not None:
+            write_recording(program, theta, config.rrd, football)
+            print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
     return 0
 
 
@@ -150,28 +157,54 @@ def render_scenes(program: Program, theta: np.ndarray) -> str:
     return "\n\n".join(parts)
 
 
-def draw_scenes(program: Program, theta: np.ndarray, path: Path) -> None:
-    """Draw the scenes of θ `[N, D]`, each on its own pitch."""
-    import matplotlib.pyplot as plt
+def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
+    """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
+    from envs.football.casting import CastingError
+    from experiments.scene_pictures import draw_matches, draw_pictures
+    from experiments.stage import stage_of
 
-    from experiments import plots
+    if football:
+        try:
+            return draw_matches(build.make_painter(program), theta, path)
+        except CastingError:  # football without a ball, or with something else on the pitch
+            pass
+    stage = stage_of(program, probes(program, theta), football)
+    draw_pictures(stage, program.instantiate(theta), path)
 
-    painter = build.make_painter(program)
-    columns = min(3, len(theta))
-    rows = -(-len(theta) // columns)
-    width, height = painter.bounds[1] - painter.bounds[0], painter.bounds[3] - painter.bounds[2]
-    with plots.style():
-        figure, grid = plt.subplots(
-            rows, columns, figsize=(3.4 * columns, 3.4 * rows * height / width + 0.5), squeeze=False
-        )
-        for axes in grid.flat[len(theta) :]:
-            axes.set_visible(False)
-        for index, (axes, row) in enumerate(zip(grid.flat, theta, strict=False)):
-            painter.draw(axes, row[None])
-            axes.set_title(f"scene {index}", fontweight="normal", color=plots.FAINT)
-        plots.marker_legend(figure, painter)
-        figure.tight_layout(rect=(0, 0.03, 1, 1))
-        plots.save(figure, path)
+
+def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
+    """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
+    from experiments.stage import arrows, corners, stage_of
+    from experiments.table import cannot_write
+    from ued.recorder_scenes import SceneRecord, record_scenes
+
+    stage = stage_of(program, probes(program, theta), football)
+    boxes = stage.boxes(program.instantiate(theta))
+    cards = [card(program, theta[index], index) for index in range(len(theta))]
+    scenes = [SceneRecord(*parts) for parts in zip(corners(boxes), arrows(boxes), cards, strict=True)]
+    try:
+        record_scenes(path, program.file, stage, scenes)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def probes(program: Program, theta: np.ndarray) -> np.ndarray:
+    """Give θ and random rows beside it, which say how far objects get."""
+    from experiments.stage import PROBES
+
+    return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
+
+
+def card(program: Program, theta: np.ndarray, index: int) -> str:
+    """Give what one row of θ means, in Markdown."""
+    from ued.recorder_scenes import card_of
+
+    values = program.describe(theta)
+    rows = [(name, f"{at:+.3f}", _number(value)) for at, (name, value) in zip(theta, values.items(), strict=True)]
+    scene = program.instantiate(theta[None])
+    broken = [rule.label for rule, failed in zip(program.requirements, scene.failed[0], strict=True) if failed]
+    notes = [f"not valid: {', '.join(broken) or 'a place that is no number'}"] if not scene.ok[0] else []
+    return card_of(f"{program.file}, scene {index}", rows, notes)
 
 
 # ---------------------------------------------------------------- text

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from scenic_lite.areas import Area, areas_of
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session, Source
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
@@ -65,7 +66,7 @@ class Program:
         self.terminations = tuple(session.terminations)
         self.param_places = dict(session.param_places)
         self._sources = session.sources
-        self._points = session.points
+        self._workspace, self._points = session.workspace, session.points
         self._param_values = session.params
         self.warnings = warnings
         self._instances = in_order(session)
@@ -295,6 +296,11 @@ class Program:
     @cached_property
     def _inverse(self) -> Inverse:
         return Inverse(self._roots(self._param_values), self._columns, self._points)
+
+    @property
+    def areas(self) -> tuple[Area, ...]:
+        """The outlines of the workspace and of the regions from which points are drawn."""
+        return areas_of(self._workspace, self._points)
 
     # ------------------------------------------------------------ errors
 

@@ -25,6 +25,7 @@ EXCEPTIONS = {
     "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.upomdp"},
     "ued/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder_layout.py": {"ued", "numpy", "rerun"},
+    "ued/recorder_scenes.py": {"ued", "numpy", "rerun"},
 }
 
 
@@ -56,7 +57,7 @@ def test_packages_import_only_what_the_design_allows(package):
 
 def test_only_the_recorder_imports_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
-    assert users == ["recorder.py", "recorder_layout.py"]
+    assert users == ["recorder.py", "recorder_layout.py", "recorder_scenes.py"]
 
 
 @pytest.mark.parametrize(

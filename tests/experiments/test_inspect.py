@@ -1,0 +1,104 @@
+"""`regista inspect` on programs of football and of anything else: pictures, recordings, and what it refuses."""
+
+import numpy as np
+import pytest
+
+from experiments.__main__ import main
+from experiments.stage import corners, stage_of
+from scenic_lite import load
+
+STREET = """
+street = PolygonalRegion([(0, 0), (40, 0), (40, 10), (10, 10), (10, 40), (0, 40)])
+workspace = Workspace(street)
+class Car:
+    width: 2
+    length: 4
+    requireVisible: False
+ego = Car in street, facing Range(0, 360) deg
+other = Car in street, with width 1
+require (distance from ego to other) > 5
+"""
+
+
+@pytest.fixture
+def street(tmp_path):
+    path = tmp_path / "street.scenic"
+    path.write_text(STREET)
+    return path
+
+
+def test_a_program_that_is_no_football_is_shown(street, capsys):
+    assert main(["inspect", str(street)]) == 0
+    text = capsys.readouterr().out
+    for piece in ("D = 5 free parameters", "ego.heading", "other.x", "Car", "other leaves the workspace", "> 5"):
+        assert piece in text
+
+
+def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, capsys):
+    for program in (str(street), "1v1Free"):
+        png, rrd = tmp_path / "scenes.png", tmp_path / "scenes.rrd"
+        assert main(["inspect", program, "--n", "2", "--png", str(png), "--rrd", str(rrd)]) == 0
+        assert png.read_bytes()[:4] == b"\x89PNG" and rrd.read_bytes()[:3] == b"RRF"
+        assert "2 scenes recorded in" in capsys.readouterr().out
+
+
+def test_a_recording_holds_every_scene_with_its_objects(street, tmp_path, capsys):
+    from rerun.chunk import RrdReader
+
+    rrd = tmp_path / "scenes.rrd"
+    assert main(["inspect", str(street), "--n", "3", "--seed", "5", "--rrd", str(rrd)]) == 0
+    stream = RrdReader(str(rrd)).stream()
+    batches = [chunk.to_record_batch() for chunk in stream.filter(content="/scene/objects")]
+    assert sorted(time for batch in batches for time in batch.column("scene").to_pylist()) == [0, 1, 2]
+    strips = batches[0].column("LineStrips2D:strips").to_pylist()[0]
+    program = load(street)
+    scenes = program.instantiate(program.sample(3, np.random.default_rng(5))[0])
+    stage = stage_of(program, np.zeros((1, 5)), football=False)
+    np.testing.assert_allclose(np.array(strips[0])[:4], corners(stage.boxes(scenes))[0, 0], atol=1e-4)
+    cards = [chunk.to_record_batch() for chunk in RrdReader(str(rrd)).stream().filter(content="/card")]
+    assert "| ego.heading |" in str(cards[0].to_pylist())
+
+
+def test_a_theta_of_ones_own_is_drawn(street, tmp_path, capsys):
+    png = tmp_path / "scene.png"
+    theta = ["-0.5", "0", "0.5", "0.5", "0"]
+    assert main(["inspect", str(street), "--theta", *theta, "--show", "scenes", "--png", str(png)]) == 0
+    assert "1 scene drawn" in capsys.readouterr().out
+
+
+def test_an_impossible_program_is_reported_not_drawn(tmp_path, capsys):
+    path = tmp_path / "impossible.scenic"
+    path.write_text("ego = Object at Range(0, 1) @ 0\nrequire ego.position.x > 2\n")
+    assert main(["inspect", str(path)]) == 0
+    assert "line 2: require ego.position.x > 2" in capsys.readouterr().out
+    assert main(["inspect", str(path), "--png", str(tmp_path / "scene.png")]) == 1
+    assert "no valid scene" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("flags", "code", "message"),
+    [
+        (["--theta", "0", "0"], 2, "--theta takes 5 numbers in [-1, 1]"),
+        (["--theta", "0", "0", "0", "0", "1.5"], 2, "--theta takes 5 numbers in [-1, 1]"),
+        (["--theta", "0", "0", "0", "0", "nan"], 2, "'nan' is not a finite number"),
+        (["--png", "/nowhere/scenes.png"], 1, "cannot write /nowhere/scenes.png: No such file or directory"),
+        (["--rrd", "/nowhere/scenes.rrd"], 1, "cannot write /nowhere/scenes.rrd: No such file or directory"),
+        (["--n", "0"], 2, "n must be at least 1"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_one_line(street, capsys, flags, code, message):
+    assert main(["inspect", str(street), *flags]) == code
+    assert message in capsys.readouterr().err
+
+
+def test_boxes_turn_with_the_heading():
+    box = np.array([10.0, 5.0, np.pi / 2, 2.0, 4.0])  # looks along -x
+    np.testing.assert_allclose(corners(box)[0], (8, 6), atol=1e-12)
+
+
+def test_a_stage_without_any_ground_holds_its_objects():
+    program = load("ego = Object at Range(5, 9) @ -3")
+    stage = stage_of(program, np.array([[-1.0], [1.0]]), football=False)
+    low_x, high_x, low_y, high_y = stage.bounds
+    assert low_x < 5 and high_x > 9 and low_y < -3 < high_y
+    assert stage.ground == []
