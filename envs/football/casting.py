@@ -12,6 +12,7 @@ import numpy as np
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
 from envs.football.domain import SETTINGS
 from envs.football.state import Lineup, MatchConfig, kick_off
+from envs.football.world_table import THE_BALL
 from scenic_lite import Place, Program, Scenes, ScenicError
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
@@ -81,6 +82,7 @@ class Casting:
         players: indices `[P]` into the program's objects, in the order of the match: the left team before the right
             one, keepers first, otherwise as in the program.
         ball: index of the ball among the objects.
+        cast: for each of the O objects its index in the match, or `THE_BALL`.
         lineup: teams and roles `[P]`.
         config: the settings that the program's parameters make.
     """
@@ -106,6 +108,8 @@ class Casting:
             np.array([who[index][0] for index in self.players], np.int64),
             np.array([who[index][1] for index in self.players], np.int64),
         )
+        self.cast = np.full(len(kinds), THE_BALL)
+        self.cast[self.players] = np.arange(len(self.players))
         self._check_teams()
         self.config = _settings(program)
 

@@ -61,8 +61,8 @@ DIRECTION_Y = (0.0, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL, -1.0, -_DIA
 # Modes of the game
 NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
 
-# What ended an episode
-RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION = range(5)
+# What ended an episode; the last two: a `terminate` of its program, a requirement of the program that does not hold
+RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION, TERMINATED, REJECTED = range(7)
 
-# Faults: what a kernel found that must not be
-NO_FAULT, NOT_A_NUMBER, BAD_ACTION = range(3)
+# Faults: what a kernel found that must not be; in the program itself, `scenic_lite.dynamics` says which
+NO_FAULT, NOT_A_NUMBER, BAD_ACTION, PROGRAM_FAULT = range(4)

@@ -28,6 +28,12 @@ def step_match(match, action):
     if match.ended != RUNNING:
         return
     assign_actions(match, action)
+    play(match)
+
+
+@kernel
+def play(match):
+    """Move a match on in which every player has his action."""
     find_chasers(match)
     decide(match)
     plan_motions(match)

@@ -100,10 +100,10 @@ MATCH_FIELDS = (
     ("checkpoint_reward", "f8", (), "", "0.1 per checkpoint newly passed in this step"),
     ("checkpoints", "i8", (), "", "of the 10, passed in this episode"),
     ("possession_changed", "?", (), "", "the other team than the last owner's came into possession"),
-    ("ended", "i8", (), "", "0 running, 1 goal, 2 out of play, 3 possession change, 4 duration"),
+    ("ended", "i8", (), "", "0 running, 1 goal, 2 out of play, 3 possession change, 4 duration, 5 program, 6 rejected"),
     ("terminated", "?", (), "", "ended by an event"),
-    ("truncated", "?", (), "", "ended by the duration alone"),
-    ("fault", "i8", (), "", "0 none, 1 a value is not a number, 2 no such action"),
+    ("truncated", "?", (), "", "ended by the duration alone, or rejected"),
+    ("fault", "i8", (), "", "0 none, 1 a value is not a number, 2 no such action, 3 in the program"),
 )
 
 

@@ -93,7 +93,7 @@ def command(value: Value, instance: Instance) -> Value:
     if not isinstance(value, int | float) or isinstance(value, bool):
         hint = "write its brackets, as in take Shoot()"
         raise ScenicError("type", f"an action of football is a number, not {describe_kind(value)}", hint=hint)
-    if value != int(value) or not 0 <= value <= BUILTIN_AI:
+    if not 0 <= value <= BUILTIN_AI or value != int(value):
         raise ScenicError("value", f"there is no action {value:g}; actions are 0 to {BUILTIN_AI}")
     return value
 
