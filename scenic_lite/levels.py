@@ -81,12 +81,10 @@ class Inverse:
         for d in np.flatnonzero(self.span == 0).tolist():
             knowledge.learn(d, ~knowledge.known[d], self.offset[d])
         propagate(knowledge, self.points, self.slots)
-        noises = [d for d, column in enumerate(self.columns) if column.draw_kind == "noise"]
-        if any(not knowledge.known[d].all() for d in noises):  # where something else can be the cause, no noise is
-            for d in noises:
-                if not knowledge.known[d].all():
-                    knowledge.learn(d, ~knowledge.known[d], self.offset[d] + 0.5 * self.span[d])
-            propagate(knowledge, self.points, self.slots)
+        for d, column in enumerate(self.columns):
+            if is_noise(column) and not knowledge.known[d].all():  # something else can be the cause: then let it be
+                knowledge.learn(d, ~knowledge.known[d], self.offset[d] + 0.5 * self.span[d])
+                propagate(knowledge, self.points, self.slots)
         return knowledge
 
     def _decided(self, wishes: list[Wish]) -> np.ndarray:
@@ -171,6 +169,11 @@ class Inverse:
             if group:
                 groups.append(group.union(*touching))
         return [sorted(group) for group in groups]
+
+
+def is_noise(column: Column) -> bool:
+    """Whether it is a part of what `mutate` adds."""
+    return column.owner is not None and column.owner[1].startswith("noise.")
 
 
 def asked(values: np.ndarray) -> np.ndarray:

@@ -36,10 +36,12 @@ PROGRAMS = {
     "params": "param day = Range(1, 30)\nparam weather = Uniform('sun', 'rain')",
     "arguments": "behavior Walk(speed, to):\n    wait\nr = RectangularRegion(3 @ 4, 0, 2, 4)\n"
     "a = new Thing with behavior Walk(Range(1, 5), Point on r)",
+    "noise on a fixed place": "a = new Thing at 3 @ 4, facing 30 deg\nmutate a by 2",
+    "noise on a random place": "a = new Thing at Range(0, 9) @ Normal(0, 1)\nb = new Thing left of a by 2\nmutate a, b",
     "a fixed range": "a = new Thing at Range(4, 4) @ Range(1, 2)",
 }
 
-AMBIGUOUS = {"nested range", "points"}  # many θ give the same scene
+AMBIGUOUS = {"nested range", "points", "noise on a random place"}  # many θ give the same scene
 
 
 def assert_round_trip(program):
