@@ -64,6 +64,10 @@ class Displays(Instances):
             hint = f'it is written "{"and" if before == "&" else "or"}"'
         elif token.kind == "newline" and before in ("+", "-") and self.index > 1 and self.peek(-2).text == before:
             hint = f'write "{before}= 1"'
+        elif token.text == ">" and before == "<":
+            hint = '"!=" compares'
+        elif token.text in ("/", "//") or (token.text == "*" and before == "/"):
+            hint = 'a comment begins with "#"'
         elif token.text == "=":
             hint = '"==" compares'
         self.fail(f"expected a value, found {describe(token)}", hint)

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import ast
 import copy
+import difflib
 from typing import NamedTuple
 
 from scenic_lite.lexer import Token
 from scenic_lite.nodes import New, Operator, Specifier
-from scenic_lite.parser_cursor import LOAD, describe, nearest
+from scenic_lite.parser_cursor import LOAD, describe
 from scenic_lite.parser_operators import ALONG, AT, INFIX_WORDS, OR, PREFIX, RELATIVE, SEE, SPECIAL
 from scenic_lite.parser_strings import Strings
 
@@ -197,7 +198,8 @@ class Instances(Strings):
                 if self.is_misspelt():
                     self.unknown_specifier()
                 if self.specifier_indents or (self.brackets == 0 and not self.begins_instance()):
-                    self.fail(f"expected a specifier after the comma, found {describe(self.token)}")
+                    hint = 'a place is written "3 @ 4"' if self.token.kind == "number" else ""
+                    self.fail(f"expected a specifier after the comma, found {describe(self.token)}", hint)
                 self.specifier_indents = indents
                 self.go_back(index)
                 return
@@ -238,8 +240,7 @@ class Instances(Strings):
     def unknown_specifier(self) -> None:
         """Report a word that is no specifier, with the nearest one that is."""
         word = self.token.text
-        hint = nearest(word, SPECIFIER_NAMES) or LIST_OF_SPECIFIERS
-        self.fail(f'unknown specifier "{word}"', hint)
+        self.fail(f'unknown specifier "{word}"', specifier_hint(word))
 
     def begins_specifier(self) -> bool:
         """Does a specifier come next?"""
@@ -287,7 +288,9 @@ class Instances(Strings):
         return self.expression()
 
     def needs_value(self, name: str) -> None:
-        """The line or argument must not end after the words of a specifier."""
+        """The line or argument must not end after the words of a specifier, nor a word too many follow."""
+        if name == "facing" and self.token.text in ("to", "at", "towards") and self.starts_value(self.peek(), ""):
+            self.fail(f'unknown specifier "facing {self.token.text}"', 'did you mean "facing toward"?')
         if self.token.kind in ("newline", "end") or self.token.text in (",", ")"):
             self.fail(f'expected a value after "{name}", found {describe(self.token)}')
 
@@ -319,6 +322,16 @@ class Instances(Strings):
             self.fail(f'expected "by" before the distance of "{name}"', f'write "{name} X by {self.token.text}"')
         if self.token.kind == "name" and self.token.text in SPECIFIER_WORDS and self.begins_specifier():
             self.fail(f'expected a comma before the specifier "{self.token.text}"')
+
+
+def specifier_hint(word: str) -> str:
+    """The specifier that a word was perhaps meant to begin, or all there are."""
+    close = difflib.get_close_matches(word, sorted(SPECIFIER_NAMES), 1, 0.7)
+    if not close:
+        return LIST_OF_SPECIFIERS
+    whole = [" ".join(form.words) for form in _FORMS.get(close[0], ())]  # of a first word such as "ahead"
+    meant = close[0] if close[0] in whole or not whole else whole[0]
+    return f'did you mean "{meant}"?'
 
 
 def _operator(cls: ast.expr, words: tuple[str, ...], value: ast.expr, heading: ast.expr | None) -> ast.expr:

@@ -14,7 +14,7 @@ from scenic_lite.nodes import New
 from scenic_lite.parser_cursor import DELETE, PYTHON_KEYWORDS, describe, nearest
 from scenic_lite.parser_expressions import Expressions
 from scenic_lite.parser_operators import INFIX_WORDS
-from scenic_lite.parser_specifiers import LIST_OF_SPECIFIERS, SPECIFIER_NAMES, SPECIFIER_WORDS
+from scenic_lite.parser_specifiers import SPECIFIER_WORDS, specifier_hint
 
 AUGMENTED: dict[str, ast.operator] = {
     "+=": ast.Add(),
@@ -124,8 +124,7 @@ class SimpleStatements(Expressions):
         if token.text == "with":
             self.fail(f'expected a property name after "with", found {describe(self.peek())}', at=self.peek())
         if before.text[:1].isupper() and token.text not in INFIX_WORDS:
-            hint = nearest(token.text, SPECIFIER_NAMES) or LIST_OF_SPECIFIERS
-            self.fail(f'unknown specifier "{token.text}"', hint)
+            self.fail(f'unknown specifier "{token.text}"', specifier_hint(token.text))
         if token.text in SPECIFIER_WORDS and token.text not in INFIX_WORDS:
             self.fail(f'unexpected specifier "{token.text}"', 'specifiers follow a class: "Ball ahead of ego by 2"')
 
@@ -141,6 +140,10 @@ class SimpleStatements(Expressions):
         token, before = self.token, self.previous
         if token.text in _FOREIGN:
             return _FOREIGN[token.text]
+        if before.text == ",":
+            return "no comma stands between a class and its first specifier" if token.text in SPECIFIER_WORDS else ""
+        if before.text in ("relative", "apparent"):
+            return f'write "{before.text} heading of X"'
         if before.text in ("distance", "angle"):
             return f'write "{before.text} from X to Y"'
         if before.text == "print":

@@ -33,7 +33,7 @@ requier x > 3
     ^^^^^^^
 ---
 ego = Ball ahed of ego by 2
->>> 1:12: unknown specifier "ahed" (did you mean "ahead"?)
+>>> 1:12: unknown specifier "ahed" (did you mean "ahead of"?)
     ego = Ball ahed of ego by 2
                ^^^^
 ---
