@@ -34,7 +34,7 @@ from scenic_lite.graph import NOT, Random, Value, apply
 from scenic_lite.placement import ego_of, vector_of, viewer_of
 from scenic_lite.polygons import difference, intersection
 from scenic_lite.regions import Filtered, PolygonalRegion, Region, VectorField, truth_of
-from scenic_lite.values import Delayed, Instance, describe_kind
+from scenic_lite.values import Choice, Delayed, Instance, describe_kind
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
 
@@ -108,7 +108,16 @@ def relative_to(frame: Frame, x: Value, y: Value) -> Value:
         return into_frame(frame, y, x)
     if is_scalar(x) and is_scalar(y):
         return x + y
+    if frame.session.dialect == 3 and is_random_frame(x):
+        return x.merged([relative_to(frame, option, y) for option in x.options])
+    if frame.session.dialect == 3 and is_random_frame(y):
+        return y.merged([relative_to(frame, x, option) for option in y.options])
     return vector_of("relative to", x) + vector_of("relative to", y)
+
+
+def is_random_frame(value: Value) -> bool:
+    """Whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
+    return isinstance(value, Choice) and all(is_oriented(option) for option in value.options)
 
 
 def into_frame(frame: Frame, offset: Value, base: Instance) -> Value:

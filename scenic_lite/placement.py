@@ -16,7 +16,7 @@ from scenic_lite.fields import follow
 from scenic_lite.frame import Frame, Sight
 from scenic_lite.geometry import Vector, angle_between, as_vector, is_scalar, normalised
 from scenic_lite.graph import NOT, Value, apply
-from scenic_lite.regions import Filtered, Region, VectorField
+from scenic_lite.regions import Filtered, RectangularRegion, Region, VectorField
 from scenic_lite.specifiers import FIRM, LOOSE, Meaning
 from scenic_lite.values import Choice, Delayed, Instance, describe_kind
 
@@ -58,8 +58,18 @@ def at(frame: Frame, node: ast.AST, place: Value) -> Meaning:
 
 
 def inside(frame: Frame, node: ast.AST, region: Value) -> Meaning:
-    """`in R` and `on R`: a uniform point, with the region's orientation if it has one."""
+    """`in R` and `on R`: a uniform point, with the region's orientation if it has one.
+
+    In dialect 3 also `on` an object, which is its rectangle, and `on` a point.
+    """
     words = node.name  # type: ignore[attr-defined]
+    if words == "on" and frame.session.dialect == 3 and not isinstance(region, Region | Choice):
+        if is_object(region):
+            p = region.properties
+            region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
+        elif as_vector(region) is not None:
+            place = vector_of("on", region)
+            return Meaning(words, node, POSITION, lambda self: {"position": place})
     oriented = check_region(words, region)
     gives = POSITION | (
         optional_heading(frame, 2 if words == "on" and frame.session.dialect == 3 else LOOSE) if oriented else {}

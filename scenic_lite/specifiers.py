@@ -10,7 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from scenic_lite.classes import OBJECT, ORIENTED_POINT, checked
+from scenic_lite.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, near
 from scenic_lite.geometry import normalised
@@ -89,6 +89,7 @@ class Resolution:
 
 def make(frame: Frame, cls: ScenicClass, meanings: list[Meaning], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
+    refuse_final(frame, cls, meanings)
     winners = strongest(frame, meanings)
     for name in cls.property_names():
         if name not in winners:
@@ -105,6 +106,16 @@ def make(frame: Frame, cls: ScenicClass, meanings: list[Meaning], instance: Inst
             raise ScenicError("budget", f"evaluation budget exceeded: more than {limit} objects")
         frame.session.objects.append(instance)
     return instance
+
+
+def refuse_final(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+    """Raise ScenicError where a specifier gives a property that its class calls final, or a name that is taken."""
+    for meaning in meanings:
+        for name in meaning.gives:
+            if any("final" in default.attributes for default in cls.defaults_of(name)):
+                raise frame.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
+            if name in SIDES:
+                raise frame.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
 
 
 def strongest(frame: Frame, meanings: list[Meaning]) -> dict[str, Meaning]:
@@ -158,7 +169,10 @@ def instance_node(instance: Instance) -> ast.AST:
 def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], instance: Instance) -> None:
     """Dialect 3: unless set firmly, heading = that of the parent + yaw, and the class's default is the parent's."""
     node = instance_node(instance)
-    if winners["heading"].name.startswith("default"):
+    heading, yaw = winners["heading"], winners.get("yaw")
+    if yaw is not None and not heading.name.startswith("default"):
+        raise frame.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
+    if heading.name.startswith("default"):
         parent = winners["heading"].compute
         needs = winners["heading"].needs
         winners.setdefault(

@@ -187,6 +187,8 @@ def define_class(frame: Frame, node: ast.ClassDef) -> None:
         if isinstance(statement, nodes.PropertyDefault):
             if statement.name in cls.defaults:
                 raise frame.error("syntax", f"the property '{statement.name}' is declared twice", statement)
+            if any("final" in default.attributes for default in cls.base.defaults_of(statement.name)):
+                raise frame.error("specifier", f"the property '{statement.name}' of {cls.base.name} is final", node)
             cls.defaults[statement.name] = default_of(frame, statement)
         elif isinstance(statement, ast.FunctionDef):
             cls.members[statement.name] = function_of(frame, statement.name, statement.args, statement.body)
@@ -218,6 +220,11 @@ def default_of(frame: Frame, node: nodes.PropertyDefault) -> Default:
         for each in ast.walk(node.value)
         if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
     }
+
+    owners = {id(each.value) for each in ast.walk(node.value) if isinstance(each, ast.Attribute)}
+    for each in ast.walk(node.value):
+        if isinstance(each, ast.Name) and each.id == "self" and id(each) not in owners:
+            raise frame.error("syntax", "a default reads `self.property`, never the bare `self`", each)
 
     def compute(self: Instance) -> Value:
         value = frame.inner({"self": self}).value(node.value)
