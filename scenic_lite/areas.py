@@ -12,8 +12,7 @@ import numpy as np
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import DrawnPoint
-from scenic_lite.polygons import Point2
-from scenic_lite.regions import Filtered, PolylineRegion, Region
+from scenic_lite.regions import Region
 
 
 class Area(NamedTuple):
@@ -33,34 +32,7 @@ def areas_of(workspace: Region | None, points: Iterable[DrawnPoint]) -> tuple[Ar
 
 def strips_of(region: Region) -> list[np.ndarray]:
     """The boundary of a region; nothing where it is random or endless."""
-    if isinstance(region, Filtered):
-        return strips_of(region.region)
-    if isinstance(region, PolylineRegion):
-        return [np.asarray(region.points)]
     try:
-        return boundary(region.pieces())
+        return region.outlines()
     except ScenicError:
         return []
-
-
-def boundary(pieces: list[list[Point2]]) -> list[np.ndarray]:
-    """The edges that only one of some convex pieces has, joined to strips [n, 2] where one ends as the next begins."""
-    edges: dict[tuple, tuple] = {}  # from rounded start to end; two pieces have an inner edge in opposite directions
-    for piece in pieces:
-        for start, end in zip(piece, piece[1:] + piece[:1], strict=True):
-            a, b = rounded(start), rounded(end)
-            if (b, a) in edges:
-                del edges[b, a]
-            elif a != b:
-                edges[a, b] = (start, end)
-    strips: list[list[Point2]] = []
-    for start, end in edges.values():
-        if strips and rounded(strips[-1][-1]) == rounded(start):
-            strips[-1].append(end)
-        else:
-            strips.append([start, end])
-    return [np.array(strip, dtype=float) for strip in strips]
-
-
-def rounded(point: Point2) -> Point2:
-    return round(point[0], 6), round(point[1], 6)

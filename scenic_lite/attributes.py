@@ -5,24 +5,34 @@ Read next: `functions`, the built-in functions.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.classes import SIDES, is_oriented, outline, side_of
+import numpy as np
+
+from scenic_lite.classes import SIDES, is_oriented, side_of
+from scenic_lite.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
 from scenic_lite.errors import ScenicError
+from scenic_lite.exceptions import ExceptionClass, Fault
 from scenic_lite.frame import Frame, near
 from scenic_lite.geometry import Vector, angle_between, as_vector, distance_between
-from scenic_lite.graph import Value
-from scenic_lite.operators import common_part, remainder, union
-from scenic_lite.regions import Region, SectorRegion
+from scenic_lite.graph import Random, Value
+from scenic_lite.region_members import FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
+from scenic_lite.regions import Region, VectorField
+from scenic_lite.tables import own
+from scenic_lite.texts import METHODS as TEXTS
 from scenic_lite.values import (
+    Behavior,
     Bound,
     Builtin,
     Choice,
+    Descriptor,
     Function,
     Instance,
     Namespace,
     ScenicClass,
+    Super,
     describe_kind,
 )
 
@@ -32,11 +42,19 @@ def attribute(frame: Frame, value: Value, name: str) -> Value:
     if isinstance(value, Choice):
         return value.merged([attribute(frame, option, name) for option in value.options])
     if isinstance(value, Instance):
-        return of_instance(value, name)
+        return of_instance(frame, value, name)
     if isinstance(value, Namespace):
         return of_namespace(value, name)
     if isinstance(value, ScenicClass):
-        return value.name if name == "__name__" else found(value.member(name), value, name, value.members)
+        return of_class(value, name)
+    if isinstance(value, Super):
+        return of_super(frame, value, name)
+    if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ExceptionClass):
+        return value.name
+    if isinstance(value, Builtin) and value.types:
+        return of_type(value, name)
+    if isinstance(value, Random) and value.kind == "text" and name in TEXTS:
+        return Bound(Builtin(name, EachText(name)), value)
     fields = next((table for kind, table in FIELDS if isinstance(value, kind)), {})
     if name in fields:
         return fields[name](value)
@@ -61,13 +79,71 @@ def of_namespace(module: Namespace, name: str) -> Value:
     return module.names[name]
 
 
-def of_instance(instance: Instance, name: str) -> Value:
-    """A property, a method, a side, or an attribute of the position."""
+def of_class(cls: ScenicClass, name: str) -> Value:
+    if name == "__name__":
+        return cls.name
+    member = cls.member(name)
+    if isinstance(member, Descriptor):
+        member = Bound(member.function, cls) if member.kind == "classmethod" else member.function
+    return found(member, cls, name, cls.members)
+
+
+def of_type(cls: Builtin, name: str) -> Value:
+    """`str.lower`, `dict.fromkeys`: a method without its receiver."""
+    known = next((table for kind, table in METHODS if kind in cls.types), {}) | CLASS_METHODS.get(cls.name, {})
+    return found(known.get(name), cls, name, known)
+
+
+def of_super(frame: Frame, value: Super, name: str) -> Value:
+    member = value.base.member(name)
+    known = [each for cls in value.base.lineage() for each in cls.members]
+    return member_of(frame, found(member, value.receiver, name, known), value.receiver)
+
+
+def member_of(frame: Frame, member: Value, instance: Value) -> Value:
+    """A member of a class as an instance sees it."""
+    if isinstance(member, Function):
+        return Bound(member, instance)
+    if not isinstance(member, Descriptor):
+        return member
+    if member.kind == "property":
+        return frame.call(member.function, [instance], {}, ast.Pass())
+    cls = instance.cls if isinstance(instance, Instance) else instance
+    return Bound(member.function, cls) if member.kind == "classmethod" else member.function
+
+
+class EachText:
+    """A method of texts on each text of an array [N]; gives texts, numbers or truth values."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        if name in ("join", "format", "split", "rsplit", "splitlines", "partition", "rpartition"):
+            raise ScenicError("unsupported", f"{name}() of a random text")
+
+    def __call__(self, text: Value, *arguments: Value) -> Value:
+        for each in arguments:
+            if not isinstance(each, str | int):
+                raise ScenicError("type", f"{self.name}() of a random text takes fixed texts and numbers")
+        method = vars(str)[self.name]  # one of the table of texts
+        sample = method("", *arguments)
+        kind = "text" if isinstance(sample, str) else "truth" if isinstance(sample, bool) else "number"
+
+        def each(texts: Any) -> Any:
+            results = [method(text, *arguments) for text in texts]
+            return np.array([*results, None], dtype=object)[:-1] if kind == "text" else np.array(results)
+
+        return Random(each, (text,), kind)
+
+
+def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
+    """A property, an attribute set later, a method, a side, or an attribute of the position."""
     if name in instance.properties:
         return instance.properties[name]
+    if name in instance.attributes:
+        return instance.attributes[name]
     member = instance.cls.member(name)
     if member is not None:
-        return Bound(member, instance) if isinstance(member, Function) else member
+        return member_of(frame, member, instance)
     if is_oriented(instance) and name in SIDES:
         return side_of(instance, name)
     position = instance.position_vector()
@@ -119,68 +195,6 @@ def angle_to(self: Vector, other: Value) -> Value:
     return angle_between(self, vector(other))
 
 
-def contains_point(self: Region, point: Value) -> Value:
-    return self.contains(vector(point))
-
-
-def contains_object(self: Region, instance: Value) -> Value:
-    if not isinstance(instance, Instance):
-        raise ScenicError("type", f"containsObject needs an object, not {describe_kind(instance)}")
-    return self.contains_corners(outline(instance))
-
-
-def list_append(frame: Frame, node: Any, self: list, item: Value) -> None:
-    frame.session.budget.container(len(self) + 1)
-    frame.session.budget.memory -= len(self)
-    self.append(item)
-
-
-def list_extend(frame: Frame, node: Any, self: list, items: Value) -> None:
-    items = frame.elements(items, node)
-    frame.session.budget.container(len(self) + len(items))
-    self.extend(items)
-
-
-def list_insert(frame: Frame, node: Any, self: list, index: int, item: Value) -> None:
-    frame.session.budget.container(len(self) + 1)
-    self.insert(index, item)
-
-
-def text_join(frame: Frame, node: Any, self: str, items: Value) -> str:
-    items = frame.elements(items, node)
-    frame.session.budget.text(sum(len(item) + len(self) for item in items if isinstance(item, str)))
-    return self.join(items)
-
-
-def text_replace(frame: Frame, node: Any, self: str, old: str, new: str) -> str:
-    frame.session.budget.text(len(self) + (len(self) + 1) * len(new))
-    return self.replace(old, new)
-
-
-def text_split(frame: Frame, node: Any, self: str, separator: str | None = None) -> list:
-    frame.session.budget.container(len(self))
-    return self.split(separator)
-
-
-def dictionary_update(frame: Frame, node: Any, self: dict, other: dict) -> None:
-    frame.session.budget.container(len(self) + len(other))
-    self.update(other)
-
-
-def plain(*names: str, of: type) -> dict[str, Builtin]:
-    """Methods of a Python container that cannot grow it and run no code of the program's."""
-    return {name: Builtin(name, vars(of)[name], lifted=False) for name in names}
-
-
-def own(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    return {name: Builtin(name, function) for name, function in functions.items()}
-
-
-def sited(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Methods that also receive the frame and the call."""
-    return {name: Builtin(name, function, sited=True, lifted=False) for name, function in functions.items()}
-
-
 VECTOR_METHODS = own(
     norm=Vector.length,
     normalized=normalized,
@@ -192,63 +206,21 @@ VECTOR_METHODS = own(
     offsetRadially=offset_radially,
     offsetBy=lambda self, offset: self + vector(offset),
 )
-REGION_METHODS = own(
-    containsPoint=contains_point,
-    containsObject=contains_object,
-    intersect=lambda self, other: common_part(self, other),
-    difference=lambda self, other: remainder(self, other),
-    union=lambda self, other: union(self, other),
-)
-LIST_METHODS = plain("pop", "remove", "index", "count", "reverse", "copy", "clear", of=list) | sited(
-    append=list_append, extend=list_extend, insert=list_insert
-)
-DICTIONARY_METHODS = (
-    plain("get", "pop", "setdefault", "copy", of=dict)
-    | sited(update=dictionary_update)
-    | {
-        name: Builtin(name, function, lifted=False)
-        for name, function in (
-            ("keys", lambda self: list(self)),
-            ("values", lambda self: list(self.values())),
-            ("items", lambda self: list(self.items())),
-        )
-    }
-)
-TEXT_METHODS = plain(
-    "lower", "upper", "title", "capitalize", "strip", "lstrip", "rstrip", "startswith", "endswith",
-    "find", "count", "isdigit", "isalpha", of=str,
-) | sited(join=text_join, replace=text_replace, split=text_split)  # fmt: skip
-SET_METHODS = plain("add", "discard", "remove", "union", "intersection", "difference", "copy", of=set)
 METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
     (Vector, VECTOR_METHODS),
     (Region, REGION_METHODS),
-    (list, LIST_METHODS),
-    (tuple, plain("index", "count", of=tuple)),
-    (dict, DICTIONARY_METHODS),
-    (str, TEXT_METHODS),
-    (set, SET_METHODS),
+    (VectorField, FIELD_METHODS),
+    (list, LISTS),
+    (tuple, TUPLES),
+    (dict, DICTIONARIES),
+    (str, TEXTS),
+    (set, SETS),
 )
+FAULT_FIELDS = {"args": lambda fault: fault.arguments}
 VECTOR_FIELDS = {"x": lambda v: v.x, "y": lambda v: v.y, "z": lambda v: 0.0, "coordinates": lambda v: (v.x, v.y)}
-REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
-    "orientation": lambda region: region.orientation,
-    "position": lambda region: region_part(region, "position"),
-    "center": lambda region: region_part(region, "center"),
-    "heading": lambda region: region_part(region, "heading"),
-    "width": lambda region: region_part(region, "width"),
-    "length": lambda region: region_part(region, "length"),
-    "radius": lambda region: region_part(region, "radius"),
-    "angle": lambda region: region_part(region, "angle"),
-}
 FIELDS: tuple[tuple[Any, dict[str, Callable[[Any], Value]]], ...] = (
+    (Fault, FAULT_FIELDS),
     (Vector, VECTOR_FIELDS),
     (Region, REGION_FIELDS),
+    (VectorField, FIELD_FIELDS),
 )
-
-
-def region_part(region: Region, name: str) -> Value:
-    """A parameter of a rectangle, disc or sector."""
-    if isinstance(region, SectorRegion) and name == "position":
-        return region.center
-    if name not in vars(region):
-        raise ScenicError("name", f"{type(region).__name__} has no attribute '{name}'")
-    return vars(region)[name]

@@ -10,10 +10,13 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from scenic_lite import nodes
 from scenic_lite.attributes import attribute
 from scenic_lite.comparisons import comparison
 from scenic_lite.errors import ScenicError
+from scenic_lite.exceptions import named_fault
 from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector, as_vector
 from scenic_lite.graph import (
@@ -28,7 +31,11 @@ from scenic_lite.graph import (
     kind_of,
 )
 from scenic_lite.operators import OPERATORS, ego_of
-from scenic_lite.values import Choice, Delayed, Namespace, choose, describe_kind
+from scenic_lite.region_members import item_of as element_of
+from scenic_lite.regions import Region, VectorField
+from scenic_lite.texts import joined as joined_texts
+from scenic_lite.texts import percent, represented, text_of
+from scenic_lite.values import Choice, Delayed, Namespace, Stream, choose, describe_kind
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -75,6 +82,8 @@ def combined(frame: Frame, sign: ast.operator, left: Value, right: Value) -> Val
     """The result of `left sign right`, within the budget."""
     if isinstance(sign, ast.MatMult):
         return at_sign(left, right)
+    if isinstance(sign, ast.Mod) and isinstance(left, str):
+        return percent(frame, left, right)
     if isinstance(left, Choice):
         return left.merged([combined(frame, sign, option, right) for option in left.options])
     if isinstance(right, Choice):
@@ -127,8 +136,6 @@ def check_size(frame: Frame, sign: ast.operator, left: Value, right: Value) -> N
         for sequence, count in ((left, right), (right, left)):
             if isinstance(sequence, str | list | tuple) and isinstance(count, int):
                 budget.repeated(sequence, count)
-    elif isinstance(sign, ast.Mod) and isinstance(left, str):
-        raise ScenicError("unsupported", "texts are not formatted by `%` here", hint='write f"{x}"')
 
 
 def unary(frame: Frame, node: ast.UnaryOp) -> Value:
@@ -188,7 +195,13 @@ def either(test: Random, yes: Value, no: Value) -> Value:
 
 
 def attribute_of(frame: Frame, node: ast.Attribute) -> Value:
-    return attribute(frame, frame.value(node.value), node.attr)
+    value = frame.value(node.value)
+    try:
+        return attribute(frame, value, node.attr)
+    except ScenicError as error:
+        if error.kind == "name" and error.place is None:
+            named_fault("AttributeError", error)
+        raise
 
 
 def subscript(frame: Frame, node: ast.Subscript) -> Value:
@@ -198,7 +211,13 @@ def subscript(frame: Frame, node: ast.Subscript) -> Value:
 
 def item_of(frame: Frame, container: Value, index: Value) -> Value:
     if isinstance(container, Choice):
+        if isinstance(index, Random):
+            return container.merged([item_at(frame, option, index) for option in container.options])
         return container.merged([item_of(frame, option, index) for option in container.options])
+    if isinstance(container, Random) and container.kind == "text":
+        return Random(EachItem(index), (container,), "text")
+    if isinstance(container, Region | VectorField):
+        return element_of(container, index)
     if isinstance(index, Random | Choice):
         hint = "write Uniform(*items) for a random element"
         raise ScenicError("random-control-flow", "the index of a list must not be random", hint=hint)
@@ -212,6 +231,37 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
     result = container[index]
     frame.session.budget.keep(result) if isinstance(index, slice) else None
     return result
+
+
+def item_at(frame: Frame, container: Value, index: Random) -> Value:
+    """An item of one of several random lists at a random place; scenes where it has no such place are rejected."""
+    items = frame.elements(container, ast.Pass())
+    if isinstance(container, dict) or not items:
+        raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
+    place = Random(Within(len(items)), (index,))
+    return choose(place, items)
+
+
+class Within:
+    """Places [N] in a list of `count` elements, counted from its end where negative."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+
+    def __call__(self, index: Any) -> Any:
+        return np.clip(np.where(index < 0, index + self.count, index), 0, self.count - 1)
+
+
+class EachItem:
+    """One character, or a slice, of each text of an array [N]."""
+
+    def __init__(self, index: Value) -> None:
+        if not isinstance(index, int | slice):
+            raise ScenicError("type", "the index of a random text must be a fixed integer")
+        self.index = index
+
+    def __call__(self, texts: Any) -> Any:
+        return np.array([*(text[self.index] for text in texts), None], dtype=object)[:-1]
 
 
 def slice_of(frame: Frame, node: ast.Slice) -> slice:
@@ -248,24 +298,32 @@ def dictionary(frame: Frame, node: ast.Dict) -> dict:
     result: dict = {}
     for key, value in zip(node.keys, node.values, strict=True):
         if key is None:
-            result.update(frame.value(value))
+            result.update(mapping(frame, value))
         else:
             result[key_of(frame, key)] = frame.value(value)
     frame.session.budget.container(len(result))
     return result
 
 
+def mapping(frame: Frame, node: ast.expr) -> dict:
+    """What `**` spreads."""
+    value = frame.value(node)
+    if not isinstance(value, dict):
+        raise frame.error("type", f"`**` needs a dictionary, not {describe_kind(value)}", node)
+    return value
+
+
 def joined(frame: Frame, node: ast.JoinedStr) -> Value:
     """An f-string; random parts are written row by row."""
-    result: Value = ""
-    for part in node.values:
-        result = combined(frame, ast.Add(), result, frame.value(part))
-    return result
+    return joined_texts(frame, [frame.value(part) for part in node.values])
 
 
 def formatted(frame: Frame, node: ast.FormattedValue) -> Value:
     spec = "" if node.format_spec is None else frame.value(node.format_spec)
-    return frame.text_of(frame.value(node.value), spec)
+    value = frame.value(node.value)
+    if node.conversion in (ord("r"), ord("a")):
+        value = represented(frame, node, value)
+    return text_of(frame, value, spec)
 
 
 def comprehension(frame: Frame, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Value:
@@ -274,6 +332,8 @@ def comprehension(frame: Frame, node: ast.ListComp | ast.SetComp | ast.Generator
         result.append(inner.value(node.elt))
         frame.session.budget.spend(1)
     frame.session.budget.container(len(result))
+    if isinstance(node, ast.GeneratorExp):
+        return Stream(result)
     return set_of(frame, result) if isinstance(node, ast.SetComp) else result
 
 
@@ -285,8 +345,23 @@ def dictionary_comprehension(frame: Frame, node: ast.DictComp) -> dict:
 
 def named(frame: Frame, node: ast.NamedExpr) -> Value:
     value = frame.value(node.value)
-    frame.assign(node.target.id, value)
+    at = frame
+    while at.transparent and at.outer is not None:
+        at = at.outer
+    at.assign(node.target.id, value)
     return value
+
+
+def give(frame: Frame, node: ast.Yield | ast.YieldFrom) -> None:
+    """`yield`: kept until the function has ended; what the caller would send is None."""
+    at: Frame | None = frame
+    while at is not None and at.yields is None:
+        at = at.outer
+    if at is None or at.yields is None:
+        raise ScenicError("syntax", "`yield` belongs into a function")
+    value = None if node.value is None else frame.value(node.value)
+    at.yields += frame.elements(value, node) if isinstance(node, ast.YieldFrom) else [value]
+    frame.session.budget.container(1)
 
 
 def scenic_operator(frame: Frame, node: nodes.Operator) -> Value:
@@ -323,5 +398,7 @@ EXPRESSIONS: dict[type, Callable[[Frame, Any], Value]] = {
     ast.GeneratorExp: comprehension,
     ast.DictComp: dictionary_comprehension,
     ast.NamedExpr: named,
+    ast.Yield: give,
+    ast.YieldFrom: give,
     nodes.Operator: scenic_operator,
 }

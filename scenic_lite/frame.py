@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import difflib
-import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -21,14 +20,24 @@ from scenic_lite import nodes
 from scenic_lite.budget import Budget, exceeded
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.exceptions import from_python
+from scenic_lite.exceptions import from_python, named_fault
 from scenic_lite.geometry import Vector
-from scenic_lite.graph import TEXT, Column, Random, Value, columns_of
+from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.regions import Region
-from scenic_lite.values import Behavior, BehaviorCall, Choice, Instance, Namespace, describe_kind
+from scenic_lite.values import (
+    Behavior,
+    BehaviorCall,
+    Choice,
+    Instance,
+    Namespace,
+    ScenicClass,
+    Stream,
+    describe_kind,
+)
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
-WORDS = {ast.Delete: "del", ast.AsyncFunctionDef: "async def", nodes.TryInterrupt: "try"}
+CONTAINERS = (list, tuple, set, dict, str, bytes, range)
+WORDS = {nodes.TryInterrupt: "interrupt when"}
 
 
 @dataclass(frozen=True)
@@ -69,11 +78,14 @@ class Sight(NamedTuple):
     wanted: bool
 
 
-class Termination(NamedTuple):
-    """One `terminate when` or `terminate after`."""
+class Watched(NamedTuple):
+    """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
 
     tree: ast.stmt
     place: Place
+    frame: Frame
+    label: str = ""  # its name, or its text
+    bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
 
 
 @dataclass(eq=False)
@@ -97,12 +109,22 @@ class Session:
     points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
-    terminations: list[Termination] = field(default_factory=list)
+    terminations: list[Watched] = field(default_factory=list)
+    records: list[Watched] = field(default_factory=list)
+    temporal: list[Watched] = field(default_factory=list)
+    scenarios: list[Behavior] = field(default_factory=list)
+    main: BehaviorCall | None = None  # the modular scenario that the program is
+    main_frame: Frame | None = None
     library_params: set[str] = field(default_factory=set)
     param_places: dict[str, Place] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)
+    root: Path | None = None  # the program's folder
+    model: str | None = None  # the world model that the caller wants instead of the program's
+    modelling: int = 0  # `model` statements that are being executed
+    fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
+    handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
     warnings: list[ScenicError] = field(default_factory=list)
     doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
     declared: set[Place] = field(default_factory=set)  # `with` specifiers of properties that the class declares
@@ -110,7 +132,8 @@ class Session:
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
     in_requirement: int = 0
-    row: dict[int, Value] | None = None  # of one sample: the value of each random node, by its id
+    row: dict[Random, Value] | None = None  # of one sample: the value of each random node
+    drawn: Callable[[Column], Column] | None = None  # while an episode runs: gives each new draw its value at once
 
     def column(self, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:
         """Draw a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
@@ -123,6 +146,8 @@ class Session:
         if len(self.columns) >= self.budget.limits.draws:
             raise exceeded(f"more than {self.budget.limits.draws:,} random values are drawn")
         column = Column(kind, place, offset, span)
+        if self.drawn is not None:
+            return self.drawn(column)
         column.owner = self.owner
         self.columns.append(column)
         return column
@@ -137,6 +162,15 @@ class Session:
             self.owner = before
 
     @contextmanager
+    def own_ego(self):
+        """Inside, a module has no ego yet; the one that it sets is the program's where that has none (dialect 3)."""
+        before, self.ego = self.ego, None
+        try:
+            yield
+        finally:
+            self.ego = before if before is not None or self.dialect == 2 else self.ego
+
+    @contextmanager
     def requiring(self):
         """Inside, comparisons and `and`, `or`, `not` of random values are allowed, draws are not."""
         self.in_requirement += 1
@@ -149,7 +183,19 @@ class Session:
 class Frame:
     """The names visible at one point of the program, and the way to evaluate nodes there."""
 
-    __slots__ = ("globals", "locals", "module_names", "outer", "session", "source")
+    __slots__ = (
+        "assigned",
+        "globals",
+        "locals",
+        "method",
+        "module_names",
+        "nonlocals",
+        "outer",
+        "session",
+        "source",
+        "transparent",
+        "yields",
+    )
 
     def __init__(self, session: Session, source: Source, names: dict[str, Value], outer: Frame | None = None) -> None:
         self.session = session
@@ -157,6 +203,11 @@ class Frame:
         self.locals = names
         self.outer = outer
         self.globals: set[str] = set()  # declared `global` here
+        self.nonlocals: set[str] = set()
+        self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
+        self.transparent = False  # of a comprehension, whose `:=` binds outside
+        self.method: tuple[ScenicClass, Value] | None = None  # of a method: its class and its first argument
+        self.yields: list[Value] | None = None  # of a generator: what it has given so far
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def inner(self, names: dict[str, Value]) -> Frame:
@@ -213,7 +264,7 @@ class Frame:
 
     def drawn_notes(self, value: Random) -> list[str]:
         first = next(columns_of(value), None)
-        if first is None:
+        if first is None or first.place.file not in self.session.sources:
             return []
         line = self.session.sources[first.place.file].line(first.place.line)
         return [str(ScenicError("value", "the random value is drawn here", first.place, source_line=line))]
@@ -227,16 +278,20 @@ class Frame:
         self.refuse_random(value, node, "cannot iterate through a random value")
         if isinstance(value, Vector):
             return [value.x, value.y]
-        if not isinstance(value, list | tuple | set | dict | str | range):
-            raise ScenicError("type", f"{describe_kind(value)} has no elements")
+        if isinstance(value, Stream):
+            value = value.rest()
+        if not isinstance(value, CONTAINERS):
+            raise self.error("type", f"{describe_kind(value)} has no elements", node)
         self.session.budget.container(len(value))
-        return list(value)
+        row = self.session.row
+        return list(value) if row is None else [in_row(each, row) for each in value]
 
     def bindings(self, generators: list[ast.comprehension]) -> Iterator[Frame]:
         """A frame for each round of a comprehension."""
         first, *rest = generators
         for element in self.elements(self.value(first.iter), first.iter):
             inner = self.inner({})
+            inner.transparent = True
             self.session.unpack(inner, first.target, element)
             self.session.budget.step()
             if all(inner.truth(test) for test in first.ifs):
@@ -244,23 +299,6 @@ class Frame:
                     yield from inner.bindings(rest)
                 else:
                     yield inner
-
-    def text_of(self, value: Value, spec: str) -> Value:
-        """`str(value)`, or its formatted text; row by row if it is random."""
-        if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
-            raise exceeded("a text format wider than 999")
-        if isinstance(value, Random):
-            if spec:
-                format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
-            operation = TEXT.array if not spec else FormatEach(spec)
-            return Random(operation, (value,), "text")
-        if isinstance(value, Choice):
-            return value.merged([self.text_of(option, spec) for option in value.options])
-        if isinstance(value, list | tuple | set | dict):
-            self.session.budget.container(len(value))
-        if not isinstance(value, int | float | str | bool | type(None)):
-            value = describe_kind(value) if not isinstance(value, Instance) else value.title()
-        return format(value, spec) if spec else str(value)
 
     # ------------------------------------------------------------ places and errors
 
@@ -291,8 +329,13 @@ class Frame:
         """The value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
         frame: Frame | None = self
         while frame is not None:
-            if name in frame.locals and name not in frame.globals:
+            if name in frame.globals:
+                break
+            if name in frame.locals:
                 return frame.locals[name]
+            if name in frame.assigned:
+                error = ScenicError("name", f"'{name}' has no value yet in this function")
+                raise named_fault("UnboundLocalError", error)
             frame = frame.outer
         if name in self.module_names:
             return self.module_names[name]
@@ -309,36 +352,37 @@ class Frame:
         return names
 
     def assign(self, name: str, value: Value) -> None:
-        target = self.module_names if name in self.globals else self.locals
-        target[name] = value
+        self.scope_of(name)[name] = value
         name_draws(name, value)
 
+    def scope_of(self, name: str) -> dict[str, Value]:
+        """Where an assignment to the name goes."""
+        if name in self.globals:
+            return self.module_names
+        frame: Frame | None = self.outer if name in self.nonlocals else None
+        while frame is not None:
+            if name in frame.locals:
+                return frame.scope_of(name)
+            frame = frame.outer
+        return self.locals
 
-def in_row(value: Value, row: dict[int, Value]) -> Value:
+
+def in_row(value: Value, row: dict[Random, Value]) -> Value:
     """What a value is in one sample."""
+    if isinstance(value, Vector) and not value.fixed:
+        return Vector(in_row(value.x, row), in_row(value.y, row))
     if isinstance(value, Choice):
         return in_row(value.options[in_row(value.index, row)], row)
     if not isinstance(value, Random):
         return value
-    if id(value) not in row:
+    if value not in row:
         assert value.operation is not None, "a draw that the condition was not known to depend on"
         inputs = [in_row(each, row) for each in value.inputs]
         arrays = [np.array([each], dtype=object if isinstance(each, str) else None) for each in inputs]
         result = value.operation(*arrays)
-        row[id(value)] = tuple(part[0] for part in result) if isinstance(result, tuple) else result[0]
-    found = row[id(value)]
+        row[value] = tuple(part[0] for part in result) if isinstance(result, tuple) else result[0]
+    found = row[value]
     return found.item() if isinstance(found, np.generic) else found
-
-
-class FormatEach:
-    """Write each element of an array [N] with one format."""
-
-    def __init__(self, spec: str) -> None:
-        self.spec = spec
-
-    def __call__(self, values: Any) -> Any:
-        texts = [format(value.item() if hasattr(value, "item") else value, self.spec) for value in values]
-        return np.array(texts + [None], dtype=object)[:-1]
 
 
 def name_draws(name: str, value: Value) -> None:
@@ -365,5 +409,7 @@ def near_inputs(value: Random) -> list[Random]:
 
 def near(name: str, names: Iterable[str]) -> str:
     """A hint with the nearest spelling, or nothing."""
-    close = difflib.get_close_matches(name, [each for each in names if not each.startswith("_")], 1, 0.7)
+    public = [each for each in names if not each.startswith("_")]
+    same = [each for each in public if each.lower() == name.lower()]
+    close = same or difflib.get_close_matches(name, public, 1, 0.7)
     return f"did you mean '{close[0]}'?" if close else ""

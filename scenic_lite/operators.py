@@ -30,10 +30,9 @@ from scenic_lite.geometry import (
     normalised,
     rectangles_meet,
 )
-from scenic_lite.graph import NOT, Random, Value, apply
+from scenic_lite.graph import Random, Value
 from scenic_lite.placement import ego_of, vector_of, viewer_of
-from scenic_lite.polygons import difference, intersection
-from scenic_lite.regions import Filtered, PolygonalRegion, Region, VectorField, truth_of
+from scenic_lite.regions import Region, VectorField, truth_of
 from scenic_lite.values import Choice, Delayed, Instance, describe_kind
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
@@ -185,41 +184,21 @@ def visible_part(frame: Frame, region: Value) -> Region:
 
 
 def visible_from(frame: Frame, region: Value, viewer: Value) -> Region:
-    return common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)))
+    from scenic_lite import algebra
+
+    return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)))
 
 
 def hidden_part(frame: Frame, region: Value) -> Region:
-    return remainder(region_of("not visible", region), view_of(ego_of(frame)))
+    from scenic_lite import algebra
+
+    return algebra.remainder(region_of("not visible", region), view_of(ego_of(frame)))
 
 
 def region_of(words: str, value: Value) -> Region:
     if not isinstance(value, Region):
         raise ScenicError("type", f"`{words}` needs a region, not {describe_kind(value)}")
     return value
-
-
-def common_part(a: Region, b: Region) -> Region:
-    """The intersection: exact for fixed regions, else by rejection."""
-    try:
-        return PolygonalRegion(intersection(a.pieces(), b.pieces()), a.orientation or b.orientation)
-    except ScenicError as error:
-        if error.kind != "unsupported":
-            raise
-        return Filtered(a, b.contains)
-
-
-def remainder(a: Region, b: Region) -> Region:
-    """What is in `a` and not in `b`."""
-    try:
-        return PolygonalRegion(difference(a.pieces(), b.pieces()), a.orientation)
-    except ScenicError as error:
-        if error.kind != "unsupported":
-            raise
-        return Filtered(a, lambda point: apply(NOT, b.contains(point), kind="truth"))
-
-
-def union(a: Region, b: Region) -> Region:
-    return PolygonalRegion(a.pieces() + difference(b.pieces(), a.pieces()), a.orientation)
 
 
 def side(words: str) -> Callable[[Frame, Value], Value]:

@@ -1,171 +1,189 @@
-"""Fixed polygons: triangles, clipping, and membership of many points at once.
+"""Regions of any shape: polygons with holes, fixed or different in every scene; membership of many points at once.
 
-A polygon is a list of (x, y) pairs; a convex piece likewise, anticlockwise. Read next: `regions`.
+Read next: `slabs`, which draws the points of a fixed polygon; `shapes`, the geometry; `lines`.
 """
 
 from __future__ import annotations
 
-import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.errors import ScenicError
+from scenic_lite.geometry import Vector
+from scenic_lite.graph import AND, Random, Value, apply
+from scenic_lite.regions import CLOSENESS, Point2, Region, VectorField, truth_of
+from scenic_lite.slabs import Slabs
 
-Point2 = tuple[float, float]
-CLOSENESS = 1e-9  # a point this near a boundary belongs to it
-
-
-def signed_area(points: list[Point2]) -> float:
-    """Positive if the points run anticlockwise."""
-    pairs = zip(points, points[1:] + points[:1], strict=True)
-    return 0.5 * math.fsum(px * qy - qx * py for (px, py), (qx, qy) in pairs)
+FEW_EDGES = 60  # up to here plain arrays find faster than shapely whether an edge meets a rectangle
+BLOCK = 1 << 15  # numbers in one array, so that they stay in the processor's cache
 
 
-def triangulated(points: list[Point2]) -> list[list[Point2]]:
-    """Triangles that tile a simple polygon, by cutting off ears. Raises ScenicError if it crosses itself."""
-    ring = points if signed_area(points) > 0 else points[::-1]
-    ring = list(ring)
-    triangles = []
-    while len(ring) > 3:
-        ear = next((i for i in range(len(ring)) if _is_ear(ring, i)), None)
-        if ear is None:
-            raise ScenicError("value", "the polygon crosses itself or has no area")
-        triangles.append([ring[ear - 1], ring[ear], ring[(ear + 1) % len(ring)]])
-        del ring[ear]
-    triangles.append(ring)
-    return [triangle for triangle in triangles if signed_area(triangle) > 0]
+class PolygonalRegion(Region):
+    """A fixed polygon or several, with holes or without."""
+
+    def __init__(self, shape: Any, orientation: VectorField | None = None) -> None:
+        """`shape` is a valid shapely Polygon or MultiPolygon, not empty."""
+        self._shape = shape
+        self.orientation = orientation
+
+    def shape(self) -> Any:
+        return self._shape
+
+    @cached_property
+    def rings(self) -> list[Any]:
+        """Its closed boundaries, each [n, 2]: outer ones and holes."""
+        import shapely
+
+        return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(self._shape))]
+
+    @cached_property
+    def edges(self) -> Any:
+        """x, y of both ends of each edge of its boundary, [E, 4]."""
+        return np.concatenate([np.hstack([ring[:-1], ring[1:]]) for ring in self.rings])
+
+    def outlines(self) -> list[Any]:
+        return self.rings
+
+    @cached_property
+    def _slabs(self) -> Slabs:
+        return Slabs(self.edges)
+
+    @cached_property
+    def _holds(self) -> Holds:
+        return Holds(self._shape)
+
+    def point(self, u: Value, v: Value) -> Vector:
+        both = Random(self._slabs, (u, v), "any")
+        return Vector(Random(first, (both,)), Random(second, (both,)))
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...]:
+        x, y = np.broadcast_arrays(np.asarray(point.x, dtype=float), np.asarray(point.y, dtype=float))
+        u, v = self._slabs.back(x, y)
+        inside = self._holds(x, y)
+        return np.where(inside, u, np.nan), np.where(inside, v, np.nan)
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(self._holds, point.x, point.y)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        numbers = [part for corner in corners for part in (corner.x, corner.y)]
+        if len(self.edges) > FEW_EDGES:
+            return apply(AND, super().contains_corners(corners), truth_of(self._covers, *numbers), kind="truth")
+        centre = (corners[0] + corners[2]) / 2
+        return apply(AND, self.contains(centre), truth_of(self._clear, *numbers), kind="truth")
+
+    def _covers(self, *numbers: Any) -> Any:
+        return self._holds.rectangles(*numbers)
+
+    def _clear(self, *numbers: Any) -> Any:
+        """Whether no edge of the boundary enters a rectangle, given x and y of its corners in turn: [N]."""
+        corners = np.stack(np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in numbers)))  # [8, N]
+        size = max(1, BLOCK // len(self.edges))
+        whole = corners.reshape(8, -1)
+        parts = [edges_clear(self.edges, whole[:, i : i + size]) for i in range(0, whole.shape[1], size)]
+        return np.concatenate(parts).reshape(corners.shape[1:])
 
 
-def _is_ear(ring: list[Point2], i: int) -> bool:
-    a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
-    if _turn(a, b, c) < 0:
-        return False
-    others = (point for point in ring if point not in (a, b, c))
-    return not any(_turn(a, b, p) >= 0 and _turn(b, c, p) >= 0 and _turn(c, a, p) >= 0 for p in others)
+class Holds:
+    """Whether points, or rectangles, lie in a fixed shape, boundaries included."""
 
+    def __init__(self, shape: Any) -> None:
+        import shapely
 
-def _turn(a: Any, b: Any, c: Any) -> Any:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def clipped(piece: list[Point2], start: Point2, end: Point2) -> list[Point2]:
-    """The part of a convex piece on the left of the line from `start` to `end`."""
-    kept: list[Point2] = []
-    for p, q in zip(piece, piece[1:] + piece[:1], strict=True):
-        side_p, side_q = _turn(start, end, p), _turn(start, end, q)
-        if side_p >= 0:
-            kept.append(p)
-        if side_p * side_q < 0:
-            t = side_p / (side_p - side_q)
-            kept.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
-    return kept
-
-
-def intersection(first: list[list[Point2]], second: list[list[Point2]]) -> list[list[Point2]]:
-    """The convex pieces of the common part of two sets of convex pieces."""
-    pieces = []
-    for a in first:
-        for b in second:
-            if _boxes_meet(a, b):
-                piece = a
-                for start, end in zip(b, b[1:] + b[:1], strict=True):
-                    piece = clipped(piece, start, end) if piece else piece
-                pieces.append(piece)
-    return [piece for piece in pieces if len(piece) > 2 and signed_area(piece) > 1e-12]
-
-
-def difference(first: list[list[Point2]], second: list[list[Point2]]) -> list[list[Point2]]:
-    """The convex pieces of what is in `first` and not in `second`."""
-    pieces = first
-    for b in second:
-        pieces = [part for piece in pieces for part in _outside(piece, b)]
-    return pieces
-
-
-def _outside(piece: list[Point2], hole: list[Point2]) -> list[list[Point2]]:
-    """Cut a convex piece along each edge of a convex hole, keeping what lies outside."""
-    if not _boxes_meet(piece, hole):
-        return [piece]
-    parts = []
-    for start, end in zip(hole, hole[1:] + hole[:1], strict=True):
-        part = clipped(piece, end, start)
-        if len(part) > 2 and signed_area(part) > 1e-12:
-            parts.append(part)
-        piece = clipped(piece, start, end)
-        if not piece:
-            break
-    return parts
-
-
-class EdgesCross:
-    """Whether an edge of a rectangle, given by its corners, crosses the boundary of a polygon into its outside."""
-
-    def __init__(self, ring: list[Point2]) -> None:
-        self.ring = ring
-
-    def __call__(self, *corners: Any) -> Any:
-        """x, y of four corners, arrays [N] or scalars -> [N]."""
-        points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
-        crossed: Any = False
-        for p, q in zip(self.ring, self.ring[1:] + self.ring[:1], strict=True):
-            for a, b in zip(points, points[1:] + points[:1], strict=True):
-                apart = _turn(p, q, a) * _turn(p, q, b) < -CLOSENESS
-                crossed = crossed | (apart & (_turn(a, b, p) * _turn(a, b, q) < -CLOSENESS))
-        return crossed
-
-
-def _boxes_meet(a: list[Point2], b: list[Point2]) -> bool:
-    return all(
-        min(p[axis] for p in a) <= max(q[axis] for q in b) and min(q[axis] for q in b) <= max(p[axis] for p in a)
-        for axis in (0, 1)
-    )
-
-
-class PieceSampler:
-    """Uniform points of a set of convex pieces from two uniform numbers; preserves area."""
-
-    def __init__(self, pieces: list[list[Point2]]) -> None:
-        fans = [[piece[0], piece[i], piece[i + 1]] for piece in pieces for i in range(1, len(piece) - 1)]
-        self.triangles = np.array(fans)  # [K, 3, 2]
-        areas = np.array([abs(signed_area(fan)) for fan in fans])
-        self.ends = np.cumsum(areas) / np.sum(areas)
-        self.starts = np.concatenate([[0.0], self.ends[:-1]])
-
-    def __call__(self, u: Any, v: Any) -> Any:
-        """[N], [N] -> x [N], y [N]. The first number picks a triangle; what is left of it is used again inside."""
-        which = np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
-        start, end = self.starts[which], self.ends[which]
-        root = np.sqrt(np.clip((u - start) / (end - start), 0.0, 1.0))
-        corners = self.triangles[which]  # [N, 3, 2]
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        points = a + (b - a) * (root * (1 - v))[:, None] + (c - a) * (root * v)[:, None]
-        return points[:, 0].copy(), points[:, 1].copy()
-
-
-def distance_to_pieces(pieces: list[list[Point2]], x: Any, y: Any) -> Any:
-    """Distance of points from the nearest of some convex pieces, 0 inside; arrays [N] or scalars."""
-    nearest: Any = np.inf
-    for piece in pieces:
-        for (px, py), (qx, qy) in zip(piece, piece[1:] + piece[:1], strict=True):
-            dx, dy = qx - px, qy - py
-            along = np.clip(((x - px) * dx + (y - py) * dy) / (dx * dx + dy * dy), 0.0, 1.0)
-            nearest = np.minimum(nearest, np.hypot(x - px - along * dx, y - py - along * dy))
-    return np.where(PieceMembership(pieces)(x, y), 0.0, nearest)
-
-
-class PieceMembership:
-    """Whether points lie in any of a set of convex pieces, boundaries included."""
-
-    def __init__(self, pieces: list[list[Point2]]) -> None:
-        self.pieces = [np.array(piece) for piece in pieces]
+        self.shape = shapely.buffer(shape, CLOSENESS, join_style="mitre")
+        self.points = shapely.intersects_xy
+        shapely.prepare(self.shape)
 
     def __call__(self, x: Any, y: Any) -> Any:
-        inside = np.zeros(np.broadcast(x, y).shape, dtype=bool)
-        for piece in self.pieces:
-            within = np.ones(inside.shape, dtype=bool)
-            for (px, py), (qx, qy) in zip(piece, np.roll(piece, -1, axis=0), strict=True):
-                length = math.hypot(qx - px, qy - py)
-                within &= (qx - px) * (y - py) - (qy - py) * (x - px) >= -CLOSENESS * length
-            inside |= within
-        return inside
+        return self.points(self.shape, x, y)
+
+    def rectangles(self, *numbers: Any) -> Any:
+        """Given x and y of the corners in turn, [N] or scalars."""
+        from scenic_lite import shapes
+
+        return shapes.covers_rectangles(self.shape, *numbers)
+
+
+class ShapeRegion(Region):
+    """A shape that differs from scene to scene: random corners, or what random regions have in common.
+
+    `shape` is a node of polygons, or of polylines where `dimension` is 1. A scene in which it is empty is rejected when
+    a point is drawn from it.
+    """
+
+    def __init__(self, shape: Random, orientation: VectorField | None = None, dimension: int = 2) -> None:
+        self._shape = shape
+        self.orientation = orientation
+        self.dimension = dimension
+        self.columns = 2 if dimension == 2 else 1
+
+    def shape(self) -> Value:
+        return self._shape
+
+    def parameters(self) -> tuple[Value, ...]:
+        return (self._shape,)
+
+    def point(self, u: Value, v: Value) -> Vector:
+        from scenic_lite import shapes
+
+        both = Random(shapes.points_of, (self._shape, u, v), "any")
+        return Vector(Random(first, (both,)), Random(second, (both,)))
+
+    def contains(self, point: Vector) -> Value:
+        from scenic_lite import shapes
+
+        return apply(shapes.HOLDS_POINT, self._shape, point.x, point.y, kind="truth")
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        from scenic_lite import shapes
+
+        numbers = [part for corner in corners for part in (corner.x, corner.y)]
+        outline = apply(shapes.POLYGON, *numbers, kind="any")
+        return apply(shapes.HOLDS_SHAPE, self._shape, outline, kind="truth")
+
+
+def polygon_through(points: list[Point2], orientation: VectorField | None = None) -> PolygonalRegion:
+    """The polygon with fixed corners. Raises ScenicError if it crosses itself or has no area."""
+    import shapely
+
+    if len(points) < 3:
+        raise ScenicError("value", "a polygon needs three points that do not lie on a line")
+    shape = shapely.Polygon(points)
+    if not shape.area > 0:
+        raise ScenicError("value", "a polygon needs three points that do not lie on a line")
+    if not shape.is_valid:
+        raise ScenicError("value", "the polygon crosses itself")
+    return PolygonalRegion(shape, orientation)
+
+
+def edges_clear(edges: Any, corners: Any) -> Any:
+    """Whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
+
+    An edge stays out exactly if it is apart from the rectangle along one of its two sides, or along its own normal.
+    """
+    x, y = (corners[0] + corners[4]) / 2, (corners[1] + corners[5]) / 2
+    across_x, across_y = (corners[0] - corners[2]) / 2, (corners[1] - corners[3]) / 2  # half the width
+    along_x, along_y = (corners[2] - corners[4]) / 2, (corners[3] - corners[5]) / 2  # half the length
+    clear = np.ones(len(x), dtype=bool)
+    for start_x, start_y, end_x, end_y in edges:
+        step_x, step_y = (end_x - start_x) / 2, (end_y - start_y) / 2
+        dx, dy = (start_x + end_x) / 2 - x, (start_y + end_y) / 2 - y
+        apart = np.zeros(len(x), dtype=bool)
+        for side_x, side_y in ((across_x, across_y), (along_x, along_y)):
+            square = side_x * side_x + side_y * side_y
+            reach = square + np.abs(step_x * side_x + step_y * side_y)
+            apart |= np.abs(dx * side_x + dy * side_y) >= reach - CLOSENESS * np.sqrt(square)
+        reach = np.abs(across_x * step_y - across_y * step_x) + np.abs(along_x * step_y - along_y * step_x)
+        apart |= np.abs(dx * step_y - dy * step_x) >= reach - CLOSENESS * np.hypot(step_x, step_y)
+        clear &= apart
+    return clear
+
+
+def first(pair: Any) -> Any:
+    return pair[0]
+
+
+def second(pair: Any) -> Any:
+    return pair[1]

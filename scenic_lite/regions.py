@@ -1,34 +1,35 @@
-"""Regions of the plane: where points are drawn from and objects must stay; vector fields.
+"""Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
 
-Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), and says whether
-points and rectangles lie in it. Parameters may be random except those of polygons. Spec section 8. Read next:
-`polygons`, `specifiers`.
+Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), goes back from the
+point to them, and says whether points and rectangles lie in it. Spec section 8. Read next: `polygons`, for regions of
+any shape; `fields`; `algebra`, which combines regions.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from scenic_lite import polygons
 from scenic_lite.errors import ScenicError
-from scenic_lite.geometry import TURN, Vector, cosine, in_sector, sine
-from scenic_lite.graph import AND, MAXIMUM, NOT, Operation, Random, Value, apply, is_number
-from scenic_lite.polygons import CLOSENESS, Point2
+from scenic_lite.geometry import TURN, Vector, corners, cosine, in_sector, sine
+from scenic_lite.graph import AND, MAXIMUM, Operation, Value, apply, is_number
 
-ARC_SEGMENTS = 128  # of a full circle, where one must be made a polygon
+Point2 = tuple[float, float]
+ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
+CLOSENESS = 1e-9  # a point this near a boundary belongs to it
 
 
 class VectorField:
-    """A heading for every point; `heading_at` is given a vector."""
+    """A heading for every point; `heading_at` is given a vector. Followed in steps no longer than `longest_step`."""
 
-    def __init__(self, name: str, heading_at: Callable[[Vector], Value]) -> None:
-        self.name = name
-        self.heading_at = heading_at
+    def __init__(
+        self, name: str, heading_at: Callable[[Vector], Value], least_steps: int = 4, longest_step: float | None = 5.0
+    ) -> None:
+        self.name, self.heading_at = name, heading_at
+        self.least_steps, self.longest_step = least_steps, longest_step
 
 
 class Region:
@@ -36,6 +37,7 @@ class Region:
 
     orientation: VectorField | None = None
     columns = 2  # of θ, for a point drawn from it
+    dimension = 2
 
     def scales(self) -> list[tuple[float, float]]:
         """Offset and span of the numbers that `point` wants, for each column."""
@@ -60,41 +62,53 @@ class Region:
         raise NotImplementedError
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Whether a rectangle lies inside, given its corners: exact for convex regions."""
+        """Whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
         inside = self.contains(corners[0])
         for corner in corners[1:]:
             inside = apply(AND, inside, self.contains(corner), kind="truth")
         return inside
 
     def distance(self, point: Vector) -> Value:
-        """From a point, 0 inside."""
-        pieces = self.pieces()
-        measure = Operation(
-            lambda x, y: float(polygons.distance_to_pieces(pieces, x, y)),
-            lambda x, y: polygons.distance_to_pieces(pieces, x, y),
-        )
-        return apply(measure, point.x, point.y)
+        """From a point, 0 inside. Raises ScenicError where it is endless."""
+        from scenic_lite import shapes  # slow to import, and only needed by programs with such regions
 
-    def pieces(self) -> list[list[Point2]]:
-        """Convex pieces that tile it (arcs as polygons). Raises ScenicError where it is random or endless."""
-        raise ScenicError("unsupported", f"{type(self).__name__} cannot be combined with another region here")
+        return apply(shapes.DISTANCE, self.shape(), point.x, point.y)
+
+    def shape(self) -> Value:
+        """Its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
+        raise ScenicError("unsupported", f"{title(self)} cannot be combined with another region here")
 
     def bounds(self) -> tuple[float, float, float, float] | None:
         """Low x, high x, low y, high y; None if random or endless."""
         try:
-            points = [point for piece in self.pieces() for point in piece]
+            points = np.concatenate(self.outlines())
         except ScenicError:
             return None
-        xs, ys = [x for x, _ in points], [y for _, y in points]
-        return min(xs), max(xs), min(ys), max(ys)
+        (low_x, low_y), (high_x, high_y) = points.min(axis=0), points.max(axis=0)
+        return float(low_x), float(high_x), float(low_y), float(high_y)
+
+    def outlines(self) -> list[Any]:
+        """Its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
+        raise ScenicError("unsupported", f"{title(self)} has no fixed outline")
+
+    def fixed(self) -> bool:
+        """Whether it is the same in every scene."""
+        return all(is_number(part) for part in self.parameters())
+
+    def parameters(self) -> tuple[Value, ...]:
+        """What it is made of, and may be random."""
+        return ()
 
 
 class RectangularRegion(Region):
     def __init__(self, position: Vector, heading: Value, width: Value, length: Value) -> None:
         self.position, self.heading, self.width, self.length = position, heading, width, length
 
-    def fixed(self) -> bool:
-        return self.position.fixed and all(is_number(part) for part in (self.heading, self.width, self.length))
+    def parameters(self) -> tuple[Value, ...]:
+        return self.position.x, self.position.y, self.heading, self.width, self.length
+
+    def corners(self) -> list[Vector]:
+        return corners(self.position, self.heading, self.width, self.length)
 
     def scales(self) -> list[tuple[float, float]]:
         if not self.fixed():
@@ -110,16 +124,28 @@ class RectangularRegion(Region):
         offset = Vector((u - 0.5) * self.width, (v - 0.5) * self.length)
         return self.position + offset.rotated(self.heading)
 
-    def contains(self, point: Vector) -> Value:
-        frame = (self.position.x, self.position.y, self.heading, self.width, self.length)
-        return truth_of(in_rectangle, point.x, point.y, *frame)
-
-    def pieces(self) -> list[list[Point2]]:
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
         if not self.fixed():
-            return super().pieces()
-        signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
-        offsets = [Vector(x * self.width, y * self.length).rotated(self.heading) for x, y in signs]
-        return [[(self.position.x + offset.x, self.position.y + offset.y) for offset in offsets]]
+            return None
+        offset = (point - self.position).rotated(-self.heading)
+        return part_of(offset.x + self.width / 2, self.width), part_of(offset.y + self.length / 2, self.length)
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(in_rectangle, point.x, point.y, *self.parameters())
+
+    def distance(self, point: Vector) -> Value:
+        return numbers_of(from_rectangle, point.x, point.y, *self.parameters())
+
+    def outlines(self) -> list[Any]:
+        if not self.fixed():
+            return super().outlines()
+        corners = [(each.x, each.y) for each in self.corners()]
+        return [np.array([*corners, corners[0]])]
+
+    def shape(self) -> Value:
+        from scenic_lite import shapes
+
+        return apply(shapes.RECTANGLE, *self.parameters(), kind="any")
 
 
 class SectorRegion(Region):
@@ -128,10 +154,27 @@ class SectorRegion(Region):
     def __init__(self, center: Vector, radius: Value, heading: Value = 0.0, angle: Value = TURN) -> None:
         self.center, self.radius, self.heading, self.angle = center, radius, heading, angle
 
+    def parameters(self) -> tuple[Value, ...]:
+        return self.center.x, self.center.y, self.radius, self.heading, self.angle
+
+    def round(self) -> bool:
+        """Whether it is known to be a whole disc."""
+        return is_number(self.angle) and self.angle >= TURN
+
     def point(self, u: Value, v: Value) -> Vector:
         turn = self.heading + (v - 0.5) * self.angle
         reach = self.radius * apply(ROOT, u)
         return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        if not self.fixed():
+            return None
+        delta = point - self.center
+        reach = np.hypot(delta.x, delta.y)
+        turn = np.arctan2(delta.y, delta.x) - math.pi / 2 - self.heading
+        turn = np.where(reach > 0, turn - TURN * np.rint(turn / TURN), 0.0)
+        along = part_of(reach, self.radius)
+        return along * along, part_of(turn + self.angle / 2, self.angle)
 
     def contains(self, point: Vector) -> Value:
         delta = point - self.center
@@ -151,143 +194,17 @@ class SectorRegion(Region):
         return inside
 
     def distance(self, point: Vector) -> Value:
-        if is_number(self.angle) and self.angle >= TURN:
+        if self.round():
             return apply(MAXIMUM, (point - self.center).length() - self.radius, 0.0)
         return super().distance(point)
 
-    def pieces(self) -> list[list[Point2]]:
-        parts = (self.center.x, self.center.y, self.radius, self.heading, self.angle)
-        if not all(is_number(part) for part in parts):
-            return super().pieces()
-        whole = self.angle >= TURN
-        count = max(2, math.ceil(ARC_SEGMENTS * min(self.angle, TURN) / TURN))
-        turns = [self.heading + self.angle * (i / count - 0.5) for i in range(count + (not whole))]
-        rim = [(self.center.x - self.radius * math.sin(t), self.center.y + self.radius * math.cos(t)) for t in turns]
-        if whole:
-            return [rim]
-        apex = (self.center.x, self.center.y)
-        half = len(rim) // 2  # two fans of at most half a turn each, so that both are convex
-        return [[apex, *rim[: half + 1]], [apex, *rim[half:]]]
+    def outlines(self) -> list[Any]:
+        return [sector_rings(*self.parameters())[0]] if self.fixed() else super().outlines()
 
+    def shape(self) -> Value:
+        from scenic_lite import shapes
 
-class PolygonalRegion(Region):
-    """A fixed polygon, or any set of convex pieces."""
-
-    def __init__(
-        self,
-        pieces: list[list[Point2]],
-        orientation: VectorField | None = None,
-        ring: list[Point2] | None = None,
-    ) -> None:
-        """`ring` is the boundary, where it is one polygon."""
-        if not pieces:
-            raise ScenicError("value", "the region is empty")
-        self._pieces, self._ring = pieces, ring
-        self.orientation = orientation
-
-    @cached_property
-    def _sampler(self) -> polygons.PieceSampler:
-        return polygons.PieceSampler(self._pieces)
-
-    def point(self, u: Value, v: Value) -> Vector:
-        both = Random(self._sampler, (u, v), "any")
-        return Vector(Random(first, (both,)), Random(second, (both,)))
-
-    def contains(self, point: Vector) -> Value:
-        return truth_of(polygons.PieceMembership(self._pieces), point.x, point.y)
-
-    def contains_corners(self, corners: list[Vector]) -> Value:
-        """Exact where the boundary is known, also for polygons that are not convex."""
-        inside = super().contains_corners(corners)
-        if self._ring is None:
-            return inside
-        numbers = [part for corner in corners for part in (corner.x, corner.y)]
-        crossed = truth_of(polygons.EdgesCross(self._ring), *numbers)
-        return apply(AND, inside, apply(NOT, crossed, kind="truth"), kind="truth")
-
-    def pieces(self) -> list[list[Point2]]:
-        return self._pieces
-
-
-class PolylineRegion(Region):
-    """A chain of segments; its orientation is the heading of each."""
-
-    columns = 1
-
-    def __init__(self, points: list[Point2]) -> None:
-        self.points = np.array(points, dtype=float)
-        steps = np.diff(self.points, axis=0)
-        lengths = np.hypot(steps[:, 0], steps[:, 1])
-        if not lengths.sum() > 0:
-            raise ScenicError("value", "a polyline needs at least two different points")
-        self.ends = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
-        self.headings = np.arctan2(steps[:, 1], steps[:, 0]) - math.pi / 2
-        self.orientation = VectorField("the polyline's direction", self._heading_near)
-
-    def _segment(self, u: Any) -> Any:
-        return np.clip(np.searchsorted(self.ends, u, side="right") - 1, 0, len(self.headings) - 1)
-
-    def _x(self, u: Any) -> Any:
-        return np.interp(u, self.ends, self.points[:, 0])
-
-    def _y(self, u: Any) -> Any:
-        return np.interp(u, self.ends, self.points[:, 1])
-
-    def _heading(self, u: Any) -> Any:
-        return self.headings[self._segment(u)]
-
-    def point(self, u: Value, v: Value) -> Vector:
-        return Vector(Random(self._x, (u,)), Random(self._y, (u,)))
-
-    def heading_of(self, point: Vector, u: Value) -> Value:
-        return Random(self._heading, (u,))
-
-    def _distances(self, x: Any, y: Any) -> Any:
-        """Distance of each point from each segment, [..., S]."""
-        x, y = np.asarray(x)[..., None], np.asarray(y)[..., None]
-        start, step = self.points[:-1], np.diff(self.points, axis=0)
-        along = ((x - start[:, 0]) * step[:, 0] + (y - start[:, 1]) * step[:, 1]) / np.sum(step * step, axis=1)
-        along = np.clip(along, 0.0, 1.0)
-        return np.hypot(x - start[:, 0] - along * step[:, 0], y - start[:, 1] - along * step[:, 1])
-
-    def _heading_near(self, point: Vector) -> Value:
-        def nearest(x: Any, y: Any) -> Any:
-            return self.headings[np.argmin(self._distances(x, y), axis=-1)]
-
-        return apply(Operation(lambda x, y: float(nearest(x, y)), nearest), point.x, point.y)
-
-    def contains(self, point: Vector) -> Value:
-        def near(x: Any, y: Any) -> Any:
-            return self._distances(x, y).min(axis=-1) <= 1e-6
-
-        return truth_of(near, point.x, point.y)
-
-    def bounds(self) -> tuple[float, float, float, float]:
-        (low_x, low_y), (high_x, high_y) = self.points.min(axis=0), self.points.max(axis=0)
-        return float(low_x), float(high_x), float(low_y), float(high_y)
-
-
-class PointSetRegion(Region):
-    columns = 1
-
-    def __init__(self, points: list[Point2]) -> None:
-        if not points:
-            raise ScenicError("value", "the region is empty")
-        self.points = np.array(points, dtype=float)
-
-    def _pick(self, axis: int) -> Callable[[Any], Any]:
-        count = len(self.points)
-        return lambda u: self.points[np.minimum((u * count).astype(np.int64), count - 1), axis]
-
-    def point(self, u: Value, v: Value) -> Vector:
-        return Vector(Random(self._pick(0), (u,)), Random(self._pick(1), (u,)))
-
-    def contains(self, point: Vector) -> Value:
-        def near(x: Any, y: Any) -> Any:
-            gaps = np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])
-            return gaps.min(axis=-1) <= 1e-6
-
-        return truth_of(near, point.x, point.y)
+        return apply(shapes.SECTOR, *self.parameters(), kind="any")
 
 
 class Everywhere(Region):
@@ -297,6 +214,9 @@ class Everywhere(Region):
     def contains(self, point: Vector) -> Value:
         return True
 
+    def distance(self, point: Vector) -> Value:
+        return 0.0
+
 
 class Nowhere(Region):
     def point(self, u: Value, v: Value) -> Vector:
@@ -305,16 +225,19 @@ class Nowhere(Region):
     def contains(self, point: Vector) -> Value:
         return False
 
+    def distance(self, point: Vector) -> Value:
+        return math.inf
+
 
 class Filtered(Region):
     """The points of `region` that pass a test: drawn from `region`, and scenes that fail are rejected.
 
-    For intersections and differences that are no polygons. Drawing adds `test` to the program's requirements.
+    For intersections and differences that have no shape. Drawing adds `test` to the program's requirements.
     """
 
     def __init__(self, region: Region, test: Callable[[Vector], Value]) -> None:
         self.region, self.test = region, test
-        self.columns = region.columns
+        self.columns, self.dimension = region.columns, region.dimension
         self.orientation = region.orientation
 
     def scales(self) -> list[tuple[float, float]]:
@@ -323,47 +246,94 @@ class Filtered(Region):
     def point(self, u: Value, v: Value) -> Vector:
         return self.region.point(u, v)
 
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        return self.region.uniforms(point)
+
     def heading_of(self, point: Vector, u: Value) -> Value:
         return self.region.heading_of(point, u)
 
     def contains(self, point: Vector) -> Value:
         return apply(AND, self.region.contains(point), self.test(point), kind="truth")
 
+    def outlines(self) -> list[Any]:
+        return self.region.outlines()
+
 
 ROOT = Operation(math.sqrt, np.sqrt)
 
 
+def title(region: Region) -> str:
+    """A region in a message."""
+    return type(region).__name__
+
+
+def part_of(value: Any, whole: float) -> Any:
+    """value / whole where it lies in [0, 1], up to rounding; nan elsewhere."""
+    share = np.asarray(value, dtype=float) / whole if whole > 0 else np.where(np.abs(value) <= CLOSENESS, 0.5, np.nan)
+    slack = CLOSENESS * 10 / whole if whole > 0 else 0.0
+    return np.where((share >= -slack) & (share <= 1 + slack), np.clip(share, 0.0, 1.0), np.nan)
+
+
 def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
     """A test written for arrays, on numbers or random values."""
-    return apply(Operation(quietly(test), test), *operands, kind="truth")
+    return apply(Operation(quietly(test, bool), test), *operands, kind="truth")
 
 
-def quietly(test: Callable[..., Any]) -> Callable[..., bool]:
-    """The same test on numbers; what is infinite is in no region, and no reason for a warning."""
+def numbers_of(function: Callable[..., Any], *operands: Value) -> Value:
+    """A number computed by a function written for arrays."""
+    return apply(Operation(quietly(function, float), function), *operands)
 
-    def of_numbers(*numbers: Value) -> bool:
+
+def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callable[..., Any]:
+    """The same function on numbers; what is infinite is in no region, and no reason for a warning."""
+
+    def of_numbers(*numbers: Value) -> Any:
         with np.errstate(all="ignore"):
-            return bool(test(*numbers))
+            return kind(function(*numbers))
 
     return of_numbers
 
 
 def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
     """Whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
-    c, s = np.cos(heading), np.sin(heading)
-    across = (x - cx) * c + (y - cy) * s
-    along = (y - cy) * c - (x - cx) * s
+    across, along = in_frame(x - cx, y - cy, heading)
     return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
+
+
+def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
+    """The distance of points from an oriented rectangle, 0 inside."""
+    across, along = in_frame(x - cx, y - cy, heading)
+    return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
+
+
+def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
+    """A displacement as seen in a frame turned by `heading`."""
+    c, s = np.cos(heading), np.sin(heading)
+    return dx * c + dy * s, dy * c - dx * s
+
+
+def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
+    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
+    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, ARC_SEGMENTS + 1)
+    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
+    whole = angle >= TURN
+    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
+    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
+    return np.stack([xs, ys], axis=-1)
 
 
 def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
     """Whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
-    return np.logical_not(polygons.EdgesCross([(x, y), (end_x, end_y)])(*corners))
+    p, q = (x, y), (end_x, end_y)
+    points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
+    crossed: Any = False
+    for a, b in zip(points, points[1:] + points[:1], strict=True):
+        apart = turn_of(p, q, a) * turn_of(p, q, b) < -CLOSENESS
+        crossed = crossed | (apart & (turn_of(a, b, p) * turn_of(a, b, q) < -CLOSENESS))
+    return np.logical_not(crossed)
 
 
-def first(pair: Any) -> Any:
-    return pair[0]
-
-
-def second(pair: Any) -> Any:
-    return pair[1]
+def turn_of(a: Any, b: Any, c: Any) -> Any:
+    """Twice the signed area of a triangle: positive if it runs anticlockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -17,8 +17,7 @@ from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session
 from scenic_lite.geometry import rectangles_meet
 from scenic_lite.graph import NOT, OR, Random, Value, apply
-from scenic_lite.polygons import CLOSENESS
-from scenic_lite.regions import Everywhere, RectangularRegion, Region, truth_of
+from scenic_lite.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
 from scenic_lite.values import Instance
 
 BLOCK = 8192  # numbers in one array while rules are tested

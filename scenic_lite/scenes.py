@@ -15,7 +15,7 @@ from scenic_lite.budget import exceeded
 from scenic_lite.errors import Place
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Random, Tape, Value, is_number
-from scenic_lite.regions import RectangularRegion, Region, SectorRegion
+from scenic_lite.regions import Region
 from scenic_lite.rules import Outlines
 from scenic_lite.values import BehaviorCall, Choice, Instance
 
@@ -101,8 +101,8 @@ def parts_of(value: Value) -> tuple[Value, ...]:
         return tuple(value.properties.values())
     if isinstance(value, BehaviorCall):
         return tuple(value.arguments.values())
-    if isinstance(value, RectangularRegion | SectorRegion):
-        return tuple(vars(value).values())
+    if isinstance(value, Region):
+        return value.parameters()
     return ()
 
 

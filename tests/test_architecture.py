@@ -15,7 +15,7 @@ STANDARD = set(sys.stdlib_module_names)
 
 # What each package may import beyond the standard library; `ued.upomdp` stands for the seam alone.
 MAY_IMPORT = {
-    "scenic_lite": {"scenic_lite", "numpy", "numba"},
+    "scenic_lite": {"scenic_lite", "numpy", "numba", "shapely"},
     "ued": {"ued", "numpy", "gymnasium", "torch"},
     "envs": {"envs", "scenic_lite", "ued.upomdp", "numpy", "numba", "gymnasium", "matplotlib"},
     "minigames": {"minigames", "scenic_lite", "envs", "gymnasium"},
