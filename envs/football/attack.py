@@ -11,9 +11,9 @@ import math
 from envs.football.constants import CF, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RUN_SPEED, SHORT_PASS, SHOT
 from envs.football.control import CARRY_SPRINT, chase, run_to
 from envs.football.dribble import TOUCH_REACH
-from envs.football.rng import uniform
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
 SHOT_CHANCE = 0.75  # sqrt(odds) + U(0, 0.5) above this shoots

@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import FREE_KICK, GK, NOBODY, STEP
-from envs.football.rng import uniform
 from envs.football.rules import stop_play
 from envs.football.saves import in_own_box
 from envs.football.touch import BLOCK_KEEP, deflect, hold, parry, take
 from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 # Traps
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m

@@ -20,10 +20,10 @@ from envs.football.constants import (
     SHOT,
 )
 from envs.football.possession import forget_kick, lose_ball
-from envs.football.rng import normal
 from envs.football.saves import foresee_shot
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
+from scenic_lite.stream import normal
 
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
 SWING = 0.16  # s from the command to the contact, facing the target

@@ -20,9 +20,9 @@ from envs.football.constants import (
     NOBODY,
 )
 from envs.football.possession import ball_speed
-from envs.football.rng import uniform
 from envs.football.vectors import length
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 # logit P(goal) = base − slope × time + wide × (0 .. 1 over the gaps), fitted to 433 measured shots on target
 SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.6, 9.5, 2.4

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
-from envs.football.rng import streams
+from scenic_lite.stream import streams
 
 BALL_FIELDS = (
     ("x", "f8", (), "m", "place of the centre"),

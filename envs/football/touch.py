@@ -10,9 +10,9 @@ import math
 from envs.football.constants import BALL_RADIUS, NOBODY
 from envs.football.offside import whistled
 from envs.football.possession import lose_ball
-from envs.football.rng import uniform
 from envs.football.vectors import length
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 BLOCK_KEEP = 0.35  # share of its speed that a blocked ball keeps
 MISS_WAIT = 0.5  # s

@@ -1,8 +1,9 @@
-"""Random numbers from the stream stored in a match, the same for any number of threads.
+"""Random numbers from the stream that a record holds in its field `random`, the same for any number of threads.
 
 The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003): shifts and exclusive ors
 only, so that it runs uncompiled without a warning about overflow. Streams start from SplitMix64 hashes of
-the seeds (Steele, Lea and Flood, OOPSLA 2014). Read next: `kicks`, where most of the draws are.
+the seeds (Steele, Lea and Flood, OOPSLA 2014). Football's matches and the machine that runs behaviors
+(`dynamics.vm`) draw from it.
 """
 
 from __future__ import annotations
@@ -30,18 +31,18 @@ def streams(seeds: npt.ArrayLike) -> np.ndarray:
 
 
 @kernel
-def uniform(match):
-    """Draw from [0, 1) and move the match's stream on by one."""
-    state = match.random
+def uniform(holder):
+    """Draw from [0, 1) and move the holder's stream on by one."""
+    state = holder.random
     state ^= state << _A
     state ^= state >> _B
     state ^= state << _C
-    match.random = state
+    holder.random = state
     return float(state >> _TO_53_BITS) * _UNIT
 
 
 @kernel
-def normal(match):
+def normal(holder):
     """Draw from the standard normal distribution by Box and Muller's method: two uniform draws."""
-    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(match)))
-    return radius * math.cos(_TWO_PI * uniform(match))
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(holder)))
+    return radius * math.cos(_TWO_PI * uniform(holder))
