@@ -39,6 +39,7 @@ POINT = ScenicClass(
         visibleDistance=50.0,
         mutationScale=0.0,
         positionStdDev=UNIT_SPREAD,
+        regionContainedIn=None,
     ),
 )
 ORIENTED_POINT = ScenicClass(
@@ -55,7 +56,6 @@ OBJECT = ScenicClass(
         cameraOffset=NOWHERE_IN_PARTICULAR,
         allowCollisions=False,
         requireVisible=True,
-        regionContainedIn=None,
         behavior=None,
         lastActions=(),
     )
