@@ -7,26 +7,31 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from scenic_lite.assignments import unpack
 from scenic_lite.calls import CALLS, call
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.expressions import EXPRESSIONS
 from scenic_lite.frame import Session, Source
 from scenic_lite.functions import BUILTINS
+from scenic_lite.modular import set_up_main
 from scenic_lite.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.program import Program
 from scenic_lite.requirements import settle
-from scenic_lite.statements import STATEMENTS, unpack
+from scenic_lite.statements import STATEMENTS
 from scenic_lite.values import Namespace
 
 DIALECTS = (2, 3)
 
 
-def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> Program:
+def load(
+    source: str | Path, domain: Domain | None = None, dialect: int = 2, scenario: str | None = None
+) -> Program:
     """Read a Scenic program.
 
     A Path, or a str that names an existing file or ends in `.scenic`, is read; another str is program text. `dialect`
-    is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). Raises ScenicError, with a place in the text, for
+    is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). `scenario` names the modular scenario to run; without
+    it, that is `Main`, or the only one. Raises ScenicError, with a place in the text, for
     whatever is wrong with the program.
     """
     if dialect not in DIALECTS:
@@ -35,6 +40,7 @@ def load(source: str | Path, domain: Domain | None = None, dialect: int = 2) -> 
     session = new_session(domain, dialect)
     own = source_of(text, file, folder)
     run_file(session, text, own)
+    set_up_main(session, own, scenario)
     settle(session)
     if session.ego is None and (dialect == 2 or needs_ego(session)):
         raise no_ego(session, own)

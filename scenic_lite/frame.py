@@ -37,6 +37,7 @@ from scenic_lite.values import (
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 CONTAINERS = (list, tuple, set, dict, str, bytes, range)
+LARGEST_NAMED = 100  # elements of a container
 WORDS = {nodes.TryInterrupt: "interrupt when"}
 
 
@@ -385,16 +386,32 @@ def in_row(value: Value, row: dict[Random, Value]) -> Value:
     return found.item() if isinstance(found, np.generic) else found
 
 
-def name_draws(name: str, value: Value) -> None:
-    """The first variable that holds a draw or an object names it."""
+def name_draws(name: str, value: Value, inside: bool = False) -> None:
+    """The first variable that holds a draw or an object names it; `inside` a container only draws that no one owns."""
     if isinstance(value, Choice):
         value = value.index
-    if isinstance(value, Instance | Column):
-        value.name = value.name or name
-    elif isinstance(value, Random):
-        for column in (each for each in near_inputs(value) if isinstance(each, Column)):
-            if column.shown is value:  # of `Uniform(1, 2)` or `Normal(0, 1)`
+    if isinstance(value, Random):
+        for column in [each for each in (value, *near_inputs(value)) if isinstance(each, Column)]:
+            if column.shown is value and not (inside and column.owner):  # of `Range(0, 1)`, `Uniform(1, 2)` ...
                 column.name = column.name or name
+    elif isinstance(value, Instance):
+        value.name = value.name or ("" if inside else name)
+    else:
+        for part, each in parts_by_name(name, value):
+            name_draws(part, each, inside=True)
+
+
+def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
+    """The parts of a vector or container, named as a program would; not all of a large one."""
+    if isinstance(value, Vector):
+        return [(f"{name}.x", value.x), (f"{name}.y", value.y)]
+    if isinstance(value, dict):
+        return [(f"{name}[{key!r}]", value[key]) for key in list(value)[:LARGEST_NAMED] if isinstance(key, str | int)]
+    return [(f"{name}[{i}]", each) for i, each in enumerate(value[:LARGEST_NAMED])] if is_sequence(value) else []
+
+
+def is_sequence(value: Value) -> bool:
+    return isinstance(value, list | tuple)
 
 
 def near_inputs(value: Random) -> list[Random]:

@@ -14,11 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.areas import Area, areas_of
+from scenic_lite.dynamics.mentions import read_in_episodes
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Session, Source
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
 from scenic_lite.levels import Inverse
-from scenic_lite.naming import column_names, name_objects, title_of
+from scenic_lite.naming import column_names, name_arguments, name_objects, title_of, title_of_option
 from scenic_lite.refusals import Refusals
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule, checks_of
@@ -53,7 +54,9 @@ class Program:
         params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
         requirements: the R rules of a scene, in the order of `Scenes.failed`.
         param_places: where each parameter, random or not, was set.
-        behaviors, monitors, terminations: the dynamic half, kept as trees.
+        behaviors, monitors, terminations, records, temporal: the dynamic half, kept as trees.
+        main: the modular scenario that the program is, if it is one; its names are those of `main_frame`.
+        session: what the trees are evaluated in, by `scenic_lite.dynamics`.
         warnings: what looks like a slip but is legal.
         source, file: the text and where it came from.
     """
@@ -64,6 +67,9 @@ class Program:
         self.behaviors = session.behaviors
         self.monitors = tuple(session.monitors)
         self.terminations = tuple(session.terminations)
+        self.records, self.temporal = tuple(session.records), tuple(session.temporal)
+        self.main, self.main_frame = session.main, session.main_frame
+        self.session = session
         self.param_places = dict(session.param_places)
         self._sources = session.sources
         self._workspace, self._points = session.workspace, session.points
@@ -83,6 +89,7 @@ class Program:
         roots = list(self._roots(session.params))
         used = {id(column) for column in columns_of(*roots)}
         self._columns = [column for column in session.columns if id(column) in used]
+        name_arguments(self._instances)
         names = column_names(self._columns)
         self.draws = tuple(
             Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, session))
@@ -99,6 +106,8 @@ class Program:
         refuse_huge(params, f"a parameter of {self.file}")
         yield from randoms_in(params)
         yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
+        for value in read_in_episodes(self):
+            yield from randoms_in(value)
 
     def _plan(self, session: Session) -> None:
         """Separate what is fixed from what must be read from the tape."""
@@ -170,6 +179,16 @@ class Program:
             arguments[i] = plan(registers, count)
         params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
         return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
+
+    @property
+    def instances(self) -> list[Instance]:
+        """The objects as the session knows them, in the order of `objects`."""
+        return self._instances
+
+    def row(self, theta: np.ndarray) -> dict[Random, float]:
+        """The values that one row theta [D] gives to the draws, for `Session.row`."""
+        scaled = self._scaled(self._checked(np.asarray(theta, dtype=float)[None]))
+        return {column: float(value) for column, value in zip(self._columns, scaled[:, 0], strict=True)}
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Whether each row of theta [N, D] describes a valid scene: [N] bool."""
@@ -258,7 +277,7 @@ class Program:
         for draw, column in zip(self.draws, self._columns, strict=True):
             value = registers[self._shown.slot(column.shown)][0]
             value = value.item() if hasattr(value, "item") else value
-            values[draw.name] = title_of(column.options[value]) if column.options else value
+            values[draw.name] = title_of_option(column.options, value) if column.options else value
         return values
 
     @cached_property

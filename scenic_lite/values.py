@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from scenic_lite import nodes
 from scenic_lite.errors import Place
+from scenic_lite.exceptions import ExceptionClass, Fault
 from scenic_lite.geometry import Located, Vector, as_vector
 from scenic_lite.graph import Random, Value, select
 from scenic_lite.regions import Region, VectorField
@@ -75,6 +76,7 @@ class Instance(Located):
     owner: Any = None  # (Instance, property) in whose specifiers it was made
     name: str = ""  # the first variable it was bound to
     properties: dict[str, Value] = field(default_factory=dict)
+    attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, of no property
     label: str = ""  # unique among the objects of its program
 
     def position_vector(self) -> Vector | None:
@@ -132,6 +134,9 @@ class Function:
     keyword_defaults: dict[str, Value]
     body: list[ast.stmt] | ast.expr
     frame: Frame
+    assigned: frozenset[str] = frozenset()  # its local names besides its arguments
+    generates: bool = False  # it has a `yield`
+    owner: ScenicClass | None = None  # whose method it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +145,35 @@ class Bound:
 
     function: Function | Builtin
     receiver: Value
+
+
+@dataclass(frozen=True, eq=False)
+class Descriptor:
+    """A method behind `@staticmethod`, `@classmethod` or `@property`."""
+
+    kind: str
+    function: Value
+
+
+@dataclass(frozen=True, eq=False)
+class Super:
+    """`super()` in a method: what the base of the method's class knows about an instance or a class."""
+
+    base: ScenicClass
+    receiver: Value
+
+
+@dataclass(eq=False)
+class Stream:
+    """An iterator: what `map`, `zip`, `iter` or a generator gives. Its elements are made at once and used up once."""
+
+    items: list
+    at: int = 0
+
+    def rest(self) -> list:
+        """Use up what is left."""
+        left, self.at = self.items[self.at :], len(self.items)
+        return left
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,26 +189,27 @@ class Builtin:
 
 @dataclass(frozen=True, eq=False)
 class Namespace:
-    """An imported module, or `globalParameters`."""
+    """An imported module, `globalParameters`, or the state of a game; `open`: a program may assign its names."""
 
     name: str
     names: dict[str, Value]
+    open: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Behavior:
-    """A `behavior` or `monitor` definition, kept as a tree."""
+    """A `behavior`, `monitor` or `scenario` definition, kept as a tree."""
 
     name: str
-    node: nodes.Behavior
+    node: nodes.Behavior | nodes.Scenario
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
     frame: Frame
 
     @property
     def kind(self) -> str:
-        """Either "behavior" or "monitor"."""
-        return self.node.kind
+        """One of "behavior", "monitor" and "scenario"."""
+        return "scenario" if isinstance(self.node, nodes.Scenario) else self.node.kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,5 +247,12 @@ KINDS: tuple[tuple[Any, str], ...] = (
     (BehaviorCall, "a behavior"),
     (Namespace, "a module"),
     (Choice, "a random choice"),
+    (Stream, "an iterator"),
+    (Descriptor, "a method of its class"),
+    (ExceptionClass, "a class of exceptions"),
+    (Fault, "an exception"),
+    (range, "a range"),
+    (list, "a list"),
+    (dict, "a dictionary"),
     (Delayed, "a value that depends on the object being made"),
 )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from scenic_lite.graph import Value
 from scenic_lite.values import Instance, Namespace
@@ -39,3 +40,30 @@ class World:
     properties: Callable[[Instance, dict[str, Value]], dict[str, Value]]
     simulation: Callable[[list[Instance], dict[str, Value]], Namespace]
     command: Callable[[Value, Instance], Value]
+
+
+class Commands(NamedTuple):
+    """What the behaviors of one step want.
+
+    `actions`: a tuple of actions for each object, in the order of the scene; () for one that waits, whose behavior has
+    ended, or that has none. `agents`: the objects that have a behavior. `terminated`: how the episode has ended, if it
+    has (see `Verdict`); nobody acts then. `rejected`: which requirement is broken, if one is.
+    """
+
+    actions: tuple[tuple[Value, ...], ...]
+    agents: tuple[int, ...]
+    terminated: str | None = None
+    rejected: str | None = None
+
+
+class Verdict(NamedTuple):
+    """What monitors and conditions say of one step.
+
+    `reward`: what the program has set `simulation().scenic_reward` to since the last verdict, or 0. `terminated`: how
+    the episode has ended, in Scenic's words: "scenarioComplete: reason", "terminatedByMonitor: reason",
+    "terminatedByBehavior: reason" or "simulationTerminationCondition: reason". `rejected`: which requirement is broken.
+    """
+
+    reward: float
+    terminated: str | None = None
+    rejected: str | None = None

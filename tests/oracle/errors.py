@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from scenic_lite import Domain, ScenicError, load
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.toy import first_table, run, toy_world
 
 SYNTAX = ("ScenicParseError", "ParseCompileError", "ScenicSyntaxError", "TokenParseError", "PythonParseError")
 FAULTS = ("ZeroDivisionError", "ArithmeticError", "OverflowError", "IndexError", "KeyError", "LookupError")
@@ -35,7 +37,13 @@ def error_record(error: ScenicError, stage: str) -> dict:
     return record
 
 
-def failing(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict | None:
+def failing(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict:
     """The record's fields for a program of kind `error` that fails neither to load nor to sample."""
-    load(path, world, dialect).sample(1, np.random.default_rng(7))
-    return None if entries.get("run") == "dynamic" else {"no_error": True}
+    program = load(path, world, dialect)
+    theta, _ = program.sample(1, np.random.default_rng(7))
+    if entries.get("run") == "dynamic":
+        try:
+            run(first_table(program, theta[0]), Reference(program, theta[0], toy_world()), int(entries.get("steps", 3)))
+        except ScenicError as error:
+            return {"error": error_record(error, "simulate")}
+    return {"no_error": True}

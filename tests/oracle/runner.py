@@ -10,11 +10,16 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from scenic_lite import Domain, ScenicError
+from tests.oracle.dynamic import dynamic
 from tests.oracle.errors import error_record, failing
 from tests.oracle.static import static
 
 SECONDS = 60  # for one program
-KINDS = {"static": static, "error": failing}  # kind -> (path, header, world, dialect) -> fields of the record, or None
+KINDS = {
+    "static": static,
+    "error": failing,
+    "dynamic": dynamic,
+}  # kind -> (path, header, world, dialect) -> fields of the record, or None
 
 
 class OutOfTime(Exception):

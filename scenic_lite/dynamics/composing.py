@@ -1,0 +1,78 @@
+"""Compose blocks: threads whose `do` runs scenarios, several at once if it names several (spec section 11.8).
+
+All that are named are set up and started one after the other in the order of the text, then each takes a step; from
+then on one step each, until all have ended. `do A() until c` stops them when c is true; so does an `abort`. Read next:
+`scenarios`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from typing import TYPE_CHECKING
+
+from scenic_lite.dynamics.threads import End, Guarded, Step, Thread
+from scenic_lite.frame import Frame
+from scenic_lite.values import BehaviorCall
+
+if TYPE_CHECKING:
+    pass
+
+
+class ComposeThread(Thread):
+    """The compose block of a scenario. A scenario with guards and no compose block waits, and checks its guards."""
+
+    ended = False
+
+    def use(self, frame: Frame) -> None:
+        """The names of a setup that has been executed already."""
+        self.frame = frame
+
+    @property
+    def exists(self) -> bool:
+        node = self.call.behavior.node
+        return bool(node.compose or node.preconditions or node.invariants)
+
+    def start(self, unchecked: bool = True) -> None:
+        """Stand before the first statement; `unchecked`: the guards have not been checked in a setup."""
+        if unchecked:
+            self.check_guards()
+        self._steps = self.run()
+
+    def run(self) -> Iterator[Step]:
+        if self.call.behavior.node.compose:
+            yield from super().run()
+            self.ended = True
+            return
+        while True:
+            yield ()
+            self.check_invariants()
+
+    def close(self) -> None:
+        """Give the block up."""
+        if isinstance(self._steps, Generator):
+            self._steps.close()
+        self.ended = True
+
+    def can_start(self, call: BehaviorCall) -> bool:
+        try:
+            ComposeThread(self.episode, call, None, self.scenario).check_guards()
+        except Guarded:
+            return False
+        return True
+
+    def invoked(self, calls: list[BehaviorCall]) -> Iterator[Step]:
+        """Run scenarios at the same time until all have ended."""
+        subs = [self.scenario.begin(call) for call in calls]
+        try:
+            while True:
+                for sub in subs:
+                    end = sub.step() if sub.running else None
+                    if isinstance(end, End) and end.scope == "simulation":
+                        yield end
+                subs = [sub for sub in subs if sub.running]
+                if not subs:
+                    return
+                yield ()
+                subs = [sub for sub in subs if sub.running]
+        finally:
+            self.scenario.finish(subs)

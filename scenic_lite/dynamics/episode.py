@@ -1,0 +1,217 @@
+"""One episode: what is true of it now, put where the evaluator looks.
+
+The evaluator knows a program's session and its objects. While the statements of an episode run, `Episode.playing` lends
+them the episode's own state: the values of everything random in this scene (`Session.row`), the live properties of the
+objects, the draws, and what some statements and functions mean at run time. Outside of it the program is as it was
+loaded, so that many episodes of one program can be played in turns. Read next: `threads`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.budget import Budget
+from scenic_lite.dynamics.draws import Draws
+from scenic_lite.dynamics.world import World
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import in_row
+from scenic_lite.graph import Column, Random, Value, is_number
+from scenic_lite.program import Program
+from scenic_lite.rows import body_of
+from scenic_lite.values import Behavior, Builtin, Function, Instance, Namespace
+
+Handlers = dict[type, Callable[..., Any]]
+STEPS = 200_000  # nodes of the tree that a behavior may evaluate before it lets time pass
+
+
+class Rejected(Exception):
+    """The episode breaks a requirement of the program: it is none of its episodes."""
+
+
+class Patience(Budget):
+    """What one behavior may spend in one step."""
+
+    def step(self) -> None:
+        self.steps += 1
+        if self.steps > STEPS:
+            hint = "is a take or wait missing in a loop?"
+            raise ScenicError("budget", f"more than {STEPS:,} steps of evaluation without an action", hint=hint)
+
+
+class Episode:
+    """The state of one episode.
+
+    Attributes:
+        time: steps since the start. timestep: seconds per step.
+        objects: those of the program in the order of the scene, then those that scenarios made.
+        reward: of the present step, what a program has set `simulation().scenic_reward` to.
+    """
+
+    def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int) -> None:
+        self.program, self.world = program, world
+        self.session = program.session
+        self.draws = Draws(seed)
+        self.time, self.timestep = 0, world.timestep
+        self.objects = list(program.instances)
+        self._scene: dict[Random, Value] = dict(program.row(theta))
+        self.row = dict(self._scene)
+        self.simulation: Namespace | None = None
+        self._facts: dict[str, float] = {}
+        self._table: list[dict[str, float]] = []
+        self.suspending: dict[type, Callable[..., Any]] = {}
+        self.scenario: Any = None  # the one whose statements run now
+        self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
+        self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
+        self._names = [(names, dict(names)) for names in globals_assigned(program)]
+        self._inside = self._lent()
+
+    def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
+        return {name: settled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
+
+    def _lent(self) -> dict[str, Any]:
+        """The fields of the session that differ while this episode is played."""
+        session = self.session
+        return {
+            "row": self.row,
+            "drawn": self._draw,
+            "objects": self.objects,
+            "ego": session.ego,
+            "in_requirement": 0,
+            "owner": None,
+            "handled": [],
+            "budget": Patience(session.budget.limits),
+            "builtins": session.builtins | {"simulation": Builtin("simulation", lambda: self.simulation, lifted=False)},
+        }
+
+    def install(self, statements: Handlers, expressions: Handlers, suspending: Handlers) -> None:
+        """What nodes mean in an episode: statements that take no time, expressions, statements in which time passes."""
+        self._inside["statements"] = self.session.statements | statements
+        self._inside["expressions"] = self.session.expressions | expressions
+        self.suspending = suspending
+
+    @property
+    def reward(self) -> float:
+        """What `simulation().scenic_reward` says."""
+        value = None if self.simulation is None else self.simulation.names.get("scenic_reward")
+        return float(value) if isinstance(value, bool) or is_number(value) else 0.0
+
+    def clear_reward(self) -> None:
+        if self.simulation is not None:
+            self.simulation.names["scenic_reward"] = 0.0
+
+    # ------------------------------------------------------------ playing
+
+    @contextmanager
+    def playing(self) -> Iterator[None]:
+        """Inside, the program means this episode."""
+        outside = dict(vars(self.session))
+        instances = list(self.objects)
+        loaded = [(each.properties, each.attributes) for each in instances]
+        loaded_names = [dict(names) for names, _ in self._names]
+        self._enter(instances)
+        try:
+            yield
+        finally:
+            self._inside = {name: getattr(self.session, name) for name in self._inside}
+            vars(self.session).update(outside)
+            for instance, (properties, attributes) in zip(instances, loaded, strict=True):
+                instance.properties, instance.attributes = properties, attributes
+            for i, (names, _) in enumerate(self._names):
+                self._names[i] = (names, dict(names))
+                replace_all(names, loaded_names[i])
+
+    def _enter(self, instances: list[Instance]) -> None:
+        vars(self.session).update(self._inside)
+        for each in instances:
+            each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
+        for names, own in self._names:
+            replace_all(names, own)
+
+    def rested(self) -> None:
+        """Give the behavior that runs next its own patience; what it remembers still counts."""
+        fresh = Patience(self.session.budget.limits)
+        fresh.memory = self.session.budget.memory
+        self.session.budget = fresh
+
+    def refresh(self, table: np.ndarray, facts: np.ndarray, first: bool) -> None:
+        """Take in the world [O, F] and the facts [G] of this step, inside `playing`.
+
+        While the episode starts, guards still see the properties that the scene gives the objects, until `show`.
+        """
+        self.row.clear()
+        self.row.update(self._scene)
+        known = dict(zip(self.world.facts, map(float, facts), strict=True))
+        self.time = int(known["time"])
+        self._facts = known | {"time": self.time}
+        self._table = [dict(zip(self.world.fields, map(float, row), strict=True)) for row in table]
+        if not first:
+            self.show()
+        self._see_simulation()
+
+    def show(self) -> None:
+        """Give the objects their live properties."""
+        for instance, fields in zip(self.objects, self._table, strict=False):
+            instance.properties.update(self.world.properties(instance, fields))
+
+    def _see_simulation(self) -> None:
+        seen = self.world.simulation(self.objects, self._facts)
+        if self.simulation is None:
+            self.simulation = Namespace(seen.name, {"scenic_reward": 0.0, **seen.names}, open=True)
+        else:
+            update(self.simulation, seen, ("scenic_reward",))
+
+    def live_names(self, instance: Instance) -> set[str]:
+        """The properties that the simulator gives an object."""
+        return set(self.world.properties(instance, dict.fromkeys(self.world.fields, 0.0)))
+
+    def admit(self, instance: Instance) -> None:
+        """Take in an object that a scenario has made while the episode runs."""
+        instance.properties.setdefault("lastActions", ())
+        self._properties[id(instance)] = instance.properties
+        self._attributes[id(instance)] = instance.attributes
+
+    def _draw(self, column: Column) -> Column:
+        """Give a draw its value at once."""
+        self.row[column] = column.offset + column.span * self.draws.uniform()
+        return column
+
+
+def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
+    """Let a namespace that a program may hold on to show what is new."""
+    for name, value in new.names.items():
+        before = old.names.get(name)
+        if isinstance(before, Namespace) and isinstance(value, Namespace):
+            update(before, value)
+        elif name not in kept:
+            old.names[name] = value
+
+
+def settled(value: Value, row: dict[Random, Value]) -> Value:
+    """A value with everything random in it as it is in one sample."""
+    value = in_row(value, row)
+    if isinstance(value, list | tuple):
+        return type(value)(settled(each, row) for each in value)
+    if isinstance(value, dict):
+        return {key: settled(each, row) for key, each in value.items()}
+    return value
+
+
+def replace_all(names: dict[str, Value], values: dict[str, Value]) -> None:
+    names.clear()
+    names.update(values)
+
+
+def globals_assigned(program: Program) -> list[dict[str, Value]]:
+    """The names of those modules whose variables an episode may assign by `global`: each episode has its own."""
+    modules = {id(each.frame.module_names): each.frame.module_names for each in program.behaviors.values()}
+    return [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+
+
+def assigns_globals(value: Value) -> bool:
+    trees = body_of(value) if isinstance(value, Function | Behavior) else []
+    return any(isinstance(each, ast.Global) for tree in trees for each in ast.walk(tree))

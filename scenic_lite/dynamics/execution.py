@@ -1,0 +1,133 @@
+"""The statements in which time may pass, as generators: control flow, `take`, `wait`, `terminate`.
+
+Order of one `take`: its actions are evaluated from left to right, then checked by the world; when the thread is resumed
+its invariants are checked before the next statement. The same after `wait`, `terminate` (a behavior whose own scenario
+has ended may go on) and the end of a `do`. Read next: `interrupts`, then `invoking`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from scenic_lite import nodes
+from scenic_lite.assignments import unpack
+from scenic_lite.dynamics.episode import settled
+from scenic_lite.dynamics.interrupts import abort, try_interrupt
+from scenic_lite.dynamics.invoking import do, wait
+from scenic_lite.dynamics.threads import End, Step, Thread
+from scenic_lite.errors import ScenicError
+from scenic_lite.exceptions import fault_of
+from scenic_lite.statements import Break, Continue
+from scenic_lite.trying import handler_for
+
+
+def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
+    return thread.block(node.body if thread.frame.truth(node.test) else node.orelse)
+
+
+def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
+    """`for`: over the elements that there are when the loop begins."""
+    frame = thread.frame
+    for element in frame.elements(frame.value(node.iter), node.iter):
+        unpack(frame, node.target, element)
+        frame.session.budget.step()
+        try:
+            yield from thread.block(node.body)
+        except Continue:
+            continue
+        except Break:
+            return
+    yield from thread.block(node.orelse)
+
+
+def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
+    while thread.frame.truth(node.test):
+        try:
+            yield from thread.block(node.body)
+        except Continue:
+            continue
+        except Break:
+            return
+    yield from thread.block(node.orelse)
+
+
+def attempt(thread: Thread, node: ast.Try) -> Iterator[Step]:
+    """`try` with `except`, `else`, `finally`; a block that is given up for good does not run its `finally`."""
+    try:
+        yield from guarded(thread, node, thread.block(node.body))
+    except GeneratorExit:
+        raise
+    except BaseException:
+        yield from thread.block(node.finalbody)
+        raise
+    yield from thread.block(node.finalbody)
+
+
+def guarded(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[Step]) -> Iterator[Step]:
+    """The body with the `except` and `else` blocks of its statement."""
+    frame = thread.frame
+    try:
+        yield from body
+    except ScenicError as error:
+        fault = fault_of(error)
+        handler = None if fault is None else handler_for(frame, node, fault)  # type: ignore[arg-type]
+        if fault is None or handler is None:
+            raise
+        if handler.name is not None:
+            frame.assign(handler.name, fault)
+        caught = handler.body
+    else:
+        caught = node.orelse
+    yield from thread.block(caught)
+
+
+def interruptible(thread: Thread, node: nodes.TryInterrupt) -> Iterator[Step]:
+    """`try` with `interrupt when`, and with whatever else it has."""
+    plain = ast.copy_location(ast.Try([], node.handlers, node.orelse, node.finalbody), node)
+    try:
+        yield from guarded(thread, plain, try_interrupt(thread, node))
+    except GeneratorExit:
+        raise
+    except BaseException:
+        yield from thread.block(node.finalbody)
+        raise
+    yield from thread.block(node.finalbody)
+
+
+def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
+    """`take a, b`; a single tuple or list stands for its elements."""
+    row = thread.episode.row
+    actions = [settled(thread.frame.value(each), row) for each in node.actions]
+    if len(actions) == 1 and isinstance(actions[0], list | tuple):
+        actions = list(actions[0])
+    assert thread.agent is not None, "the checker lets only behaviors take actions"
+    yield tuple(thread.episode.world.command(each, thread.agent) for each in actions)
+    thread.check_invariants()
+
+
+def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
+    """`terminate`, which in Scenic 2 always means the simulation."""
+    scope = "simulation" if thread.episode.program.dialect == 2 else node.scope
+    yield End(scope, node.lineno)
+    thread.check_invariants()
+
+
+def resume_with_block(thread: Thread, node: ast.With) -> Iterator[Step]:
+    raise ScenicError("unsupported", "`with` blocks are not supported")
+    yield ()
+
+
+SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
+    ast.If: branch,
+    ast.For: repeat,
+    ast.While: repeat_while,
+    ast.Try: attempt,
+    nodes.TryInterrupt: interruptible,
+    nodes.Take: take,
+    nodes.Wait: wait,
+    nodes.Do: do,
+    nodes.Terminate: terminate,
+    nodes.Abort: abort,
+}

@@ -1,0 +1,112 @@
+"""`try: ... interrupt when c: ...`, the heart of reactive behaviors (spec section 11.4).
+
+The statement has a body and handlers h1 .. hk in the order of the text. Whenever it begins or is resumed:
+
+1. the handlers are looked through from hk to h1: the first that is running, or whose condition is true now, is chosen;
+   if there is none, the body. Nothing is looked at after that, nor is the condition of a handler that is running.
+2. The chosen block is begun or resumed. If it lets time pass, that is the step of the whole statement; when it is
+   resumed, the invariants of the thread are checked, then all begins with 1.
+3. If a handler ends, all begins with 1 at once, in the same step. If the body ends, the statement ends.
+4. `abort` in a handler ends the statement; `break`, `continue` and `return` in a block leave it for the loop or the
+   behavior around the statement; errors go through it. All its other blocks are given up.
+
+So outer statements decide before inner ones, and a handler is itself interrupted by those below it in the text. A
+condition that cannot be computed because it names a variable of a scenario that has no value yet counts as false. Read
+next: `invoking`, which is built on this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from typing import NamedTuple
+
+from scenic_lite import nodes
+from scenic_lite.dynamics.threads import Step, Thread
+from scenic_lite.errors import ScenicError
+
+Steps = Iterator[Step]
+
+
+class Aborted(Exception):
+    """Ends the `try` statement around a handler."""
+
+
+class Handler(NamedTuple):
+    """When to interrupt, and by what."""
+
+    condition: Callable[[], bool]
+    block: Callable[[], Steps]
+
+
+def try_interrupt(thread: Thread, node: nodes.TryInterrupt) -> Steps:
+    """The statement of the program, without its `except` and `finally`."""
+    handlers = [handler_of(thread, each) for each in node.interrupts]
+    return interruptible(thread, thread.block(node.body), handlers)
+
+
+def handler_of(thread: Thread, node: nodes.Interrupt) -> Handler:
+    return Handler(lambda: condition_holds(thread, node), lambda: thread.block(node.body))
+
+
+def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
+    scenario = thread.call.behavior.kind == "scenario"
+    try:
+        return bool(thread.frame.truth(node.condition))
+    except ScenicError as error:
+        if scenario and error.kind == "name" and is_unset(thread, error):
+            return False
+        raise
+
+
+def is_unset(thread: Thread, error: ScenicError) -> bool:
+    """Whether the error is about a variable of the scenario that is assigned only later."""
+    return any(f"'{name}'" in error.message for name in thread.frame.assigned)
+
+
+def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps:
+    """Run a body under the eyes of some handlers, of which the last comes first."""
+    running: list[Steps | None] = [None] * len(handlers)
+    try:
+        yield from watched(thread, body, handlers, running)
+    except Aborted:
+        return
+    finally:
+        for block in (body, *running):
+            close(block)
+
+
+def watched(thread: Thread, body: Steps, handlers: list[Handler], running: list[Steps | None]) -> Steps:
+    """As `interruptible`; `running` holds the blocks of the handlers that have begun and not ended."""
+    while True:
+        at = chosen(handlers, running)
+        block = body if at is None else running[at] or handlers[at].block()
+        try:
+            step = next(block)
+        except StopIteration:
+            if at is None:
+                return
+            running[at] = None
+            continue
+        if at is not None:
+            running[at] = block
+        yield step
+        thread.check_invariants()
+
+
+def close(block: Steps | None) -> None:
+    """Give up a block for good."""
+    if isinstance(block, Generator):
+        block.close()
+
+
+def chosen(handlers: list[Handler], running: list[Steps | None]) -> int | None:
+    """The handler to run now."""
+    for at in reversed(range(len(handlers))):
+        if running[at] is not None or handlers[at].condition():
+            return at
+    return None
+
+
+def abort(thread: Thread, node: nodes.Abort) -> Steps:
+    raise Aborted
+    yield ()

@@ -1,0 +1,99 @@
+"""The smallest world: every object drifts up the y axis by the same distance in each step, and actions change nothing.
+
+It is the simulator in which Scenic's authors test behaviors, and in which ours are compared with theirs. An action is
+any value. `run` plays one episode with any controller that has `act` and `watch`. Read next: `reference`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from scenic_lite.dynamics.world import Commands, Verdict, World
+from scenic_lite.geometry import Vector
+from scenic_lite.graph import Value
+from scenic_lite.program import Program
+from scenic_lite.values import Instance, Namespace
+
+FIELDS = ("x", "y", "heading")
+FACTS = ("time",)
+
+
+class Controller(Protocol):
+    """What plays an episode: the reference, or a compiled program."""
+
+    def act(self, world: np.ndarray, facts: np.ndarray) -> Commands: ...
+
+    def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict: ...
+
+    def finish(self) -> str | None: ...
+
+
+class Trace(NamedTuple):
+    """One episode.
+
+    `commands`: of each step; `rewards`: of each watched step, one more than those in which the time ran out;
+    `ending`: how it ended, "timeLimit: ..." if the steps were over; `rejected`: which requirement is broken, or None.
+    """
+
+    commands: tuple[Commands, ...]
+    rewards: tuple[float, ...]
+    ending: str
+    rejected: str | None
+
+
+def toy_world(timestep: float = 1.0) -> World:
+    """The toy simulator's side of the seam, with so many seconds to a step."""
+
+    def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
+        names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}
+        return Namespace("simulation()", names)
+
+    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action)
+
+
+def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
+    """Where an object is; it has no speed of its own."""
+    at = Vector(fields["x"], fields["y"])
+    still: dict[str, Any] = {"velocity": Vector(0.0, 0.0), "speed": 0.0, "angularSpeed": 0.0}
+    return {"position": at, "heading": fields["heading"]} | still
+
+
+def first_table(program: Program, theta: np.ndarray) -> np.ndarray:
+    """The world table [O, 3] of the scene that theta [D] describes."""
+    scenes = program.instantiate(np.asarray(theta, dtype=float)[None])
+    return np.concatenate([scenes.positions[0], scenes.headings[0][:, None]], axis=1)
+
+
+def run(table: np.ndarray, controller: Controller, steps: int, drift: float = 0.0) -> Trace:
+    """Play at most `steps` steps from a world table [O, 3] on; raises ScenicError at a fault of the program."""
+    commands: list[Commands] = []
+    rewards: list[float] = []
+    time, ending, rejected = 0, "", None
+    while True:
+        facts = np.array([float(time)])
+        verdict = controller.watch(table, facts)
+        rewards.append(verdict.reward)
+        if verdict.rejected or verdict.terminated:
+            ending, rejected = verdict.terminated or "", verdict.rejected
+            break
+        if time >= steps:
+            ending, rejected = f"timeLimit: reached time limit ({steps} steps)", controller.finish()
+            break
+        table = with_new(table, controller)
+        command = controller.act(table, facts)
+        if command.rejected or command.terminated:
+            ending, rejected = command.terminated or "", command.rejected
+            break
+        commands.append(command)
+        table = table + np.array([0.0, drift, 0.0])
+        time += 1
+    return Trace(tuple(commands), tuple(rewards), ending, rejected)
+
+
+def with_new(table: np.ndarray, controller: Controller) -> np.ndarray:
+    """The table with rows for objects that scenarios have just made."""
+    made = list(getattr(controller, "objects", ()))[len(table) :]
+    rows = [[each.properties["position"].x, each.properties["position"].y, each.properties["heading"]] for each in made]
+    return np.concatenate([table, np.array(rows)]) if rows else table

@@ -1,0 +1,86 @@
+"""Dynamic programs: play episodes in the toy simulator and count what happens in them.
+
+Fields as the oracle has them: `sims`, `steps`, `rejected`, `endings`, `lengths`; `traces`, the actions of every agent
+at every step with how often they occurred; `records`, `per_step`. Read next: `scenic_lite.dynamics.toy`, `reference`.
+"""
+
+import collections
+import json
+from pathlib import Path
+
+import numpy as np
+
+from scenic_lite import Domain, Program, ScenicError, load
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
+from scenic_lite.geometry import Vector
+from tests.oracle.errors import error_record
+
+MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
+
+
+def dynamic(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict:
+    """The record's fields for a program of kind `dynamic`. Raises ScenicError if it is none."""
+    program = load(path, world, dialect)
+    count, steps = int(entries["sims"]), int(entries["steps"])
+    theta, _ = program.sample(count, np.random.default_rng(7))
+    counts = [collections.Counter() for _ in range(4)]
+    endings, lengths, traces, records = counts
+    rejected = 0
+    for i in range(count):
+        try:
+            reference, trace = play(program, theta[i], entries, i)
+        except ScenicError as error:
+            return {"error": error_record(error, "simulate")}
+        if trace.rejected:
+            rejected += 1
+            continue
+        endings[trace.ending] += 1
+        lengths[len(trace.commands)] += 1
+        traces[json.dumps(written(trace))] += 1
+        records[json.dumps({name: plain_record(value) for name, value in reference.records.items()})] += 1
+    fields = {"sims": count, "steps": steps, "rejected": rejected, "endings": dict(endings)}
+    fields["lengths"] = {str(key): value for key, value in lengths.items()}
+    fields["traces"] = [{"count": n, "trace": json.loads(text)} for text, n in traces.most_common(MOST_TRACES)]
+    fields["distinct_traces"] = len(traces)
+    if set(records) != {"{}"}:
+        fields["records"] = [{"count": n, "records": json.loads(text)} for text, n in records.most_common(MOST_RECORDS)]
+    return fields | ({"per_step": by_step(traces)} if count > 1 else {})
+
+
+def play(program: Program, theta: np.ndarray, entries: dict[str, str], seed: int) -> tuple[Reference, Trace]:
+    """One episode as a header says."""
+    reference = Reference(program, theta, toy_world(float(entries.get("timestep", 1))), seed)
+    drift = float(entries.get("drift", 0))
+    return reference, run(first_table(program, theta), reference, int(entries.get("steps", 3)), drift)
+
+
+def written(trace: Trace) -> list[dict[str, list[str]]]:
+    """The actions of every agent at every step, as texts."""
+    return [{f"o{i}": [text(a) for a in step.actions[i]] for i in step.agents} for step in trace.commands]
+
+
+def text(action: object) -> str:
+    return f"({action.x}, {action.y}, 0.0)" if isinstance(action, Vector) else str(action)
+
+
+def by_step(traces: collections.Counter) -> dict[str, dict[str, int]]:
+    """How often each joint action occurred at each step."""
+    steps: dict[int, collections.Counter] = collections.defaultdict(collections.Counter)
+    for trace, count in traces.items():
+        for i, step in enumerate(json.loads(trace)):
+            steps[i][json.dumps(step, sort_keys=True)] += count
+    return {str(i): dict(counter.most_common(MOST_PER_STEP)) for i, counter in steps.items()}
+
+
+def plain_record(value: object) -> object:
+    """A record in JSON: a series of [time, value], or one value."""
+    if isinstance(value, list):
+        return [[time, plain(each)] for time, each in value]
+    return plain(value)
+
+
+def plain(value: object) -> object:
+    if isinstance(value, bool | str | None):
+        return value
+    return float(value) if isinstance(value, int | float) else None
