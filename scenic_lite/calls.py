@@ -12,6 +12,7 @@ from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.errors import ScenicError
+from scenic_lite.exceptions import ExceptionClass, Fault
 from scenic_lite.frame import Frame, near
 from scenic_lite.graph import Value
 from scenic_lite.placement import SPECIFIERS
@@ -26,8 +27,16 @@ from scenic_lite.values import (
     Function,
     Instance,
     ScenicClass,
+    Stream,
     describe_kind,
 )
+
+TRACKED_NAMES = ("ego", "workspace")  # the session's, wherever they are set
+NAMING = (ast.ExceptHandler, ast.MatchAs, ast.MatchStar, ast.FunctionDef, ast.ClassDef)
+OWN_SCOPES = (
+    ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.SetComp, ast.DictComp,
+    ast.GeneratorExp, nodes.Behavior, nodes.Scenario,
+)  # fmt: skip
 
 
 class Return(Exception):
@@ -48,11 +57,20 @@ def call_node(frame: Frame, node: ast.Call) -> Value:
             arguments.append(frame.value(argument))
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
-        if keyword.arg is None:
-            keywords.update(frame.value(keyword.value))
-        else:
-            keywords[keyword.arg] = frame.value(keyword.value)
+        value = frame.value(keyword.value)
+        for name, each in mapping(frame, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
+            if name in keywords:
+                raise frame.error("type", f"the argument '{name}' is given twice", keyword.value)
+            keywords[name] = each
     return call(frame, function, arguments, keywords, node)
+
+
+def mapping(frame: Frame, keyword: ast.keyword, value: Value) -> dict[str, Value]:
+    """What `**` spreads in a call."""
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
+        message = f"`**` needs a dictionary with names as keys, not {describe_kind(value)}"
+        raise frame.error("type", message, keyword.value)
+    return value
 
 
 def starred(frame: Frame, function: Value, argument: ast.Starred) -> list[Value]:
@@ -76,11 +94,16 @@ def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Val
     if isinstance(function, Behavior):
         bound = bind(function.name, function.node.args, function, arguments, keywords)
         return BehaviorCall(function, bound, frame.place(node))
+    if isinstance(function, ExceptionClass):
+        if keywords:
+            raise ScenicError("type", f"{function.name}() takes no keyword arguments")
+        return Fault(function, tuple(arguments))
     if isinstance(function, ScenicClass):
         raise ScenicError(
             "type", f"objects of class {function.name} are not made by a call", hint=f"write new {function.name}"
         )
-    raise ScenicError("type", f"{describe_kind(function)} cannot be called")
+    hint = f"write new {function.cls.name}, without brackets" if isinstance(function, Instance) else ""
+    raise ScenicError("type", f"{describe_kind(function)} cannot be called", hint=hint)
 
 
 def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
@@ -123,6 +146,10 @@ def call_function(
 ) -> Value:
     """Run a function of the program; an error inside a library is shown where the program called it."""
     inner = function.frame.inner(bind(function.name, function.arguments, function, arguments, keywords))
+    inner.assigned = function.assigned
+    inner.yields = [] if function.generates else None
+    if function.owner is not None and arguments:
+        inner.method = (function.owner, arguments[0])
     budget = frame.session.budget
     budget.enter()
     try:
@@ -130,12 +157,13 @@ def call_function(
             return inner.value(function.body)
         inner.run(function.body)
     except Return as result:
-        return result.value
+        if inner.yields is None:
+            return result.value
     except ScenicError as error:
         raise seen_from(frame, function, node, error) from None
     finally:
         budget.leave()
-    return None
+    return None if inner.yields is None else Stream(inner.yields)
 
 
 def seen_from(frame: Frame, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
@@ -187,10 +215,34 @@ def lambda_of(frame: Frame, node: ast.Lambda) -> Function:
     return function_of(frame, "lambda", node.args, node.body)
 
 
-def function_of(frame: Frame, name: str, arguments: ast.arguments, body: Any) -> Function:
-    """A function whose defaults are evaluated now."""
+def function_of(
+    frame: Frame, name: str, arguments: ast.arguments, body: Any, owner: ScenicClass | None = None
+) -> Function:
+    """A function whose defaults are evaluated now. A method does not see the names of its class."""
     defaults, keyword_defaults = defaults_of(frame, arguments)
-    return Function(name, arguments, defaults, keyword_defaults, body, frame)
+    assigned, generates = scope_of(body) if isinstance(body, list) else (frozenset(), False)
+    around = frame if owner is None or frame.outer is None else frame.outer
+    return Function(name, arguments, defaults, keyword_defaults, body, around, assigned, generates, owner)
+
+
+def scope_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
+    """The names that a function makes its own by assigning them, and whether it has a `yield`."""
+    names: set[str] = set()
+    elsewhere: set[str] = set(TRACKED_NAMES)
+    generates = False
+    pending: list[ast.AST] = list(body)
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            names.add(node.id)
+        elif isinstance(node, ast.Global | ast.Nonlocal):
+            elsewhere.update(node.names)
+        elif isinstance(node, NAMING) and node.name:
+            names.add(node.name)
+        generates = generates or isinstance(node, ast.Yield | ast.YieldFrom)
+        if not isinstance(node, OWN_SCOPES):
+            pending.extend(ast.iter_child_nodes(node))
+    return frozenset(names - elsewhere), generates
 
 
 def defaults_of(frame: Frame, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from scenic_lite.classes import is_object, outline
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame
+from scenic_lite.frame import Frame, in_row
 from scenic_lite.geometry import Vector, as_vector
 from scenic_lite.graph import (
     AND,
@@ -33,6 +33,7 @@ from scenic_lite.graph import (
 from scenic_lite.regions import Region
 from scenic_lite.values import Choice, describe_kind
 
+PARTS = (Random, Vector, list, tuple, Choice)  # what a list may hold that Python's own `==` does not compare
 COMPARISONS: dict[type, Operation] = {
     ast.Lt: LESS,
     ast.LtE: LESS_EQUAL,
@@ -86,14 +87,23 @@ def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, righ
     if isinstance(sign, ast.Eq | ast.NotEq):
         return equality(frame, sign, left, right)
     for side in (left, right):
-        if not isinstance(side, int | float | str | Random | list | tuple):
+        if not isinstance(side, int | float | str | Random | list | tuple | set):
             raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
     if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
         raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
     return apply(COMPARISONS[type(sign)], left, right, kind="truth")
 
 
+def equal(frame: Frame, left: Value, right: Value) -> bool:
+    """Whether two values are equal that are not random."""
+    frame.session.budget.whole(left)
+    frame.session.budget.whole(right)
+    return bool(equality(frame, ast.Eq(), left, right))
+
+
 def equality(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    if alike(left, right) and any(isinstance(part, PARTS) for part in (*left, *right)):
+        return part_by_part(frame, sign, left, right)
     if isinstance(left, Vector) and isinstance(right, Vector):
         same = apply(
             AND, apply(EQUAL, left.x, right.x, kind="truth"), apply(EQUAL, left.y, right.y, kind="truth"), kind="truth"
@@ -104,6 +114,25 @@ def equality(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
         if len(kinds - {"truth", "number", "any"}) and "any" not in kinds and len(kinds) > 1:
             return isinstance(sign, ast.NotEq)
     return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def alike(left: Value, right: Value) -> bool:
+    """Whether these are two lists or two tuples of one length."""
+    return isinstance(left, list | tuple) and type(left) is type(right) and len(left) == len(right)
+
+
+def part_by_part(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Equality of two collections of the same length, with random parts."""
+    result: Value = True
+    for a, b in zip(left, right, strict=True):
+        if frame.session.row is not None:
+            a, b = in_row(a, frame.session.row), in_row(b, frame.session.row)
+        for part in (a, b):
+            if not frame.session.in_requirement:
+                frame.refuse_random(part, ast.Pass(), "random values cannot be compared here")
+        same = True if a is b else equality(frame, ast.Eq(), a, b)
+        result = apply(AND, result, same, kind="truth")
+    return result if isinstance(sign, ast.Eq) else apply(NOT, result, kind="truth")
 
 
 def membership(frame: Frame, node: ast.Compare, item: Value, container: Value) -> Value:

@@ -14,6 +14,7 @@ from typing import Any
 from scenic_lite import nodes
 from scenic_lite.check import check
 from scenic_lite.errors import ScenicError
+from scenic_lite.exceptions import named_fault
 from scenic_lite.frame import Frame, Session, Source, near
 from scenic_lite.functions import MODULES
 from scenic_lite.lexer import unified
@@ -69,7 +70,7 @@ def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
     if not source.library:
         session.doubts += doubts
         if domain is not None and domain.default_model and wants_default_model(tree, domain.library):
-            take_all(frame, import_module(frame, domain.default_model))
+            take_all(frame, import_module(frame, session.model or domain.default_model))
     frame.run(tree.body)
     return frame.locals
 
@@ -80,7 +81,7 @@ def source_of(text: str, file: str, folder: Path | None, library: bool = False) 
 
 
 def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
-    """The module a program names, evaluated on its first import."""
+    """The module a program names, evaluated on its first import; a folder is a module of what was imported from it."""
     session = frame.session
     path, library = locate(frame, name, level)
     if path is None:
@@ -89,40 +90,69 @@ def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
     if key in session.importing:
         raise ScenicError("import", f"{name} imports itself in a circle")
     if key not in session.modules:
+        if path.suffix != ".scenic":
+            session.modules[key] = Namespace(name, {})
+            return session.modules[key]
         text = read(path)
-        shown = f"{name.replace('.', '/')}.scenic"
-        if library and session.domain:
-            shown = f"{session.domain.name}/{path.name}"
-        source = source_of(text, shown, path.parent, library)
+        source = source_of(text, shown_name(frame, name, path, library), path.parent, library)
         session.importing.append(key)
         try:
-            session.modules[key] = Namespace(name, run_file(session, text, source))
+            with session.own_ego():
+                session.modules[key] = Namespace(name, run_file(session, text, source), not library)
         finally:
             session.importing.pop()
     return session.modules[key]
 
 
+def shown_name(frame: Frame, name: str, path: Path, library: bool) -> str:
+    """How errors name the file of a module."""
+    domain = frame.session.domain
+    if library and domain:
+        return f"{domain.name}/{path.name}"
+    return path.name if not name else f"{name.replace('.', '/')}.scenic"
+
+
 def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
-    """The file of a module and whether it is the domain's; no file for the language's own modules."""
+    """The file or folder of a module and whether it is the domain's; none for the language's own modules.
+
+    A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
+    file that imports; one with dots before it in the latter and those above, as far as the program's folder.
+    """
     session = frame.session
     library = session.domain.library if session.domain else {}
-    if level > 1:
-        raise ScenicError("import", "a program imports only from its own folder")
     if not level and name in library:
         return Path(library[name]), True
     if not level and name in MODULES:
         return None, False
-    if frame.source.folder is not None:
-        path = frame.source.folder.joinpath(*name.split(".")).with_suffix(".scenic")
-        if path.is_file():
-            if not path.resolve().is_relative_to(frame.source.folder.resolve()):
-                raise ScenicError("import", f"{path.name} is a link that leads out of the program's folder")
-            return path, frame.source.library
+    for folder in folders_of(frame, level):
+        path = folder.joinpath(*name.split(".")) if name else folder
+        file = path.with_name(f"{path.name}.scenic")
+        found = file if name and file.is_file() else path
+        if found is file or path.is_dir():
+            root = folder if frame.source.library or session.root is None else session.root
+            if not found.resolve().is_relative_to(root.resolve()):
+                raise ScenicError("import", f"{found.name} is a link that leads out of the program's folder")
+            return found, frame.source.library
     known = [*library, *MODULES, *neighbours(frame)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
     shown = [*reversed(files.values()), "math", "random", *neighbours(frame)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
+
+
+def folders_of(frame: Frame, level: int) -> list[Path]:
+    """Where a module is looked for; `level` counts the dots before its name."""
+    own, root = frame.source.folder, frame.session.root
+    if own is None:
+        return []
+    if level == 0:
+        return [own] if root is None or frame.source.library else [root, own]
+    folder = own
+    for _ in range(level - 1):
+        if root is None or folder.resolve() == root.resolve():
+            raise ScenicError("import", "a program imports only from its own folder")
+        folder = folder.parent
+    return [folder]
 
 
 def neighbours(frame: Frame) -> list[str]:
@@ -134,7 +164,14 @@ def neighbours(frame: Frame) -> list[str]:
 
 
 def model(frame: Frame, node: nodes.Model) -> None:
-    take_all(frame, import_module(frame, node.name))
+    """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
+    session = frame.session
+    name = node.name if session.model is None or frame.source.library else session.model
+    session.modelling += 1
+    try:
+        take_all(frame, import_module(frame, name))
+    finally:
+        session.modelling -= 1
 
 
 def import_whole(frame: Frame, node: ast.Import) -> None:
@@ -142,23 +179,46 @@ def import_whole(frame: Frame, node: ast.Import) -> None:
     for alias in node.names:
         module = import_module(frame, alias.name)
         first, *rest = alias.name.split(".")
-        for part in [] if alias.asname else reversed(rest):
-            module = Namespace(alias.name, {part: module})
-        frame.assign(alias.asname or first, module)
+        if alias.asname or not rest:
+            frame.assign(alias.asname or first, module)
+        else:
+            frame.assign(first, package(frame, first, rest, module))
+
+
+def package(frame: Frame, first: str, rest: list[str], module: Namespace) -> Namespace:
+    """The module `first` with one more module inside it."""
+    known = frame.locals.get(first)
+    top = Namespace(first, dict(known.names)) if isinstance(known, Namespace) else Namespace(first, {})
+    at = top
+    for part in rest[:-1]:
+        inner = at.names.get(part)
+        at.names[part] = Namespace(part, dict(inner.names) if isinstance(inner, Namespace) else {})
+        at = at.names[part]
+    at.names[rest[-1]] = module
+    return top
 
 
 def import_from(frame: Frame, node: ast.ImportFrom) -> None:
-    if node.module is None:
-        raise ScenicError("import", "name the module to import from")
-    module = import_module(frame, node.module, node.level)
+    """`from a import b as c`, `from .a import *`, `from . import a`."""
+    module = import_module(frame, node.module or "", node.level)
     for alias in node.names:
         if alias.name == "*":
             take_all(frame, module)
+            continue
+        if alias.name not in module.names and is_folder(frame, node):
+            inner = import_module(frame, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
+            frame.assign(alias.asname or alias.name, inner)
         elif alias.name not in module.names:
             hint = near(alias.name, module.names)
-            raise ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
+            error = ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
+            raise named_fault("ImportError", error)
         else:
             frame.assign(alias.asname or alias.name, module.names[alias.name])
+
+
+def is_folder(frame: Frame, node: ast.ImportFrom) -> bool:
+    path, _ = locate(frame, node.module or "", node.level)
+    return path is not None and path.is_dir()
 
 
 def take_all(frame: Frame, module: Namespace) -> None:

@@ -10,15 +10,17 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite import nodes
+from scenic_lite.assignments import ASSIGNMENTS, unpack
 from scenic_lite.calls import Return, defaults_of, function_of
-from scenic_lite.classes import OBJECT, is_object
+from scenic_lite.classes import OBJECT
 from scenic_lite.errors import ScenicError
-from scenic_lite.expressions import combined
-from scenic_lite.frame import Frame, Termination, name_draws, near
-from scenic_lite.graph import Random, Value
-from scenic_lite.regions import Region
+from scenic_lite.exceptions import ExceptionClass
+from scenic_lite.frame import Frame, Watched, name_draws, near
+from scenic_lite.graph import Value
+from scenic_lite.matching import choose_case
 from scenic_lite.requirements import mutate, require
-from scenic_lite.values import Behavior, BehaviorCall, Default, Delayed, Instance, ScenicClass, describe_kind
+from scenic_lite.trying import TRYING
+from scenic_lite.values import Behavior, BehaviorCall, Builtin, Default, Delayed, Instance, ScenicClass, describe_kind
 
 
 class Break(Exception):
@@ -34,81 +36,6 @@ def expression(frame: Frame, node: ast.Expr) -> None:
     if isinstance(value, ScenicClass):
         frame.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
 
-
-def assign(frame: Frame, node: ast.Assign) -> None:
-    value = frame.value(node.value)
-    for target in node.targets:
-        bind_target(frame, target, value)
-
-
-def annotated(frame: Frame, node: ast.AnnAssign) -> None:
-    if node.value is not None:
-        bind_target(frame, node.target, frame.value(node.value))
-
-
-def augmented(frame: Frame, node: ast.AugAssign) -> None:
-    target = node.target
-    if isinstance(target, ast.Name):
-        old = frame.lookup(target.id)
-    elif isinstance(target, ast.Subscript):
-        old = frame.value(ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target))
-    else:
-        raise ScenicError("unsupported", "properties cannot be assigned here", hint="use a `with` specifier")
-    bind_target(frame, target, combined(frame, node.op, old, frame.value(node.value)))
-
-
-def bind_target(frame: Frame, target: ast.expr, value: Value) -> None:
-    """Assign to a name, several names, or an element of a list or dictionary."""
-    if isinstance(target, ast.Name):
-        if target.id in TRACKED:
-            TRACKED[target.id](frame, target, value)
-        frame.assign(target.id, value)
-    elif isinstance(target, ast.Tuple | ast.List):
-        unpack(frame, target, value)
-    elif isinstance(target, ast.Subscript):
-        container, index = frame.value(target.value), frame.value(target.slice)
-        if not isinstance(container, list | dict) or isinstance(index, Random | slice):
-            raise frame.error("type", f"elements of {describe_kind(container)} cannot be assigned here", target)
-        frame.session.budget.whole(index)
-        container[index] = value
-    else:
-        message = "properties cannot be assigned outside behaviors"
-        raise frame.error("unsupported", message, target, "use a `with` specifier")
-
-
-def unpack(frame: Frame, target: ast.expr, value: Value) -> None:
-    """`a, b = value`, or a plain name."""
-    if not isinstance(target, ast.Tuple | ast.List):
-        bind_target(frame, target, value)
-        return
-    items = frame.elements(value, target)
-    stars = [i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)]
-    if stars:
-        after = len(target.elts) - stars[0] - 1
-        if len(items) < len(target.elts) - 1:
-            raise frame.error("value", f"{len(items)} values for at least {len(target.elts) - 1} names", target)
-        middle = items[stars[0] : len(items) - after]
-        items = [*items[: stars[0]], middle, *items[len(items) - after :]]
-    if len(items) != len(target.elts):
-        raise frame.error("value", f"{len(items)} values for {len(target.elts)} names", target)
-    for each, item in zip(target.elts, items, strict=True):
-        bind_target(frame, each.value if isinstance(each, ast.Starred) else each, item)
-
-
-def set_ego(frame: Frame, node: ast.AST, value: Value) -> None:
-    if not is_object(value):
-        raise frame.error("type", f"ego must be an object, not {describe_kind(value)}", node)
-    frame.session.ego = value
-
-
-def set_workspace(frame: Frame, node: ast.AST, value: Value) -> None:
-    if not isinstance(value, Region):
-        hint = "write workspace = Workspace(region)"
-        raise frame.error("type", f"the workspace must be a region, not {describe_kind(value)}", node, hint)
-    frame.session.workspace = value
-
-
-TRACKED: dict[str, Callable[[Frame, ast.AST, Value], None]] = {"ego": set_ego, "workspace": set_workspace}
 
 # ------------------------------------------------------------ control flow
 
@@ -160,38 +87,57 @@ def nothing(frame: Frame, node: ast.AST) -> None:
     """`pass`; and `simulator ...`, which names a program of another installation."""
 
 
-def certify(frame: Frame, node: ast.Assert) -> None:
-    if not frame.truth(node.test):
-        message = "" if node.msg is None else f": {frame.text_of(frame.value(node.msg), '')}"
-        raise ScenicError("value", f"the assertion does not hold{message}")
-
-
 def declare_global(frame: Frame, node: ast.Global) -> None:
     frame.globals.update(node.names)
+
+
+def declare_nonlocal(frame: Frame, node: ast.Nonlocal) -> None:
+    frame.nonlocals.update(node.names)
+
+
+def refuse_with(frame: Frame, node: ast.With) -> None:
+    raise ScenicError("unsupported", "`with` blocks are not supported", hint="a program opens no files")
+
+
+def refuse_async(frame: Frame, node: ast.AST) -> None:
+    raise ScenicError("unsupported", "`async` is not supported")
 
 
 # ------------------------------------------------------------ definitions
 
 
 def define_function(frame: Frame, node: ast.FunctionDef) -> None:
-    if node.decorator_list:
-        raise ScenicError("unsupported", "decorators are not supported")
-    frame.assign(node.name, function_of(frame, node.name, node.args, node.body))
+    frame.assign(node.name, decorated(frame, node))
+
+
+def decorated(frame: Frame, node: ast.FunctionDef, owner: ScenicClass | None = None) -> Value:
+    """A function of the program, or what its decorators make of it."""
+    decorators = [frame.value(each) for each in node.decorator_list]
+    value: Value = function_of(frame, node.name, node.args, node.body, owner)
+    for decorator, place in zip(reversed(decorators), reversed(node.decorator_list), strict=True):
+        value = frame.call(decorator, [value], {}, place)
+    return value
 
 
 def define_class(frame: Frame, node: ast.ClassDef) -> None:
     """A class of the language; methods see the names around the class, not those inside."""
-    cls = ScenicClass(node.name, base_of(frame, node))
+    base = base_of(frame, node)
+    if isinstance(base, ExceptionClass):
+        define_exception(frame, node, base)
+        return
+    cls = ScenicClass(node.name, base)
+    if node.decorator_list:
+        raise frame.error("unsupported", "classes take no decorators", node.decorator_list[0])
     body = frame.inner({})
     for statement in node.body:
         if isinstance(statement, nodes.PropertyDefault):
             if statement.name in cls.defaults:
                 raise frame.error("syntax", f"the property '{statement.name}' is declared twice", statement)
-            if any("final" in default.attributes for default in cls.base.defaults_of(statement.name)):
-                raise frame.error("specifier", f"the property '{statement.name}' of {cls.base.name} is final", node)
+            if any("final" in default.attributes for default in base.defaults_of(statement.name)):
+                raise frame.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
             cls.defaults[statement.name] = default_of(frame, statement)
         elif isinstance(statement, ast.FunctionDef):
-            cls.members[statement.name] = function_of(frame, statement.name, statement.args, statement.body)
+            body.locals[statement.name] = decorated(body, statement, cls)
         elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
             body.run([statement])
         else:
@@ -200,7 +146,20 @@ def define_class(frame: Frame, node: ast.ClassDef) -> None:
     frame.assign(node.name, cls)
 
 
-def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass:
+def define_exception(frame: Frame, node: ast.ClassDef, base: ExceptionClass) -> None:
+    """`class Mine(ValueError): pass`."""
+    for statement in node.body:
+        if not isinstance(statement, ast.Pass | ast.Expr):
+            raise frame.error("unsupported", "a class of exceptions has an empty body", statement, "write pass")
+    frame.assign(node.name, ExceptionClass(node.name, base))
+
+
+def define_asynchronous(frame: Frame, node: ast.AsyncFunctionDef) -> None:
+    """A function that nothing can call."""
+    frame.assign(node.name, Builtin(node.name, refuse_async, sited=True))
+
+
+def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
     if node.keywords:
         raise frame.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
     if not node.bases:
@@ -208,7 +167,7 @@ def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass:
     if len(node.bases) > 1:
         raise frame.error("unsupported", "a class has one base", node.bases[1])
     base = frame.value(node.bases[0])
-    if not isinstance(base, ScenicClass):
+    if not isinstance(base, ScenicClass | ExceptionClass):
         raise frame.error("type", f"{describe_kind(base)} cannot be the base of a class", node.bases[0])
     return base
 
@@ -242,6 +201,13 @@ def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
         frame.session.monitors.append(BehaviorCall(behavior, {}, frame.place(node)))
 
 
+def define_scenario(frame: Frame, node: nodes.Scenario) -> None:
+    defaults, keyword_defaults = defaults_of(frame, node.args)
+    scenario = Behavior(node.name, node, defaults, keyword_defaults, frame)
+    frame.assign(node.name, scenario)
+    frame.session.scenarios.append(scenario)
+
+
 # ------------------------------------------------------------ the scenario
 
 
@@ -251,7 +217,9 @@ def set_params(frame: Frame, node: nodes.Param) -> None:
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = frame.value(expression)
         name_draws(name, value)
-        if frame.source.library:
+        if name in session.fixed_params:
+            continue
+        if frame.source.library or session.modelling:
             if name in session.params and name not in session.library_params:
                 continue
             session.library_params.add(name)
@@ -277,12 +245,17 @@ def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    frame.session.terminations.append(Termination(node, frame.place(node)))
+    frame.session.terminations.append(Watched(node, frame.place(node), frame, name_of_termination(node)))
 
 
-def not_yet(frame: Frame, node: ast.AST) -> None:
-    words = {nodes.Record: "`record`", nodes.Scenario: "a modular `scenario`"}
-    raise ScenicError("unsupported", f"{words[type(node)]} is not yet supported")
+def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:
+    own = node.name if isinstance(node, nodes.TerminateWhen) else None
+    return own or f"termination condition on line {node.lineno}"
+
+
+def keep_record(frame: Frame, node: nodes.Record) -> None:
+    """`record`: evaluated in every step by whoever runs the episode."""
+    frame.session.records.append(Watched(node, frame.place(node), frame, node.name or f"record{node.lineno}"))
 
 
 def only_in_behavior(frame: Frame, node: ast.AST) -> None:
@@ -291,10 +264,15 @@ def only_in_behavior(frame: Frame, node: ast.AST) -> None:
 
 
 STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
+    **ASSIGNMENTS,
+    **TRYING,
+    ast.Match: choose_case,
+    ast.Nonlocal: declare_nonlocal,
+    ast.With: refuse_with,
+    ast.AsyncWith: refuse_async,
+    ast.AsyncFor: refuse_async,
+    ast.AsyncFunctionDef: define_asynchronous,
     ast.Expr: expression,
-    ast.Assign: assign,
-    ast.AnnAssign: annotated,
-    ast.AugAssign: augmented,
     ast.If: branch,
     ast.For: repeat,
     ast.While: repeat_while,
@@ -302,7 +280,6 @@ STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
     ast.Continue: next_round,
     ast.Return: give_back,
     ast.Pass: nothing,
-    ast.Assert: certify,
     ast.Global: declare_global,
     ast.FunctionDef: define_function,
     ast.ClassDef: define_class,
@@ -314,8 +291,8 @@ STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
     nodes.TerminateWhen: keep_termination,
     nodes.TerminateAfter: keep_termination,
     nodes.Mutate: mutate,
-    nodes.Record: not_yet,
-    nodes.Scenario: not_yet,
+    nodes.Record: keep_record,
+    nodes.Scenario: define_scenario,
     nodes.Take: only_in_behavior,
     nodes.Wait: only_in_behavior,
     nodes.Do: only_in_behavior,

@@ -362,7 +362,7 @@ CASES = {
         ego.x = 5
         """,
         """
-        <program>:2:1: properties cannot be assigned outside behaviors (use a `with` specifier)
+        <program>:2:1: the x of an object belongs to its position (write ego.position = x @ y)
             ego.x = 5
             ^^^^^
         """,
