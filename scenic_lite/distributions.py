@@ -73,8 +73,8 @@ def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[fl
     column.low, column.high = 0.0, float(len(options) - 1)
     value = choose(index, options)
     column.shown = value if isinstance(value, Random) else index
-    if isinstance(value, Choice):
-        column.options = value.options
+    if not isinstance(value, Random):
+        column.options = tuple(options)
     return value
 
 

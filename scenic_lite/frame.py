@@ -396,7 +396,7 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
                 column.name = column.name or name
     elif isinstance(value, Instance):
         value.name = value.name or ("" if inside else name)
-    else:
+    elif not inside or isinstance(value, Vector):  # a container may hold itself
         for part, each in parts_by_name(name, value):
             name_draws(part, each, inside=True)
 

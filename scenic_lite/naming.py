@@ -5,11 +5,11 @@ Read next: `program`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-from scenic_lite.geometry import Vector
-from scenic_lite.graph import Column, Value
-from scenic_lite.values import Instance, describe_kind
+from scenic_lite.geometry import Vector, as_vector
+from scenic_lite.graph import Column, Value, columns_of
+from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
 
 
 def unique(names: Iterable[str]) -> list[str]:
@@ -36,7 +36,46 @@ def title_of(value: Value) -> str:
     """How a chosen value is shown."""
     if isinstance(value, Instance):
         return value.title()
+    if isinstance(value, Vector) and value.fixed:
+        return repr(value)
     return str(value) if isinstance(value, int | float | str) else describe_kind(value)
+
+
+def title_of_option(options: Sequence[Value], index: int) -> str:
+    """How a chosen option is shown: by its number too, if others look the same."""
+    titles = [title_of(option) for option in options]
+    alike = titles.count(titles[index]) > 1
+    return f"{titles[index]} (no. {index + 1} of {len(titles)})" if alike else titles[index]
+
+
+def name_arguments(objects: list[Instance]) -> None:
+    """Draws made for an argument of a behavior are named by it, if no variable is: `ego.behavior.speed`."""
+    for instance in objects:
+        behavior = instance.properties["behavior"]
+        arguments = behavior.arguments if isinstance(behavior, BehaviorCall) else {}
+        for argument, value in arguments.items():
+            shown = {id(part) for part in shown_parts(value)}
+            for column in columns_of(*shown_parts(value)):
+                if id(column.shown) in shown and instance in owners_of(column):
+                    axis = column.draw_kind.partition(".")[2]
+                    column.name = column.name or f"{instance.title()}.behavior.{argument}{axis and '.'}{axis}"
+
+
+def owners_of(column: Column) -> list[Instance]:
+    """Whose specifiers made a column: an object's, and the one's in whose specifiers that was made, and so on."""
+    owners, owner = [], column.owner
+    while owner is not None:
+        owners.append(owner[0])
+        owner = owner[0].owner
+    return owners
+
+
+def shown_parts(value: Value) -> list[Value]:
+    """What a column may show of a value: itself, its coordinates, or the index of a choice."""
+    vector = as_vector(value)
+    if vector is not None:
+        return [vector.x, vector.y]
+    return [value.index] if isinstance(value, Choice) else [value]
 
 
 def column_names(columns: list[Column]) -> list[str]:

@@ -124,7 +124,7 @@ def test_draws_tell_name_kind_limits_and_place():
         ("spot.y", "point.y", -5, 5),
         ("n", "normal", -math.inf, math.inf),
         ("which", "choice", 0, 1),
-        ("integers5", "integers", 2, 9),
+        ("a[3]", "integers", 2, 9),
     ]
     assert [draw.place.line for draw in draws] == [1, 2, 2, 3, 4, 5]
 

@@ -296,7 +296,7 @@ def test_behaviors_and_monitors_are_kept():
     arguments = program.instantiate(np.array([[0.5], [-1]])).behavior_arguments[1]
     assert arguments["to"] == 0  # the ego, by its index
     np.testing.assert_array_equal(arguments["speed"], [4, 1])
-    assert [draw.name for draw in program.draws] == ["thing.behavior"]
+    assert [draw.name for draw in program.draws] == ["thing.behavior.speed"]
 
 
 @pytest.mark.parametrize(
