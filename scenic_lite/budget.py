@@ -1,4 +1,4 @@
-"""What a program may spend while it is loaded, so that a file from a stranger can waste time and no more.
+"""What a program may spend while it is loaded and sampled, so that a file from a stranger can waste time and no more.
 
 Every limit has one sentence for the user. Read next: `frame`, which spends the steps.
 """
@@ -6,7 +6,7 @@ Every limit has one sentence for the user. Read next: `frame`, which spends the 
 from __future__ import annotations
 
 from collections.abc import Sized
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from scenic_lite.errors import ScenicError
 
@@ -24,6 +24,8 @@ class Limits:
     objects: int = 400  # every pair of them is tested for overlap
     draws: int = 2000  # random values
     operations: int = 20_000  # on random values; each costs an array operation per batch
+    scene: int = 20_000  # steps of a condition that is decided scene by scene, in one of them
+    scenes: int = 2_000_000  # and in all scenes of one call of Program: some seconds
 
 
 @dataclass
@@ -34,11 +36,27 @@ class Budget:
     steps: int = 0
     memory: int = 0
     calls: int = 0
+    scenes: int = 0  # steps in single scenes since `new_call`
+    task: str = "to load"
 
     def step(self) -> None:
         self.steps += 1
         if self.steps > self.limits.steps:
-            raise exceeded(f"the program takes more than {self.limits.steps:,} steps to load")
+            raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
+
+    def new_call(self, wanted: int = 0) -> None:
+        """Scenes are asked for, some of them to be found among many: what is decided scene by scene starts anew."""
+        self.scenes = -wanted * self.limits.scene // 4
+
+    def scene(self) -> Budget:
+        """The budget of what is decided in one scene."""
+        return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
+
+    def charge(self, scene: Budget) -> None:
+        """Count what one scene has spent."""
+        self.scenes += scene.steps
+        if self.scenes > self.limits.scenes:
+            raise exceeded(f"what is decided scene by scene takes more than {self.limits.scenes:,} steps in all scenes")
 
     def enter(self) -> None:
         self.calls += 1

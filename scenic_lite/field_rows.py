@@ -7,18 +7,14 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from scenic_lite.bindings import Bindings
-from scenic_lite.budget import Budget
-from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, in_row
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Column, Random, Value, columns_of
-from scenic_lite.rows import STEPS, body_of, definitions_in, reached
+from scenic_lite.rows import ByRow, body_of, definitions_in, reached
 from scenic_lite.scenes import randoms_in
 
 
@@ -31,8 +27,8 @@ def heading_by_row(
     return Random(HeadingByRow(frame, node, function, columns, heading), (point.x, point.y, *columns))
 
 
-class HeadingByRow:
-    """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]."""
+class HeadingByRow(ByRow):
+    """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]; nan where it fails."""
 
     def __init__(
         self,
@@ -42,9 +38,8 @@ class HeadingByRow:
         columns: tuple[Column, ...],
         heading: Callable[[Value], Value],
     ) -> None:
-        self.frame, self.node, self.function = frame, node, function
-        self.columns, self.heading = columns, heading
-        self.bindings = Bindings(frame)
+        super().__init__(frame, node, columns)
+        self.function, self.heading = function, heading
 
     def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
         rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
@@ -52,18 +47,8 @@ class HeadingByRow:
             return np.array([self._one(*row) for row in zip(*(each.tolist() for each in rows), strict=True)], float)
 
     def _one(self, x: float, y: float, *draws: Value) -> float:
-        """One sample; nan where the function fails, so that the scene is rejected."""
-        session = self.frame.session
-        before = session.row, session.budget
-        session.row = dict(zip(self.columns, draws, strict=True))
-        session.budget = Budget(replace(session.budget.limits, steps=STEPS))
-        try:
-            with session.requiring():
-                result = self.heading(self.frame.call(self.function, [Vector(x, y)], {}, self.node))
-                return in_row(result, session.row)
-        except ScenicError as error:
-            if error.kind == "value":
-                return float("nan")
-            raise
-        finally:
-            session.row, session.budget = before
+        return self.in_scene(draws, lambda: self._asked(x, y), float("nan"))
+
+    def _asked(self, x: float, y: float) -> Value:
+        result = self.heading(self.frame.call(self.function, [Vector(x, y)], {}, self.node))
+        return in_row(result, self.frame.session.row or {})

@@ -22,6 +22,7 @@ from scenic_lite.levels import Inverse
 from scenic_lite.naming import column_names, name_arguments, name_objects, title_of, title_of_option
 from scenic_lite.refusals import Refusals
 from scenic_lite.rejection import RejectionReport
+from scenic_lite.rows import ByRow
 from scenic_lite.rules import Rule, checks_of
 from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
 from scenic_lite.values import BehaviorCall, Instance
@@ -98,6 +99,7 @@ class Program:
         self._offset = np.array([column.offset for column in self._columns])[:, None]
         self._span = np.array([column.span for column in self._columns])[:, None]
         self._tape = Tape(roots, self._columns, session.budget.limits.operations)
+        self._by_row: list[ByRow] = [operation for operation, _, _ in self._tape.steps if isinstance(operation, ByRow)]
 
     def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
         for instance in self._instances:
@@ -157,7 +159,10 @@ class Program:
 
         Never raises for rows that describe no valid scene: their `ok` is False.
         """
-        theta = self._checked(theta)
+        self.session.budget.new_call()
+        return self._scenes(self._checked(theta))
+
+    def _scenes(self, theta: np.ndarray) -> Scenes:
         count = len(theta)
         scaled = self._scaled(theta)
         known = np.isfinite(scaled.sum(axis=0))
@@ -168,7 +173,8 @@ class Program:
             positions, headings, outlines = self._arrangement.write(registers, count)
             failed = self._failures(registers, outlines, count)
             broken = (failed if self._hard is None else failed[self._hard]).any(axis=0)
-            ok = np.isfinite(outlines.x.sum(axis=0) + outlines.y.sum(axis=0)) & ~broken & known
+            placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
+            ok = np.isfinite(placed) & ~broken & known
         properties = self._properties
         if self._property_plans:
             properties = {name: list(column) for name, column in properties.items()}
@@ -232,7 +238,7 @@ class Program:
         """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes.
 
         A soft requirement is in force in its share of the scenes, decided once for each. Raises ScenicError of kind
-        `rejection` with the report if no draw is valid.
+        `rejection` with the report if no draw is valid, of another if a requirement fails in a scene.
         """
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
@@ -241,12 +247,14 @@ class Program:
         theta = np.empty((n, self.dim))
         pending = np.arange(n)
         draws = 0
+        self.session.budget.new_call(n)
         while len(pending):
             if draws >= (FIRST_DRAWS if len(pending) == n else FIRST_DRAWS + DRAWS_PER_SCENE * n):
                 raise self._impossible(rng)
-            each = max(1, min(64, FIRST_DRAWS // len(pending))) if draws else 1
+            each = max(1, min(4 if self._by_row else 64, FIRST_DRAWS // len(pending))) if draws else 1
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * each, self.dim))
-            scenes = self.instantiate(candidates)
+            scenes = self._scenes(candidates)
+            self._raise_fault()
             draws += len(candidates)
             broken = scenes.failed[:, [i for i, _ in soft]] & np.repeat(active[pending], each, axis=0)
             good = (scenes.ok & ~broken.any(axis=1)).reshape(len(pending), each)
@@ -265,6 +273,13 @@ class Program:
         order = sorted(range(len(shares)), key=lambda i: -shares[i])
         rejected = tuple((self.requirements[i], float(shares[i])) for i in order if shares[i] > 0)
         return RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
+
+    def _raise_fault(self) -> None:
+        """Raise what went wrong in a scene, such as a division by zero in a function of a requirement."""
+        for each in self._by_row:
+            fault, each.fault = each.fault, None
+            if fault is not None:
+                raise fault
 
     def _impossible(self, rng: np.random.Generator) -> ScenicError:
         return ScenicError("rejection", str(replace(self.report(FIRST_DRAWS, rng), accepted=0)))

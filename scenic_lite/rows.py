@@ -6,8 +6,7 @@ Slow (each sample walks the tree again), and only for those. Read next: `rules`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -21,8 +20,6 @@ from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.scenes import randoms_in
 from scenic_lite.values import Behavior, BehaviorCall, Bound, Choice, Function, Instance
 
-STEPS = 20_000  # of one condition in one scene, of which there are thousands
-
 
 def row_by_row(frame: Frame, node: ast.expr) -> Random:
     """The truth of a condition for each sample, evaluated one after the other."""
@@ -30,32 +27,58 @@ def row_by_row(frame: Frame, node: ast.expr) -> Random:
     return Random(RowByRow(frame, node, columns), columns, "truth")
 
 
-class RowByRow:
-    """The operation: columns [N] -> truth [N]."""
+class ByRow:
+    """What is decided scene by scene: a tree, and the draws that it depends on.
 
-    def __init__(self, frame: Frame, node: ast.expr, columns: tuple[Column, ...]) -> None:
+    `fault` is the first error in a scene, such as a division by zero there; that scene is invalid. `Program.sample`
+    raises it.
+    """
+
+    def __init__(self, frame: Frame, node: ast.AST, columns: tuple[Column, ...]) -> None:
         self.frame, self.node, self.columns = frame, node, columns
         self.bindings = Bindings(frame)
+        self.fault: ScenicError | None = None
+
+    def __call__(self, *arrays: Any) -> Any:
+        """The operation on arrays [N]."""
+        raise NotImplementedError
+
+    def in_scene(self, draws: Iterable[Value], decide: Callable[[], Value], otherwise: Value) -> Value:
+        """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
+        session = self.frame.session
+        row, budget = session.row, session.budget
+        session.row, session.budget = dict(zip(self.columns, draws, strict=True)), budget.scene()
+        try:
+            with session.requiring():
+                return decide()
+        except ScenicError as error:
+            if error.kind != "value":
+                raise
+            self.fault = self.fault or error
+            return otherwise
+        finally:
+            spent, session.row, session.budget = session.budget, row, budget
+            self._charge(spent)
+
+    def _charge(self, spent: Budget) -> None:
+        try:
+            self.frame.session.budget.charge(spent)
+        except ScenicError as error:
+            error.hint = "write it without branches and loops on random values, or ask for fewer scenes at once"
+            raise self.frame.placed(error, self.node) from None
+
+
+class RowByRow(ByRow):
+    """A condition as an operation: columns [N] -> truth [N]."""
+
+    node: ast.expr
 
     def __call__(self, *arrays: Any) -> Any:
         with self.bindings.restored():
-            return np.array([self._one(values) for values in zip(*arrays, strict=True)], dtype=bool)
+            return np.array([self.in_scene(draws, self._holds, False) for draws in zip(*arrays, strict=True)], bool)
 
-    def _one(self, values: tuple) -> bool:
-        """One sample; a condition that cannot be computed there does not hold."""
-        session = self.frame.session
-        before = session.row, session.budget
-        session.row = dict(zip(self.columns, values, strict=True))
-        session.budget = Budget(replace(session.budget.limits, steps=STEPS))
-        try:
-            with session.requiring():
-                return bool(self.frame.value(self.node))
-        except ScenicError as error:
-            if error.kind == "value":
-                return False
-            raise
-        finally:
-            session.row, session.budget = before
+    def _holds(self) -> bool:
+        return bool(self.frame.value(self.node))
 
 
 def mentioned(frame: Frame, node: ast.AST) -> list[Value]:

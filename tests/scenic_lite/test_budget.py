@@ -1,5 +1,6 @@
 """Hostile programs: each ends quickly with an error that says which limit was passed, or does no harm."""
 
+import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
@@ -90,7 +91,7 @@ def test_python_is_out_of_reach(text):
 def test_sampling_ends():
     program = load("ego = Object at Range(0, 1) @ 0\nrequire ego.x < 1e-9")
     with pytest.raises(ScenicError) as caught:
-        program.sample(10, __import__("numpy").random.default_rng(0))
+        program.sample(10, np.random.default_rng(0))
     assert caught.value.kind == "rejection"
 
 
@@ -123,3 +124,34 @@ def test_endless_arguments_and_options_are_refused(use):
     )
     with pytest.raises(ScenicError, match="has more than 20,000 parts, or holds itself"):
         load(text)
+
+
+BRANCHING = """
+x = Range(0, 1)
+ego = new Object at x @ 0
+def f(v):
+    total = 0
+    for i in range(800):
+        if v > i:
+            total += i
+    return total
+require f(x) > 1000
+"""
+
+
+def test_conditions_decided_scene_by_scene_share_one_budget():
+    with pytest.raises(ScenicError) as caught:
+        load(BRANCHING).sample(1, np.random.default_rng(0))
+    assert caught.value.kind == "budget" and caught.value.line == 10
+    assert "takes more than 2,000,000 steps in all scenes" in caught.value.message
+
+
+def test_what_fails_in_a_scene_is_raised_by_sampling_with_its_line():
+    program = load(
+        "x = Range(0, 1)\nego = new Object at x @ 0\n"
+        "def f(v):\n    if v > 0.5:\n        return [1, 2][5]\n    return 3\nrequire f(x) > 2\n"
+    )
+    assert program.valid(np.array([[-0.5], [0.5]])).tolist() == [True, False]
+    with pytest.raises(ScenicError, match="list index out of range") as caught:
+        program.sample(50, np.random.default_rng(0))
+    assert caught.value.line == 5
