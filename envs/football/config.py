@@ -17,10 +17,12 @@ class FootballConfig:
 
     observation: str = field(default="features", metadata={"help": "what the learner sees: features or raw"})
     rewards: str = field(default="scoring", metadata={"help": "what it is paid for: scoring or scoring,checkpoints"})
-    dialect: int = field(default=2, metadata={"help": "version of Scenic that the program is written in: 2 or 3"})
+    dialect: int | None = field(
+        default=None, metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
+    )
 
     def __post_init__(self) -> None:
-        known = (("observation", OBSERVATIONS), ("rewards", REWARDS), ("dialect", (2, 3)))
+        known = (("observation", OBSERVATIONS), ("rewards", REWARDS), ("dialect", (None, 2, 3)))
         for name, values in known:
             if getattr(self, name) not in values:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")

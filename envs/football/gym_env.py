@@ -12,12 +12,20 @@ import gymnasium
 import numpy as np
 
 from envs.football.config import FootballConfig
-from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING
+from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
 from envs.football.render import FootballPainter, picture
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import Program
 
-ENDINGS = {RUNNING: "", GOAL: "goal", OUT_OF_PLAY: "out of play", POSSESSION: "possession change", DURATION: "duration"}
+ENDINGS = {
+    RUNNING: "",
+    GOAL: "goal",
+    OUT_OF_PLAY: "out of play",
+    POSSESSION: "possession change",
+    DURATION: "duration",
+    TERMINATED: "terminated by the program",
+    REJECTED: "rejected by the program",
+}
 
 
 class FootballEnv(gymnasium.Env):
@@ -28,7 +36,7 @@ class FootballEnv(gymnasium.Env):
         observation: "features" (`[F]` float32) or "raw" (Google Research Football's dict).
         rewards: "scoring" or "scoring,checkpoints".
         render_mode: None or "rgb_array".
-        dialect: of a program given as text or path, 2 or 3.
+        dialect: of a program given as text or path, 2 or 3; None: found out (see `scenic_lite.load`).
 
     `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs).
     """
@@ -41,7 +49,7 @@ class FootballEnv(gymnasium.Env):
         observation: str = "features",
         rewards: str = "scoring",
         render_mode: str | None = None,
-        dialect: int = 2,
+        dialect: int | None = None,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")

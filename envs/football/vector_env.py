@@ -151,7 +151,11 @@ class FootballVectorEnv(UPOMDP):
 
 
 def make_vec(
-    program: str, num_envs: int = 1, observation: str = "features", rewards: str = "scoring", dialect: int = 2
+    program: str,
+    num_envs: int = 1,
+    observation: str = "features",
+    rewards: str = "scoring",
+    dialect: int | None = None,
 ) -> FootballVectorEnv:
     """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects."""
     env = FootballVectorEnv(program, num_envs, config=FootballConfig(observation, rewards, dialect))

@@ -1,7 +1,8 @@
 """A counterattack: the carrier passes to the winger, and whoever is threatened passes on."""
-# expect at 4: carrier.pressed == 6
-# expect by 25: ball.y < 5
-# expect by 100: ball.x > 45
+# expect by 12: carrier.pressed == 6
+# expect by 35: ball.y < 5
+# expect by 50: winger.owns_ball == 1
+# expect by 120: ball.x > 60
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *
@@ -38,15 +39,18 @@ behavior CloseInAndShoot():
     do IdleBehavior()
 
 behavior StartAttack():
+    do FollowObject(ball, terminate_distance=0) until self.owns_ball
     for i in range(4):
         take SetDirection(6)
     take Pass("short")
+    take ReleaseSprint()
+    take ReleaseDirection()
     do CloseInAndShoot()
 
 ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
 ball = Ball at 26 @ 11
 carrier = LeftLM at 25 @ 10, with behavior StartAttack()
-winger = LeftRM at 28 @ -10, with behavior CloseInAndShoot()
+winger = LeftRM at 40 @ -10, with behavior CloseInAndShoot()
 forward = LeftCM at 50 @ 31, with behavior CloseInAndShoot()
 RightGK at 99 @ 0
 RightCB at 40 @ 6

@@ -1,6 +1,6 @@
 """Eleven against a keeper: everybody runs at the goal and shoots from before it."""
-# expect always: True
-# expect by 150: any(p.x > 40 for p in (lm, am, cf))
+# expect always: abs(keeper.x - 98) < 25
+# expect by 120: cf.x > 40
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *

@@ -1,8 +1,8 @@
 """An attacker who stops every few steps on his way to goal, a defender who waits, two parked keepers."""
-# expect at 1: runner.x > -24
+# expect at 10: ego.x > -32
 # expect always: abs(keeper.x - 95) < 4
-# expect by 150: runner.x < -40
-# expect by 120: runner.speed < 2 and runner.x < -28
+# expect by 150: ego.x < -40
+# expect by 120: ego.speed < 2 and ego.x < -28
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *
@@ -29,5 +29,4 @@ keeper = LeftGK at 95 @ 40, with behavior HoldPosition()
 defender = LeftRB at -90 @ -38, with behavior HoldPosition()
 RightGK at 98 @ 38, with behavior HoldPosition()
 ego = RightAM on get_reg_from_edges(-26, -22, 5, -5), with behavior HesitantDribble(-80 @ 0, 12, 6)
-runner = ego
 ball = Ball ahead of ego by 2

@@ -1,5 +1,5 @@
 """Two against two: the right mid passes high to the attacking mid, and both go on from there."""
-# expect at 1: winger.pressed == 3 or winger.pressed in (2, 4, 1, 5, 6, 7, 8)
+# expect at 1: winger.pressed in (4, 5)
 # expect by 12: ball.speed > 10 or ball.x < winger.x - 8
 
 from scenic.simulators.gfootball.model import *

@@ -1,6 +1,6 @@
 """Two forwards against a back: one passes or keeps the ball, as the level says; a keeper in goal."""
 # expect by 60: ball.x > 78
-# expect always: own_keeper.x < -90
+# expect always: ego.x < -90
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *
@@ -89,8 +89,7 @@ behavior Receiver(opponent, goal):
 
 ball = Ball at 70 @ 28
 RightGK at 99 @ 0
-back = RightCB at 75 @ 24
+back = RightCB at 78 @ 8
 ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
-own_keeper = ego
 p2 = LeftCF at 70 @ 0, with behavior Receiver(back, target)
 p1 = LeftCB at 70 @ 30, with behavior Carrier(back, target)

@@ -1,6 +1,6 @@
 """One back goes for the ball, the other makes room on a side drawn while he runs."""
 # expect by 150: abs(away.y) > 36 and abs(away.x - 90) < 4
-# expect by 60: distance(back, ball) < 4
+# expect by 120: distance(ego, ball) < 4
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *
@@ -24,5 +24,4 @@ a = LeftCF on get_reg_from_edges(50, 70, 20, -20), with behavior HoldPosition()
 b = LeftCF on get_reg_from_edges(50, 70, 20, -20), with behavior HoldPosition()
 ball = Ball ahead of Uniform(a, b) by 2
 ego = RightCB in right_penaltyBox, with behavior Retrieve(ball)
-back = ego
 away = RightCB in right_penaltyBox, with behavior MoveAway()

@@ -1,7 +1,7 @@
 """A runner alone before the keeper: he evades once, to a side drawn at that moment, and shoots from the box."""
 # expect by 40: runner.sprint == 1
 # expect by 180: runner.x > 60
-# expect always: distance(idler, idler_start) < 1
+# expect always: distance(ego, ego_start) < 1
 
 from scenic.simulators.gfootball.model import *
 from scenic.simulators.gfootball.behaviors import *
@@ -37,7 +37,6 @@ behavior Runner():
 
 ball = Ball at 2 @ 0
 ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
-idler = ego
 runner = LeftCB at 0 @ 0, with behavior Runner()
 RightGK at 99 @ 0
 RightLB at -12 @ 20
