@@ -69,7 +69,7 @@ def test_scenes(game: Minigame) -> dict[str, Path]:
     return {TRAINING_SCENE: game.program, **dict(game.tests)}
 
 
-def load_program(path: Path, dialect: int) -> Program:
+def load_program(path: Path, dialect: int | None) -> Program:
     """Compile a program of football, and print what looks like a slip in it. Raises `ScenicError` for a broken one."""
     from envs.football.domain import FOOTBALL
     from scenic_lite import load
@@ -80,7 +80,7 @@ def load_program(path: Path, dialect: int) -> Program:
     return program
 
 
-def load_any_program(path: Path, dialect: int) -> tuple[Program, bool]:
+def load_any_program(path: Path, dialect: int | None) -> tuple[Program, bool]:
     """Compile a program of football or of anything else, and say whether it is football: it needs its library then."""
     from scenic_lite import ScenicError, load
 

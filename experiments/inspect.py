@@ -45,7 +45,7 @@ class InspectConfig:
     n: int = setting(6, "scenes to draw, to record or to print")
     seed: int = setting(0, "seed of the scenes")
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
-    dialect: int = setting(2, "version of Scenic that the program is written in: 2 or 3")
+    dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
 
     def __post_init__(self) -> None:
         check_at_least_1(self, "n")
@@ -212,6 +212,7 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 
 def print_text(path: Path, config: InspectConfig) -> None:
     """Print the tokens or the tree of a program's text."""
+    from scenic_lite.dialect import dialect_of
     from scenic_lite.lexer import tokens
     from scenic_lite.parser import parse
 
@@ -221,7 +222,7 @@ def print_text(path: Path, config: InspectConfig) -> None:
             place = f"{token.line}:{token.column + 1}"
             print(f"{place:<8}{token.kind:<10}{token.text!r}")
         return
-    for line in render_node(parse(text, str(path), config.dialect), 0):
+    for line in render_node(parse(text, str(path), dialect_of(text, str(path), config.dialect)), 0):
         print(line)
 
 

@@ -5,10 +5,12 @@ The evaluation itself is spread over `frame`, `expressions`, `calls`, `statement
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from scenic_lite.assignments import unpack
 from scenic_lite.calls import CALLS, call
+from scenic_lite.dialect import dialect_of
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.expressions import EXPRESSIONS
@@ -21,30 +23,65 @@ from scenic_lite.requirements import settle
 from scenic_lite.statements import STATEMENTS
 from scenic_lite.values import Namespace
 
-DIALECTS = (2, 3)
-
 
 def load(
-    source: str | Path, domain: Domain | None = None, dialect: int = 2, scenario: str | None = None
+    source: str | Path,
+    domain: Domain | None = None,
+    dialect: int | None = None,
+    scenario: str | None = None,
+    params: Mapping[str, object] | None = None,
+    model: str | None = None,
 ) -> Program:
     """Read a Scenic program.
 
-    A Path, or a str that names an existing file or ends in `.scenic`, is read; another str is program text. `dialect`
-    is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). `scenario` names the modular scenario to run; without
-    it, that is `Main`, or the only one. Raises ScenicError, with a place in the text, for
-    whatever is wrong with the program.
+    A Path, or a str that names an existing file or ends in `.scenic`, is read; another str is program text.
+
+    `dialect` is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). Without it, a first line `# scenic: 2` or
+    `# scenic: 3` decides; without that, a program that makes its objects with `new` is of dialect 3, any other of 2.
+    `scenario` names the modular scenario to run; without it, that is `Main`, or the only one. `params` are global
+    parameters that win over whatever the program sets. `model` is a module whose names the program gets in place of
+    those of its own `model` statement or of the domain's default model.
+
+    Raises ScenicError, with a place in the text, for whatever is wrong with the program; ValueError or TypeError for an
+    argument that means nothing.
     """
-    if dialect not in DIALECTS:
-        raise ValueError(f"dialect must be one of {DIALECTS}, not {dialect!r}")
     text, file, folder = text_of(source)
-    session = new_session(domain, dialect)
+    session = new_session(domain, dialect_of(text, file, dialect))
+    override(session, file, params or {}, model)
+    session.root = folder
     own = source_of(text, file, folder)
     run_file(session, text, own)
     set_up_main(session, own, scenario)
     settle(session)
-    if session.ego is None and (dialect == 2 or needs_ego(session)):
+    if session.ego is None and (session.dialect == 2 or needs_ego(session)):
         raise no_ego(session, own)
     return Program(session, own, text, warnings_of(session))
+
+
+def override(session: Session, file: str, params: Mapping[str, object], model: str | None) -> None:
+    """Set what the caller decides and the program cannot change."""
+    if not isinstance(params, Mapping):
+        raise TypeError(f"params maps names to values, it is no {type(params).__name__}")
+    for name, value in params.items():
+        if not isinstance(name, str):
+            raise TypeError(f"the name of a parameter is a text, not {name!r}")
+        if not is_plain(value):
+            raise TypeError(f"the parameter '{name}' must be a number, a text, a truth value, None, or a list of them")
+        session.params[name] = value
+        session.param_places[name] = Place(file, 1, 0, 1, 1)
+    session.fixed_params = frozenset(params)
+    if model is not None and not isinstance(model, str):
+        raise TypeError(f"model is the name of a module, not {model!r}")
+    session.model = model
+
+
+def is_plain(value: object) -> bool:
+    """Whether a value is one that the text of a program could hold too."""
+    if isinstance(value, list | tuple):
+        return all(is_plain(each) for each in value)
+    if isinstance(value, dict):
+        return all(is_plain(each) for pair in value.items() for each in pair)
+    return value is None or type(value) in (bool, int, float, str)
 
 
 def warnings_of(session: Session) -> tuple[ScenicError, ...]:

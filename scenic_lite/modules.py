@@ -65,14 +65,37 @@ def read(path: Path) -> str:
 def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
     """Evaluate one file in this session; returns its names, those of the domain's default model included."""
     session.sources[source.file] = source
-    frame, domain = Frame(session, source, {}), session.domain
+    frame = Frame(session, source, {})
     tree, doubts = parsed(text, source.file, session.dialect)
     if not source.library:
         session.doubts += doubts
-        if domain is not None and domain.default_model and wants_default_model(tree, domain.library):
-            take_all(frame, import_module(frame, session.model or domain.default_model))
+        model = unnamed_model(session, tree)
+        if model is not None:
+            take_model(frame, model, tree)
     frame.run(tree.body)
     return frame.locals
+
+
+def unnamed_model(session: Session, tree: ast.Module) -> str | None:
+    """The world model of a file that names none: the caller's, or the domain's default."""
+    domain = session.domain
+    if session.model is not None:
+        return None if any(isinstance(node, nodes.Model) for node in ast.walk(tree)) else session.model
+    if domain is None or not domain.default_model or not wants_default_model(tree, domain.library):
+        return None
+    return domain.default_model
+
+
+def take_model(frame: Frame, name: str, node: ast.AST) -> None:
+    """All names of a world model; its params never replace those that are set."""
+    session = frame.session
+    session.modelling += 1
+    try:
+        take_all(frame, import_module(frame, name))
+    except ScenicError as error:
+        raise frame.placed(error, node) from None
+    finally:
+        session.modelling -= 1
 
 
 def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
@@ -165,13 +188,8 @@ def neighbours(frame: Frame) -> list[str]:
 
 def model(frame: Frame, node: nodes.Model) -> None:
     """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
-    session = frame.session
-    name = node.name if session.model is None or frame.source.library else session.model
-    session.modelling += 1
-    try:
-        take_all(frame, import_module(frame, name))
-    finally:
-        session.modelling -= 1
+    wanted = None if frame.source.library else frame.session.model
+    take_model(frame, wanted or node.name, node)
 
 
 def import_whole(frame: Frame, node: ast.Import) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.assignments import ASSIGNMENTS, unpack
-from scenic_lite.calls import Return, defaults_of, function_of
+from scenic_lite.calls import Return, defaults_of, function_of, scope_of
 from scenic_lite.classes import OBJECT
 from scenic_lite.errors import ScenicError
 from scenic_lite.exceptions import ExceptionClass
@@ -194,7 +194,7 @@ def default_of(frame: Frame, node: nodes.PropertyDefault) -> Default:
 
 def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
     defaults, keyword_defaults = defaults_of(frame, node.args)
-    behavior = Behavior(node.name, node, defaults, keyword_defaults, frame)
+    behavior = Behavior(node.name, node, defaults, keyword_defaults, frame, scope_of(node.body)[0])
     frame.assign(node.name, behavior)
     frame.session.behaviors[node.name] = behavior
     if node.kind == "monitor" and frame.session.dialect == 2:  # there it starts by being defined
@@ -203,7 +203,8 @@ def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
 
 def define_scenario(frame: Frame, node: nodes.Scenario) -> None:
     defaults, keyword_defaults = defaults_of(frame, node.args)
-    scenario = Behavior(node.name, node, defaults, keyword_defaults, frame)
+    own = scope_of([*node.setup, *node.compose])[0]
+    scenario = Behavior(node.name, node, defaults, keyword_defaults, frame, own)
     frame.assign(node.name, scenario)
     frame.session.scenarios.append(scenario)
 
@@ -218,6 +219,7 @@ def set_params(frame: Frame, node: nodes.Param) -> None:
         value = frame.value(expression)
         name_draws(name, value)
         if name in session.fixed_params:
+            session.param_places[name] = frame.place(place)
             continue
         if frame.source.library or session.modelling:
             if name in session.params and name not in session.library_params:
