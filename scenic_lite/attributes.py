@@ -18,12 +18,13 @@ from scenic_lite.exceptions import ExceptionClass, Fault
 from scenic_lite.frame import Frame, near
 from scenic_lite.geometry import Vector, angle_between, as_vector, distance_between
 from scenic_lite.graph import Random, Value
-from scenic_lite.region_members import FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
+from scenic_lite.region_members import CLASS_FUNCTIONS, FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
 from scenic_lite.regions import Region, VectorField
 from scenic_lite.tables import own
 from scenic_lite.texts import METHODS as TEXTS
 from scenic_lite.values import (
     Behavior,
+    BehaviorCall,
     Bound,
     Builtin,
     Choice,
@@ -45,6 +46,8 @@ def attribute(frame: Frame, value: Value, name: str) -> Value:
         return of_instance(frame, value, name)
     if isinstance(value, Namespace):
         return of_namespace(value, name)
+    if isinstance(value, BehaviorCall) and name in value.names:
+        return value.names[name]
     if isinstance(value, ScenicClass):
         return of_class(value, name)
     if isinstance(value, Super):
@@ -90,7 +93,8 @@ def of_class(cls: ScenicClass, name: str) -> Value:
 
 def of_type(cls: Builtin, name: str) -> Value:
     """`str.lower`, `dict.fromkeys`: a method without its receiver."""
-    known = next((table for kind, table in METHODS if kind in cls.types), {}) | CLASS_METHODS.get(cls.name, {})
+    known = next((table for kind, table in METHODS if kind in cls.types), {})
+    known = known | CLASS_METHODS.get(cls.name, {}) | CLASS_FUNCTIONS.get(cls.name, {})
     return found(known.get(name), cls, name, known)
 
 

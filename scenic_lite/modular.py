@@ -52,4 +52,8 @@ def needs_arguments(scenario: Behavior) -> bool:
 
 def scenario_frame(call: BehaviorCall) -> Frame:
     """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
-    return call.behavior.frame.inner({**call.arguments})
+    call.names.clear()
+    call.names.update(call.arguments)
+    frame = call.behavior.frame.inner(call.names)
+    frame.assigned = call.behavior.assigned
+    return frame

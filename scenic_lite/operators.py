@@ -157,7 +157,7 @@ def offset_along(frame: Frame, start: Value, direction: Value, offset: Value) ->
 
 def sees(frame: Frame, viewer: Value, seen: Value) -> Value:
     dialect = frame.session.dialect
-    if not frame.session.in_requirement and dialect == 3:
+    if not frame.session.in_requirement and frame.session.drawn is None and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
     result = can_see(viewer_of(frame, viewer), seen, dialect)
     if isinstance(result, Random) and not frame.session.in_requirement:
@@ -186,7 +186,7 @@ def visible_part(frame: Frame, region: Value) -> Region:
 def visible_from(frame: Frame, region: Value, viewer: Value) -> Region:
     from scenic_lite import algebra
 
-    return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)))
+    return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)), frame.session.dialect)
 
 
 def hidden_part(frame: Frame, region: Value) -> Region:

@@ -205,6 +205,7 @@ class Behavior:
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
     frame: Frame
+    assigned: frozenset[str] = frozenset()  # its own variables besides its arguments
 
     @property
     def kind(self) -> str:
@@ -214,11 +215,15 @@ class Behavior:
 
 @dataclass(frozen=True, eq=False)
 class BehaviorCall:
-    """A behavior with its arguments, bound by name; what `with behavior B(1)` attaches."""
+    """A behavior with its arguments, bound by name; what `with behavior B(1)` attaches.
+
+    `names`: the variables of a scenario that has been set up in an episode.
+    """
 
     behavior: Behavior
     arguments: dict[str, Value]
     place: Place
+    names: dict[str, Value] = field(default_factory=dict)
 
 
 def describe_kind(value: Value) -> str:

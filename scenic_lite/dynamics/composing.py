@@ -8,10 +8,12 @@ then on one step each, until all have ended. `do A() until c` stops them when c 
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from scenic_lite.dynamics.threads import End, Guarded, Step, Thread
 from scenic_lite.frame import Frame
+from scenic_lite.modular import scenario_frame
 from scenic_lite.values import BehaviorCall
 
 if TYPE_CHECKING:
@@ -22,6 +24,9 @@ class ComposeThread(Thread):
     """The compose block of a scenario. A scenario with guards and no compose block waits, and checks its guards."""
 
     ended = False
+
+    def _frame(self) -> Frame:
+        return scenario_frame(self.call)
 
     def use(self, frame: Frame) -> None:
         """The names of a setup that has been executed already."""
@@ -55,7 +60,7 @@ class ComposeThread(Thread):
 
     def can_start(self, call: BehaviorCall) -> bool:
         try:
-            ComposeThread(self.episode, call, None, self.scenario).check_guards()
+            ComposeThread(self.episode, replace(call, names={}), None, self.scenario).check_guards()
         except Guarded:
             return False
         return True

@@ -67,7 +67,7 @@ class Episode:
         self.scenario: Any = None  # the one whose statements run now
         self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
         self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
-        self._names = [(names, dict(names)) for names in globals_assigned(program)]
+        self._names = [(names, dict(names)) for names in shared_names(program)]
         self._inside = self._lent()
 
     def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
@@ -206,10 +206,11 @@ def replace_all(names: dict[str, Value], values: dict[str, Value]) -> None:
     names.update(values)
 
 
-def globals_assigned(program: Program) -> list[dict[str, Value]]:
-    """The names of those modules whose variables an episode may assign by `global`: each episode has its own."""
+def shared_names(program: Program) -> list[dict[str, Value]]:
+    """The variables from the loading that an episode may assign: those of the main scenario, of modules by `global`."""
     modules = {id(each.frame.module_names): each.frame.module_names for each in program.behaviors.values()}
-    return [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+    found = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+    return found if program.main_frame is None else [*found, program.main_frame.locals]
 
 
 def assigns_globals(value: Value) -> bool:

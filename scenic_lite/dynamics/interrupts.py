@@ -49,18 +49,17 @@ def handler_of(thread: Thread, node: nodes.Interrupt) -> Handler:
 
 
 def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
-    scenario = thread.call.behavior.kind == "scenario"
     try:
         return bool(thread.frame.truth(node.condition))
     except ScenicError as error:
-        if scenario and error.kind == "name" and is_unset(thread, error):
+        if thread.call.behavior.kind == "scenario" and is_unset(error):
             return False
         raise
 
 
-def is_unset(thread: Thread, error: ScenicError) -> bool:
-    """Whether the error is about a variable of the scenario that is assigned only later."""
-    return any(f"'{name}'" in error.message for name in thread.frame.assigned)
+def is_unset(error: ScenicError) -> bool:
+    """Whether the error is about a variable that is assigned only later."""
+    return error.fault is not None and error.fault.cls.name == "UnboundLocalError"
 
 
 def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps:

@@ -20,6 +20,7 @@ fault at run time is a ScenicError with its place. Read next: `scenarios`, `agen
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,8 @@ class Reference:
         episode = self.episode
         episode.refresh(world, facts, first=self._scenario is None)
         if self._scenario is None:
-            call = episode.program.main
+            main = episode.program.main
+            call = None if main is None else replace(main, names={})  # its variables are those of its setup
             self._scenario = Scenario(episode, self._agents, call, None)
             episode.scenario = self._scenario
             self._scenario.adopt()

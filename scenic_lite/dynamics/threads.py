@@ -19,6 +19,7 @@ from scenic_lite import nodes
 from scenic_lite.calls import Return
 from scenic_lite.dynamics.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame
 from scenic_lite.graph import Value
 from scenic_lite.values import BehaviorCall, Instance
 
@@ -52,11 +53,15 @@ class Thread:
     def __init__(self, episode: Episode, call: BehaviorCall, agent: Instance | None, scenario: Scenario) -> None:
         self.episode, self.call, self.agent, self.scenario = episode, call, agent, scenario
         self.depth = 0
-        definition = call.behavior
-        names = {**call.arguments} if definition.kind == "scenario" else {**call.arguments, "self": agent}
-        self.frame = definition.frame.inner(names)
-        self.frame.assigned = assigned_in(definition.node)
+        self.frame = self._frame()
         self._steps: Iterator[Step] | None = None
+
+    def _frame(self) -> Frame:
+        """The names of the body: the arguments, `self`, and its variables, which hide those outside from the start."""
+        behavior = self.call.behavior
+        frame = behavior.frame.inner({**self.call.arguments, "self": self.agent})
+        frame.assigned = behavior.assigned
+        return frame
 
     def start(self) -> None:
         """Check the guards, and stand before the first statement. Raises Rejected."""
@@ -147,14 +152,3 @@ def within(*trees: ast.AST) -> Iterator[ast.AST]:
         yield node
         if not isinstance(node, SCOPES):
             pending.extend(ast.iter_child_nodes(node))
-
-
-@lru_cache(maxsize=1024)
-def assigned_in(definition: ast.stmt) -> frozenset[str]:
-    """The variables of a behavior: what is assigned in its body is never read from outside of it."""
-    body = [*definition.setup, *definition.compose] if isinstance(definition, nodes.Scenario) else definition.body
-    found = list(within(*body))
-    names = {each.id for each in found if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
-    names |= {each.name for each in found if isinstance(each, ast.FunctionDef)}
-    outside = {name for each in found if isinstance(each, ast.Global) for name in each.names}
-    return frozenset(names - outside - {"ego", "workspace"})

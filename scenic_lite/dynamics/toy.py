@@ -54,8 +54,9 @@ def toy_world(timestep: float = 1.0) -> World:
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
-    """Where an object is; it has no speed of its own."""
-    at = Vector(fields["x"], fields["y"])
+    """Where an object is; it has no speed of its own. Its x is what the program wrote, since nothing moves it."""
+    x = instance.properties["position"].x
+    at = Vector(x if isinstance(x, int) else fields["x"], fields["y"])
     still: dict[str, Any] = {"velocity": Vector(0.0, 0.0), "speed": 0.0, "angularSpeed": 0.0}
     return {"position": at, "heading": fields["heading"]} | still
 

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from scenic_lite import Domain, Program, ScenicError, load
+from scenic_lite import Domain, Program, load
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
 from scenic_lite.geometry import Vector
-from tests.oracle.errors import error_record
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 
@@ -24,14 +23,10 @@ def dynamic(path: Path, entries: dict[str, str], world: Domain, dialect: int) ->
     program = load(path, world, dialect)
     count, steps = int(entries["sims"]), int(entries["steps"])
     theta, _ = program.sample(count, np.random.default_rng(7))
-    counts = [collections.Counter() for _ in range(4)]
-    endings, lengths, traces, records = counts
+    endings, lengths, traces, records = (collections.Counter() for _ in range(4))
     rejected = 0
     for i in range(count):
-        try:
-            reference, trace = play(program, theta[i], entries, i)
-        except ScenicError as error:
-            return {"error": error_record(error, "simulate")}
+        reference, trace = play(program, theta[i], entries, i)
         if trace.rejected:
             rejected += 1
             continue
