@@ -9,7 +9,7 @@ import math
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
-from scenic_lite.graph import OR, Value, apply, is_number
+from scenic_lite.graph import OR, Random, Value, apply, is_number
 from scenic_lite.regions import SectorRegion, truth_of
 from scenic_lite.values import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
 
@@ -66,6 +66,7 @@ NUMBER_PROPERTIES = frozenset(
     {"width", "length", "heading", "visibleDistance", "viewAngle", "speed", "angularSpeed", "mutationScale"}
     | {"headingStdDev"}
 )
+SWITCHES = frozenset({"allowCollisions", "requireVisible"})
 # Sides and corners: what share of the half width and half length lies between the centre and the point.
 SIDES = {
     "front": (0, 1),
@@ -102,6 +103,8 @@ def as_heading(value: Value) -> Value:
 
 def checked(name: str, value: Value, dialect: int) -> Value:
     """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    if name in SWITCHES and not isinstance(value, Random | Choice):
+        return bool(value)
     if name == "positionStdDev":
         return spread_of(value, dialect)
     if name == "behavior" and not isinstance(value, BehaviorCall | None):

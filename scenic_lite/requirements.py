@@ -18,7 +18,7 @@ from scenic_lite.dynamics.temporal import formula_of, is_temporal, possible
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, Requirement, Session, Watched
 from scenic_lite.geometry import Vector, normalised
-from scenic_lite.graph import Random, Value, is_number
+from scenic_lite.graph import Random, Value, columns_of, is_number
 from scenic_lite.rows import row_by_row
 from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
 
@@ -116,10 +116,20 @@ def add_noise(session: Session, instance: Instance) -> None:
     spread = properties["positionStdDev"]
     if not isinstance(spread, Vector):
         spread = Vector(spread, spread)
+    name_coordinates(instance)
     shift = Vector(noise(session, instance, "x", spread.x), noise(session, instance, "y", spread.y))
     properties["position"] = properties["position"] + shift
     heading = properties["heading"] + noise(session, instance, "heading", properties["headingStdDev"])
     properties["heading"] = normalised(heading) if session.dialect == 3 else heading
+
+
+def name_coordinates(instance: Instance) -> None:
+    """Columns that are a coordinate go by its name, also when the coordinate gets noise on top."""
+    position = instance.properties["position"]
+    for axis, coordinate in (("x", position.x), ("y", position.y)):
+        for column in columns_of(coordinate):
+            if column.shown is coordinate and column.owner == (instance, "position"):
+                column.owner = (instance, axis)
 
 
 def noise(session: Session, instance: Instance, axis: str, spread: Value) -> Value:

@@ -90,6 +90,8 @@ class Resolution:
 def make(frame: Frame, cls: ScenicClass, meanings: list[Meaning], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
     refuse_final(frame, cls, meanings)
+    if frame.session.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
+        refuse_heading(frame, cls, meanings)
     winners = strongest(frame, meanings)
     for name in cls.property_names():
         if name not in winners:
@@ -116,6 +118,14 @@ def refuse_final(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> Non
                 raise frame.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
             if name in SIDES:
                 raise frame.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
+
+
+def refuse_heading(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+    """Raise ScenicError where a class without a heading is to face somewhere."""
+    for meaning in meanings:
+        if "facing" in meaning.name:
+            hint = "an OrientedPoint has one"
+            raise frame.error("specifier", f"a {cls.name} has no heading for `{meaning.name}`", meaning.node, hint)
 
 
 def strongest(frame: Frame, meanings: list[Meaning]) -> dict[str, Meaning]:
@@ -198,7 +208,7 @@ def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], i
 def with_property(frame: Frame, node: ast.AST, name: str, value: Value) -> Meaning:
     """`with name value`."""
     if name == "behavior" and isinstance(value, Behavior):
-        value = BehaviorCall(value, {}, frame.place(node))
+        value = frame.call(value, [], {}, node)
     if isinstance(value, Delayed):
         delayed = value
         return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs)

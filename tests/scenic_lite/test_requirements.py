@@ -100,3 +100,8 @@ mutate ego by 0.0001
     assert x.min() > 0.99
     assert x.max() < 2.01
     assert y.min() > 1.99
+
+
+def test_coordinates_keep_their_names_beneath_the_noise():
+    program = load("ego = new Object at Range(0, 1) @ Range(0, 1)\nmutate\n", dialect=3)
+    assert [draw.name for draw in program.draws][:2] == ["ego.x", "ego.y"]

@@ -15,12 +15,23 @@ from scenic_lite import ScenicError, load
         ("class C:\n    foo: self\nego = new C\n", "never the bare `self`", 2),
         ("ego = new Object facing 1, with yaw 2\n", "both set the yaw", 1),
         ("ego = new Object with front 3\n", "'front' is the place at a side", 1),
+        ("ego = new Object\np = new Point at 3 @ 3, facing 1\n", "a Point has no heading for `facing`", 2),
     ],
 )
 def test_what_cannot_be_specified(text, message, line):
     with pytest.raises(ScenicError, match=message) as caught:
         load(text, dialect=3)
     assert caught.value.line == line
+
+
+def test_switches_are_on_or_off_whatever_they_are_written_as():
+    text = "ego = new Object with allowCollisions 0\n"
+    text += "b = new Object at {}, with allowCollisions {}, with requireVisible {}\n"
+    for place, collisions, visible in (("0 @ 0", "1", "1"), ("99 @ 0", "0", "0")):
+        load(text.format(place, collisions, visible), dialect=3)
+    for place, collisions, visible in (("0 @ 0", "0", "1"), ("99 @ 0", "0", "1")):
+        with pytest.raises(ScenicError, match="in every scene"):
+            load(text.format(place, collisions, visible), dialect=3)
 
 
 def test_on_a_point_and_on_an_object():
