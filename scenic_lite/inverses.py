@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.distributions import NORMAL_SHARE, Cut, Integers, normal_quantile
-from scenic_lite.geometry import NORMALISE
+from scenic_lite.geometry import NORMALISE, TURN
 from scenic_lite.graph import FLOAT, Table, pick
 from scenic_lite.knowledge import Knowledge
 
+ROUNDING = 1e-9  # of an angle
 Rule = Callable[[Knowledge, Any, tuple[int, ...], int], None]
 
 
@@ -123,6 +124,19 @@ def same(a: Any, b: Any) -> Any:
     return np.abs(a - b.astype(float)) <= 1e-9 * np.maximum(1.0, np.abs(b))
 
 
+def back_from_angle(knowledge: Knowledge, operation: Any, inputs: tuple[int, ...], out: int) -> None:
+    """With as many whole turns as bring it between the bounds of what was normalised."""
+    low, high = knowledge.bounds[inputs[0]]
+
+    def angle(value: Any) -> Any:
+        if low - ROUNDING <= -np.inf or high >= np.inf:
+            return value
+        lifted = value + TURN * np.ceil((low - ROUNDING - value) / TURN)
+        return np.where((lifted > high + ROUNDING) | ((value >= low) & (value <= high)), value, lifted)
+
+    knowledge.solve(inputs[0], (out,), angle)
+
+
 def unchanged(value: Any) -> Any:
     return value
 
@@ -146,7 +160,7 @@ RULES: dict[Any, Rule] = {
     np.degrees: partial(back_to, np.radians),
     np.radians: partial(back_to, np.degrees),
     np.clip: partial(back_to, unchanged),  # of a truncated normal value, whose ends come out as they are
-    NORMALISE.array: partial(back_to, unchanged),  # a whole turn more is found by `solver`
+    NORMALISE.array: back_from_angle,
     FLOAT.array: partial(back_to, unchanged),
     normal_quantile: partial(back_to, NORMAL_SHARE.array),
 }

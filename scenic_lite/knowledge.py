@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from scenic_lite.bounds import Interval
 from scenic_lite.graph import Tape
 
 
 class Knowledge:
     """What is known of the registers of a tape in N scenes: `values[slot]` [N], where `known[slot]` [N] is true."""
 
-    def __init__(self, tape: Tape, count: int) -> None:
-        self.tape, self.count = tape, count
+    def __init__(self, tape: Tape, count: int, bounds: list[Interval]) -> None:
+        self.tape, self.count, self.bounds = tape, count, bounds
         self.values: list[Any] = list(tape.registers)
         computed = set(range(tape.dim)) | {out for _, _, out in tape.steps}
         self.known = [np.full(count, slot not in computed) for slot in range(len(tape.registers))]

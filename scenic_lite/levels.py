@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from scenic_lite.bounds import bounds_of
 from scenic_lite.frame import DrawnPoint
 from scenic_lite.geometry import TURN
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
@@ -37,6 +38,7 @@ class Inverse:
         slots = self.tape.slots
         self.points = [each for each in points if all(id(part) in slots for part in (each.point.x, each.point.y))]
         self.slots = slots | {id(column): i for i, column in enumerate(self.columns)}
+        self.bounds = bounds_of(self.tape, self.columns)
         self.offset = np.array([column.offset for column in columns])
         self.span = np.array([column.span for column in columns])
 
@@ -71,7 +73,7 @@ class Inverse:
         return theta
 
     def _known(self, wishes: list[Wish], count: int) -> Knowledge:
-        knowledge = Knowledge(self.tape, count)
+        knowledge = Knowledge(self.tape, count, self.bounds)
         for wish in wishes:
             if isinstance(wish.node, Random):
                 slot, rows = self.slots[id(wish.node)], asked(wish.values)
@@ -108,23 +110,40 @@ class Inverse:
         """Columns [D, N], as the tape wants them."""
         return (self.offset + (theta + 1.0) * 0.5 * self.span).T
 
-    def residuals(self, wishes: list[Wish], theta: np.ndarray, rows: Any = slice(None)) -> np.ndarray:
-        """[N, W]: by how much each wish is missed, as a share of its size if that is above 1."""
+    def run(self, theta: np.ndarray, steps: list[Any]) -> list[Any]:
+        """The registers that some steps of the tape fill."""
+        registers = self.tape.registers.copy()
+        registers[: self.tape.dim] = self.scaled(theta)
         with np.errstate(all="ignore"):
-            registers = self.tape.run(self.scaled(theta))
+            for operation, inputs, out in steps:
+                registers[out] = operation(*[registers[i] for i in inputs])
+        return registers
+
+    def steps_for(self, wishes: list[Wish]) -> list[Any]:
+        """The steps of the tape that compute what is asked."""
+        needed = {self.slots[id(wish.node)] for wish in wishes if isinstance(wish.node, Random)}
+        steps = []
+        for step in reversed(self.tape.steps):
+            if step[2] in needed:
+                needed.update(step[1])
+                steps.append(step)
+        return steps[::-1]
+
+    def residuals(self, wishes: list[Wish], registers: list[Any], rows: Any = slice(None)) -> np.ndarray:
+        """[N, W]: by how much each wish is missed, as a share of its size if that is above 1."""
+        count = len(registers[0]) if self.columns else len(wishes[0].values[rows])
         parts = [difference(self._value(wish, registers), wish.values[rows], wish.part) for wish in wishes]
-        return np.stack([np.broadcast_to(part, len(theta)) for part in parts], axis=1) if parts else np.zeros((0, 0))
+        return np.stack([np.broadcast_to(part, count) for part in parts], axis=1)
 
     def missed(self, wishes: list[Wish], theta: np.ndarray) -> np.ndarray:
         """[N, W]: which wishes are not met."""
         if not wishes or not len(theta):
             return np.zeros((len(theta), len(wishes)), dtype=bool)
-        return ~(np.abs(self.residuals(wishes, theta)) <= CLOSE)
+        return ~(np.abs(self.residuals(wishes, self.run(theta, self.steps_for(wishes)))) <= CLOSE)
 
     def reached(self, wishes: list[Wish], theta: np.ndarray) -> list[Any]:
         """The values that one row [D] gives instead."""
-        with np.errstate(all="ignore"):
-            registers = self.tape.run(self.scaled(theta[None]))
+        registers = self.run(theta[None], self.tape.steps)
         return [np.broadcast_to(self._value(wish, registers), 1)[0] for wish in wishes]
 
     def _value(self, wish: Wish, registers: list[Any]) -> Any:
@@ -148,10 +167,12 @@ class Inverse:
     def _solved(
         self, wishes: list[Wish], theta: np.ndarray, rows: np.ndarray, group: list[int]
     ) -> tuple[np.ndarray, np.ndarray]:
+        steps = self.steps_for(wishes)
+
         def residuals(unit: np.ndarray, index: np.ndarray) -> np.ndarray:
             trial = theta[rows[index]]
             trial[:, group] = 2.0 * unit - 1.0
-            return self.residuals(wishes, trial, rows[index])
+            return self.residuals(wishes, self.run(trial, steps), rows[index])
 
         unit, good = solve(residuals, (theta[rows[:, None], group] + 1.0) / 2.0, CLOSE / 10)
         return 2.0 * unit - 1.0, good

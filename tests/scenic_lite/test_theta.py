@@ -13,6 +13,7 @@ from scenic_lite import ScenicError, load
 ROOT = Path(__file__).parents[2]
 FIGURES = sorted((ROOT / "tests" / "programs").glob("*.scenic"))
 MINIGAME_FILES = sorted({game.program for game in MINIGAMES.values()})
+OPEN = ROOT.parent / "shared" / "language" / "oracle" / "open"  # more programs may lie beside the repository
 CONTINUOUS = ("range", "normal", "point.x", "point.y", "point.along")
 N = 32
 
@@ -69,6 +70,25 @@ def test_scenes_of_football_lead_back_to_their_theta(path):
 def test_scenes_lead_back_to_their_theta(name):
     away = assert_round_trip(things(PROGRAMS[name]))
     assert away < 1e-9 or name in AMBIGUOUS
+
+
+@pytest.mark.skipif(not OPEN.is_dir(), reason="the programs are not here")
+@pytest.mark.parametrize("dialect", [2, 3])
+def test_scenes_of_programs_from_elsewhere_lead_back(dialect):
+    tried = 0
+    for path in sorted(OPEN.glob("*.scenic")):
+        try:
+            program = load(path, dialect=dialect)
+        except ScenicError:  # of the other dialect, or meant to be refused
+            continue
+        assert_round_trip(program)
+        tried += 1
+    assert tried > 30
+
+
+def test_many_turned_objects_are_found_without_a_search():
+    program = things("\n".join(["new Thing in CircularRegion(0 @ 0, 9), facing Range(0, 360) deg"] * 30), 3)
+    assert assert_round_trip(program) < 1e-9
 
 
 @pytest.fixture
