@@ -81,7 +81,11 @@ def bind_target(frame: Frame, target: ast.expr, value: Value) -> None:
     elif isinstance(target, ast.Subscript):
         set_item(frame, target, frame.value(target.value), frame.value(target.slice), value)
     elif isinstance(target, ast.Attribute):
-        set_attribute(frame, frame.value(target.value), target.attr, value)
+        owner = frame.value(target.value)
+        try:
+            set_attribute(frame, owner, target.attr, value)
+        except ScenicError as error:
+            raise frame.placed(error, target) from None
     else:
         raise frame.error("syntax", "this cannot be assigned to", target)
 

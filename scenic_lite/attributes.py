@@ -132,11 +132,11 @@ class EachText:
         sample = method("", *arguments)
         kind = "text" if isinstance(sample, str) else "truth" if isinstance(sample, bool) else "number"
 
-        def each(texts: Any) -> Any:
+        def of_all(texts: Any) -> Any:
             results = [method(text, *arguments) for text in texts]
             return np.array([*results, None], dtype=object)[:-1] if kind == "text" else np.array(results)
 
-        return Random(each, (text,), kind)
+        return Random(of_all, (text,), kind)
 
 
 def of_instance(frame: Frame, instance: Instance, name: str) -> Value:

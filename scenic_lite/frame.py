@@ -38,7 +38,7 @@ from scenic_lite.values import (
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 CONTAINERS = (list, tuple, set, dict, str, bytes, range)
 LARGEST_NAMED = 100  # elements of a container
-WORDS = {nodes.TryInterrupt: "interrupt when"}
+WORDS: dict[type, str] = {nodes.TryInterrupt: "interrupt when"}
 
 
 @dataclass(frozen=True)
@@ -281,6 +281,8 @@ class Frame:
             return [value.x, value.y]
         if isinstance(value, Stream):
             value = value.rest()
+        if isinstance(value, Region) and (points := value.vertices()) is not None:
+            value = [Vector(x, y) for x, y in points]
         if not isinstance(value, CONTAINERS):
             raise self.error("type", f"{describe_kind(value)} has no elements", node)
         self.session.budget.container(len(value))

@@ -234,7 +234,7 @@ def is_subclass(frame: Frame, node: ast.AST, cls: Value, types: Value) -> bool:
     if not isinstance(cls, ScenicClass | ExceptionClass):
         raise ScenicError("type", f"issubclass needs a class, not {describe_kind(cls)}")
     several = types if isinstance(types, tuple) else (types,)
-    return any(type(each) is type(cls) and cls.derives_from(each) for each in several)
+    return any(each is base for each in several for base in cls.lineage())
 
 
 def type_of(frame: Frame, node: ast.AST, value: Value) -> Value:

@@ -340,9 +340,9 @@ CASES = {
         raise ego
         """,
         """
-        <program>:2:1: `raise` is not supported outside behaviors
+        <program>:2:7: `raise` needs an exception, not a LeftCM
             raise ego
-            ^^^^^^^^^
+                  ^^^
         """,
     ),
     "temporal requirement": (
