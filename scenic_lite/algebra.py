@@ -21,11 +21,24 @@ from scenic_lite.geometry import Vector
 from scenic_lite.graph import NOT, OR, Operation, Random, Value, apply
 from scenic_lite.lines import GridRegion, PointSetRegion, PolylineRegion
 from scenic_lite.polygons import PolygonalRegion, ShapeRegion
-from scenic_lite.regions import Everywhere, Filtered, Nowhere, Region, VectorField, numbers_of
+from scenic_lite.regions import (
+    Everywhere,
+    Filtered,
+    Nowhere,
+    RectangularRegion,
+    Region,
+    SectorRegion,
+    VectorField,
+    numbers_of,
+)
 
 
-def common_part(a: Region, b: Region) -> Region:
-    """The intersection, with the orientation of `a` if it has one, else of `b`."""
+def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
+    """The intersection, with the orientation of `a` if it has one, else of `b`.
+
+    Dialect 2 draws from `b`, and rejects by `a`, where both are random rectangles, discs or sectors: so that those
+    which overlap more are the likelier ones.
+    """
     if isinstance(a, Everywhere) or isinstance(b, Nowhere):
         return b
     if isinstance(b, Everywhere) or isinstance(a, Nowhere):
@@ -36,6 +49,9 @@ def common_part(a: Region, b: Region) -> Region:
         return chosen_points(a, b, kept=True)
     if isinstance(a, Filtered) or isinstance(b, Filtered):
         return Filtered(a, b.contains)
+    simple = RectangularRegion | SectorRegion
+    if dialect == 2 and isinstance(a, simple) and isinstance(b, simple) and not (a.fixed() and b.fixed()):
+        return Filtered(b, a.contains)
     return made_of(shapes.INTERSECTION, a, b, a.orientation or b.orientation)
 
 

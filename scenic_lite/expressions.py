@@ -30,6 +30,7 @@ from scenic_lite.graph import (
     is_number,
     kind_of,
 )
+from scenic_lite.lines import PolylineRegion
 from scenic_lite.operators import OPERATORS, ego_of
 from scenic_lite.region_members import item_of as element_of
 from scenic_lite.regions import Region, VectorField
@@ -55,7 +56,7 @@ SIGNS: dict[type, str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
     ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^",
 }  # fmt: skip
-OPERANDS = (int, float, str, list, tuple, set, dict, Vector, Random)
+OPERANDS = (int, float, str, list, tuple, set, dict, Vector, Random, PolylineRegion)
 
 
 def constant(frame: Frame, node: ast.Constant) -> Value:

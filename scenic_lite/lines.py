@@ -119,6 +119,12 @@ class PolylineRegion(Region):
         x = numbers_of(lambda u: self._x(np.clip(u, 0.0, 1.0)), share)
         return Vector(x, numbers_of(lambda u: self._y(np.clip(u, 0.0, 1.0)), share))
 
+    def __add__(self, other: Value) -> PolylineRegion:
+        """Both, each part keeping its direction."""
+        if not isinstance(other, PolylineRegion):
+            raise TypeError("a polyline and something else")
+        return PolylineRegion([chain.tolist() for chain in (*self.chains, *other.chains)])
+
     def vertices(self) -> list[Point2]:
         """Its points in order; where one chain ends as the next begins, once."""
         points: list[Point2] = []

@@ -126,9 +126,9 @@ class ShapeRegion(Region):
         return (self._shape,)
 
     def point(self, u: Value, v: Value) -> Vector:
-        from scenic_lite import shapes
+        from scenic_lite import shape_points
 
-        both = Random(shapes.points_of, (self._shape, u, v), "any")
+        both = Random(shape_points.points_of, (self._shape, u, v), "any")
         return Vector(Random(first, (both,)), Random(second, (both,)))
 
     def contains(self, point: Vector) -> Value:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import ast
 import math
+from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.classes import as_heading
 from scenic_lite.errors import ScenicError
 from scenic_lite.fields import cells_field, field_of, patchwork
 from scenic_lite.frame import Frame
-from scenic_lite.geometry import Vector, as_vector
+from scenic_lite.geometry import Vector, as_vector, normalised
 from scenic_lite.graph import Value, apply, is_number
 from scenic_lite.lines import NEAR, GridRegion, PointSetRegion, PolylineRegion
 from scenic_lite.polygons import PolygonalRegion, ShapeRegion, polygon_through
@@ -149,7 +150,7 @@ def workspace(region: Value = None) -> Region:
 def vector_field(
     frame: Frame, node: ast.AST, name: Value, value: Value, minSteps: Value = 4, defaultStepSize: Value = 5
 ) -> VectorField:
-    field = field_of(frame, node, str(name), value, number)
+    field = field_of(frame, node, str(name), value, heading_for(frame))
     least = fixed_number("least number of steps", minSteps)
     if not 1 <= least <= 1000:
         raise ScenicError("value", f"a field is followed in 1 to 1000 steps, not {least}")
@@ -175,7 +176,7 @@ def polygonal_field(
         raise ScenicError("value", "a cell of the field has no heading", hint="give it one, or a headingFunction")
     if headingFunction is None:
         return cells_field(str(name), pairs, lambda point: default, default)
-    inner = field_of(frame, node, str(name), headingFunction, number)
+    inner = field_of(frame, node, str(name), headingFunction, heading_for(frame))
     return cells_field(str(name), pairs, inner.heading_at, default)
 
 
@@ -220,6 +221,11 @@ def number(value: Value) -> Value:
     if heading is None:
         raise ScenicError("type", f"a number is needed here, not {describe_kind(value)}")
     return heading
+
+
+def heading_for(frame: Frame) -> Callable[[Value], Value]:
+    """What a field's function gives, as a heading: dialect 3 normalises it."""
+    return number if frame.session.dialect == 2 else lambda value: normalised(number(value))
 
 
 def fixed_number(what: str, value: Value) -> float:

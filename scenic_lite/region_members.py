@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.classes import ORIENTED_POINT, is_object, outline
+from scenic_lite.distributions import point_in
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.fields import along
+from scenic_lite.fields import along, patchwork
 from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Value, is_number
 from scenic_lite.lines import PointSetRegion, PolylineRegion
 from scenic_lite.polygons import PolygonalRegion
 from scenic_lite.region_functions import fixed_number, number, vector
-from scenic_lite.regions import RectangularRegion, Region, SectorRegion, VectorField
+from scenic_lite.regions import Nowhere, RectangularRegion, Region, SectorRegion, VectorField
 from scenic_lite.tables import own, sited
-from scenic_lite.values import Instance, describe_kind
+from scenic_lite.values import Builtin, Instance, describe_kind
 
 MOST_POINTS = 100_000  # along one polyline
 
@@ -42,10 +43,10 @@ def contains_region(self: Region, reg: Value, tolerance: Value = 0) -> Value:
     return algebra.holds(self, region(reg), fixed_number("tolerance", tolerance))
 
 
-def intersect(self: Region, other: Value) -> Region:
+def intersect(frame: Frame, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite import algebra
 
-    return algebra.common_part(self, region(other))
+    return algebra.common_part(self, region(other), frame.session.dialect)
 
 
 def difference(self: Region, other: Value) -> Region:
@@ -149,6 +150,31 @@ def follow_from(self: VectorField, pos: Value, dist: Value, steps: Value = None,
     elif stepSize is not None:
         field.longest_step = fixed_number("step", stepSize)
     return along(field, vector(pos), number(dist))
+
+
+# ------------------------------------------------------------ of classes
+
+
+def union_all(frame: Frame, node: Any, regions: Value, buf: Value = 0) -> Region:
+    from scenic_lite import algebra
+
+    return algebra.union_of(region(each) for each in frame.elements(regions, node))
+
+
+def chain_all(frame: Frame, node: Any, regions: Value) -> Region:
+    """Several polylines as one."""
+    parts = [line(region(each)) for each in frame.elements(regions, node)]
+    if not parts:
+        return Nowhere()
+    return PolylineRegion([chain.tolist() for part in parts for chain in part.chains])
+
+
+def uniform_point(frame: Frame, node: Any, region: Value) -> Vector:
+    return point_in(frame, node, region)[0]
+
+
+def field_of_union(frame: Frame, node: Any, regions: Value, tolerance: Value = 0) -> VectorField | None:
+    return patchwork([region(each) for each in frame.elements(regions, node)])
 
 
 # ------------------------------------------------------------ attributes
@@ -255,7 +281,6 @@ REGION_METHODS = own(
     containsPoint=contains_point,
     containsObject=contains_object,
     containsRegion=contains_region,
-    intersect=intersect,
     intersects=intersects,
     difference=difference,
     union=union,
@@ -267,6 +292,7 @@ REGION_METHODS = own(
     nearestSegmentTo=nearest_segment,
     pointAlongBy=point_along,
 ) | sited(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
+REGION_METHODS["intersect"] = Builtin("intersect", intersect, sited=True)
 REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
     **{name: parameter(name) for name in ("position", "center", "heading", "width", "length", "radius", "angle")},
     "orientation": lambda self: self.orientation,
@@ -289,6 +315,12 @@ REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
     "lineString": line,
     "start": lambda self: end_of(self, last=False),
     "end": lambda self: end_of(self, last=True),
+}
+CLASS_FUNCTIONS = {
+    "PolygonalRegion": sited(unionAll=union_all),
+    "PolylineRegion": sited(unionAll=chain_all),
+    "Region": sited(uniformPointIn=uniform_point),
+    "VectorField": sited(forUnionOf=field_of_union),
 }
 FIELD_METHODS = own(followFrom=follow_from)
 FIELD_FIELDS: dict[str, Callable[[Any], Value]] = {"name": lambda self: self.name}

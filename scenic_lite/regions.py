@@ -91,6 +91,10 @@ class Region:
         """Its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
         raise ScenicError("unsupported", f"{title(self)} has no fixed outline")
 
+    def vertices(self) -> list[Point2] | None:
+        """The points of a polyline, which can be counted and walked through; None for other regions."""
+        return None
+
     def fixed(self) -> bool:
         """Whether it is the same in every scene."""
         return all(is_number(part) for part in self.parameters())
@@ -312,10 +316,10 @@ def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
     return dx * c + dy * s, dy * c - dx * s
 
 
-def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
+def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
     """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
     x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
-    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, ARC_SEGMENTS + 1)
+    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
     rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
     whole = angle >= TURN
     first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex

@@ -1,12 +1,12 @@
 """Shapes: the geometries of shapely behind regions, fixed or one for each of N samples.
 
 The only importer of shapely, and itself imported only where a program has polygons. A shape that differs from scene to
-scene is a node whose value is an array [N] of geometries. Read next: `algebra`.
+scene is a node whose value is an array [N] of geometries. Read next: `shape_points`;
+`algebra`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +16,7 @@ import shapely
 from scenic_lite.graph import Operation
 from scenic_lite.regions import ARC_SEGMENTS, CLOSENESS, sector_rings
 
+COARSE = 64  # segments of a circle that differs from scene to scene
 EMPTY = shapely.Polygon()
 
 
@@ -58,7 +59,7 @@ def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
 
 def sectors(*numbers: Any) -> Any:
     """[N] discs or parts of one; their arcs are chains of chords of equal length."""
-    return shapely.polygons(sector_rings(*numbers))
+    return shapely.polygons(sector_rings(*numbers, COARSE))
 
 
 def polygons_of(*numbers: Any) -> Any:
@@ -104,7 +105,7 @@ def distances(shape: Any, x: Any, y: Any) -> Any:
 
 
 RECTANGLE = shaping(rectangles)
-SECTOR = shaping(sectors)
+SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), shaping(sectors).array)
 POLYGON = shaping(polygons_of)
 LINE = shaping(lines_of)
 INTERSECTION = shaping(intersections)
@@ -133,58 +134,6 @@ def holds_shape(shape: Any, other: Any) -> Any:
 
 
 HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), holds_shape)
-
-
-# ------------------------------------------------------------ uniform points of shapes that differ by row
-
-
-def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """A uniform point of each polygon or polyline: [N], [N], [N] -> x [N], y [N]; nan where the shape is empty.
-
-    The first number picks a triangle (or segment) by its size; what is left of it is used again inside.
-    """
-    shapes, u, v = np.broadcast_arrays(shapes, u, v)
-    x, y = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
-    dimension = shapely.get_dimensions(shapes)
-    areal, linear = (dimension == 2) & ~shapely.is_empty(shapes), (dimension == 1) & ~shapely.is_empty(shapes)
-    if areal.any():
-        triangles, owner = triangles_of(shapes[areal])
-        corners, rest = picked(triangles, owner, np.abs(shapely.area(shapely.polygons(triangles))), u[areal])
-        root = np.sqrt(rest)
-        place = corners[:, 0] + (corners[:, 1] - corners[:, 0]) * (root * (1 - v[areal]))[:, None]
-        place = place + (corners[:, 2] - corners[:, 0]) * (root * v[areal])[:, None]
-        x[areal], y[areal] = place.T
-    if linear.any():
-        segments, owner = segments_of(shapes[linear])
-        ends, rest = picked(segments, owner, np.hypot(*(segments[:, 1] - segments[:, 0]).T), u[linear])
-        x[linear], y[linear] = (ends[:, 0] + (ends[:, 1] - ends[:, 0]) * rest[:, None]).T
-    return x, y
-
-
-def triangles_of(shapes: Any) -> tuple[Any, Any]:
-    """Triangles that tile each polygon, [K, 3, 2], and whose they are [K]."""
-    parts, owner = shapely.get_parts(shapely.constrained_delaunay_triangles(shapes), return_index=True)
-    return shapely.get_coordinates(parts).reshape(len(parts), 4, 2)[:, :3], owner
-
-
-def segments_of(shapes: Any) -> tuple[Any, Any]:
-    """The segments of each polyline, [K, 2, 2], and whose they are [K]."""
-    lines, owner = shapely.get_parts(shapes, return_index=True)
-    points, line = shapely.get_coordinates(lines, return_index=True)
-    same = line[:-1] == line[1:]
-    return np.stack([points[:-1], points[1:]], axis=1)[same], owner[line[:-1][same]]
-
-
-def picked(pieces: Any, owner: Any, sizes: Any, u: Any) -> tuple[Any, Any]:
-    """For each row the piece that its number falls into, by size, and how far into it."""
-    ends = np.cumsum(sizes)
-    first = np.searchsorted(owner, np.arange(len(u)), side="left")
-    last = np.searchsorted(owner, np.arange(len(u)), side="right") - 1
-    before = ends[first] - sizes[first]
-    target = before + u * (ends[last] - before)
-    which = np.clip(np.searchsorted(ends, target, side="right"), first, last)
-    rest = (target - (ends[which] - sizes[which])) / np.maximum(sizes[which], math.ulp(0.0))
-    return pieces[which], np.clip(rest, 0.0, 1.0)
 
 
 def covers_rectangles(shape: Any, *numbers: Any) -> Any:

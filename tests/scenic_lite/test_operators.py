@@ -48,7 +48,7 @@ BOTH = [
     ("ego.frontRight.position", (0.5, 2.5)),
     ("ego.x + ego.y", 3),
     ("ego.distanceTo(4 @ 6)", 5),
-    ("VectorField('f', lambda p: p.x + p.y) at 2 @ 3", 5),
+    ("VectorField('f', lambda p: p.x - p.y) at 2 @ 3", -1),
     ("(follow VectorField('east', lambda p: -90 deg) from 3 @ 4 for 10).position", (13, 4)),
     ("(3 @ 4).norm()", 5),
     ("(3 @ 4).normalized()", (0.6, 0.8)),
