@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from scenic_lite import nodes
-from scenic_lite.check_doubts import doubts
+from scenic_lite.check_doubts import BUILT_IN, doubts
 from scenic_lite.check_loops import endless_loop, suspends
 from scenic_lite.errors import ScenicError
 from scenic_lite.lexer import Source
@@ -172,7 +172,12 @@ class _Checker:
 
     def class_body(self, node: ast.ClassDef, context: Context) -> None:
         seen: set[str] = set()
+        declared = BUILT_IN | {each.name for each in node.body if isinstance(each, nodes.PropertyDefault)}
         for statement in node.body:
+            for target in statement.targets if isinstance(statement, ast.Assign) else ():
+                if isinstance(target, ast.Name) and target.id in declared:
+                    message = f'"{target.id}" is a property of objects, and this sets an attribute of the class'
+                    self.report(statement, message, f'write "{target.id}: value"')
             if not isinstance(statement, nodes.PropertyDefault):
                 continue
             if statement.name in seen:

@@ -90,12 +90,14 @@ class Strings(Cursor):
         self.tokens = lex_part(self.source, start, end)
         self.brackets += 1
         self.go_back(0)
-        value = self.inside_brackets()
-        if self.token.kind != "end":
-            self.fail(f'unexpected "{self.token.text}" in the f-string')
-        self.tokens, self.index, self.token = outer
-        self.brackets -= 1
-        return value
+        try:
+            value = self.inside_brackets()
+            if self.token.kind != "end":
+                self.fail(f'unexpected "{self.token.text}" in the f-string')
+            return value
+        finally:  # an operand that was only tried goes on behind the f-string
+            self.tokens, self.index, self.token = outer
+            self.brackets -= 1
 
     def inside_brackets(self) -> ast.expr:
         """What may stand in round brackets, up to the end; defined in parser_displays."""

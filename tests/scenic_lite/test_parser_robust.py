@@ -166,3 +166,10 @@ def test_nothing_is_handed_to_the_compiler():
         text = path.read_text()
         for call in ("eval(", "exec(", " compile(", "ast.parse(", "literal_eval(", "__import__"):
             assert call not in text.replace("re.compile(", ""), (path.name, call)
+
+
+def test_an_fstring_in_an_operand_that_is_only_tried():
+    """A word operator first tries a full expression as its operand; that failed attempt must leave no trace."""
+    for text in ("x = distance to sum(a) can see f'{1 2}' by 3", "x = distance to sum(a) can see f'{(' by 3"):
+        with pytest.raises(ScenicError):
+            parse(text)
