@@ -124,7 +124,7 @@ CASES = {
         <program>:1:1: there is no module 'football.modle' (did you mean 'football.model'?)
             model football.modle
             ^^^^^^^^^^^^^^^^^^^^
-            modules that exist: football.model, football.actions, football.behaviors, football.simulator, math, random
+            modules that exist: football.model, football.actions, football.behaviors, football.simulator, football.constants, math, random
         """,
     ),
     "unknown name of a module": (
@@ -216,7 +216,7 @@ CASES = {
         <program>:1:17: `/` of a number and a text
             ego = LeftCM on grid(1, 2, "a")
                             ^^^^^^^^^^^^^^^
-            in grid(), football/model.scenic:29: width = field_width / grid_len
+            in grid(), football/model.scenic:43: width = field_width / grid_len
         """,
     ),
     "wrong arguments of a program's function": (
@@ -301,17 +301,6 @@ CASES = {
                             ^^^^^
         """,
     ),
-    "can see outside a requirement": (
-        """
-        ego = LeftCM at 0 @ 0
-        param seen = ego can see 3 @ 4
-        """,
-        """
-        <program>:2:14: `can see` is meant for requirements (write `require X can see Y`)
-            param seen = ego can see 3 @ 4
-                         ^^^^^^^^^^^^^^^^^
-        """,
-    ),
     "simulation outside a behavior": (
         """
         ego = LeftCM at 0 @ 0
@@ -323,17 +312,6 @@ CASES = {
                 ^^^^^^^^^^^^
         """,
     ),
-    "mutation": (
-        """
-        ego = LeftCM at 0 @ 0
-        mutate ego
-        """,
-        """
-        <program>:2:1: `mutate` is not yet supported
-            mutate ego
-            ^^^^^^^^^^
-        """,
-    ),
     "statement without a meaning here": (
         """
         ego = LeftCM at 0 @ 0
@@ -343,17 +321,6 @@ CASES = {
         <program>:2:7: `raise` needs an exception, not a LeftCM
             raise ego
                   ^^^
-        """,
-    ),
-    "temporal requirement": (
-        """
-        ego = LeftCM at 0 @ 0
-        require always ego.x > 3
-        """,
-        """
-        <program>:2:9: `always` is not yet supported (temporal requirements belong to a later version)
-            require always ego.x > 3
-                    ^^^^^^^^^^^^^^^^
         """,
     ),
     "property assigned": (
