@@ -159,17 +159,30 @@ def sees(frame: Frame, viewer: Value, seen: Value) -> Value:
     dialect = frame.session.dialect
     if not frame.session.in_requirement and frame.session.drawn is None and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
-    result = can_see(viewer_of(frame, viewer), seen, dialect)
+    result = over_choices(lambda a, b: can_see(viewer_of(frame, a), b, dialect), viewer, seen)
     if isinstance(result, Random) and not frame.session.in_requirement:
         raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
     return result
 
 
 def intersects(frame: Frame, x: Value, y: Value) -> Value:
+    return over_choices(objects_intersect, x, y)
+
+
+def objects_intersect(x: Value, y: Value) -> Value:
     if not (is_object(x) and is_object(y)):
         raise ScenicError("unsupported", "`intersects` is supported between objects only")
     numbers = [part for each in (x, y) for part in rectangle_of(each)]
     return truth_of(rectangles_meet, *numbers)
+
+
+def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:
+    """A relation of two values, of which each may be a random one of several."""
+    if isinstance(x, Choice):
+        return x.merged([over_choices(relation, option, y) for option in x.options])
+    if isinstance(y, Choice):
+        return y.merged([over_choices(relation, x, option) for option in y.options])
+    return relation(x, y)
 
 
 def follow_field(frame: Frame, field: Value, start: Value, length: Value) -> Value:

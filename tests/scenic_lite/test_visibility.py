@@ -58,3 +58,14 @@ def test_beyond_looks_north_in_both_dialects():
     for dialect in (2, 3):
         scenes = one_scene("b = new Thing beyond 1 @ 12 by 3\n", dialect)
         assert scenes.headings[0, 1] == 0
+
+
+def test_a_random_object_is_seen_as_the_object_it_is():
+    text = EGO + "a = new Object at Range(2, 7) @ 5, with width 4, with requireVisible False\n"
+    text += "b = new Object at 0 @ -5, with requireVisible False\nc = Uniform(a, a, b)\nparam x = c.x\n"
+    for dialect in (2, 3):
+        program = load(text + "require ego can see c\n", dialect=dialect)
+        scenes = program.sample(300, np.random.default_rng(1))[1]
+        np.testing.assert_array_equal(scenes.params["x"], scenes.positions[:, 1, 0])
+        assert scenes.params["x"].max() > 2.5  # only a corner of it is in the view
+        assert load(text + "require c can see ego\n", dialect=dialect).report(100, np.random.default_rng(2)).accepted
