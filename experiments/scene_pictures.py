@@ -102,4 +102,4 @@ def legend(figure: Any, stage: Stage) -> None:
         Patch(color=np.array(colour) / 255, label=name)
         for name, colour in zip(stage.classes, stage.colours, strict=True)
     ]
-    figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles)), bbox_to_anchor=(0.5, 0.0))
+    figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles) or 1), bbox_to_anchor=(0.5, 0.0))

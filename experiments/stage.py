@@ -89,6 +89,8 @@ def bounds_of(parts: list[np.ndarray]) -> tuple[float, float, float, float]:
 def sizes_of(scenes: Scenes, name: str) -> np.ndarray:
     """A numeric property of all objects, [N, O]."""
     count = len(scenes.positions)
+    if not scenes.positions.shape[1]:
+        return np.zeros((count, 0))
     return np.stack([np.broadcast_to(np.asarray(each, float), count) for each in scenes.properties[name]], axis=1)
 
 

@@ -53,6 +53,8 @@ class Inverse:
         Raises ScenicError, made by `refusals`, for draws that nothing decides, and for what cannot be met.
         """
         count = refusals.count_of(wishes)
+        if default is not None and len(default) not in (1, count):
+            raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
         wishes = [wish._replace(values=np.broadcast_to(wish.values, (count,))) for wish in wishes]
         knowledge = self._known(wishes, count)
         decided = self._decided(wishes)

@@ -66,6 +66,15 @@ def test_a_theta_of_ones_own_is_drawn(street, tmp_path, capsys):
     assert "1 scene drawn" in capsys.readouterr().out
 
 
+def test_a_program_without_objects_or_draws_is_drawn_too(tmp_path, capsys):
+    for number, text in enumerate(("param x = Range(0, 1)\n", "new Object at 1 @ 2, with requireVisible False\n")):
+        path = tmp_path / f"{number}.scenic"
+        path.write_text(text)
+        files = ["--png", str(tmp_path / "scene.png"), "--rrd", str(tmp_path / "scene.rrd")]
+        assert main(["inspect", str(path), "--dialect", "3", "--show", "scenes", *files]) == 0
+        assert "scene 5: θ = " in capsys.readouterr().out
+
+
 def test_an_impossible_program_is_reported_not_drawn(tmp_path, capsys):
     path = tmp_path / "impossible.scenic"
     path.write_text("ego = Object at Range(0, 1) @ 0\nrequire ego.position.x > 2\n")

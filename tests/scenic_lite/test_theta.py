@@ -168,6 +168,18 @@ def test_what_cannot_be_met_is_said(figure, asked, message, line):
     assert (caught.value.place.line if caught.value.place else None) == line
 
 
+def test_no_scenes_are_no_levels(figure):
+    assert figure.theta(figure.instantiate(np.zeros((0, 6)))).shape == (0, 6)
+
+
+def test_a_default_has_one_row_or_one_for_each_scene(figure):
+    assert figure.theta({}, default=np.zeros(6)).shape == (1, 6)
+    with pytest.raises(ValueError, match="default must be one row of theta or 1 of them, not 2"):
+        figure.theta({"ego": (3, 4)}, default=np.zeros((2, 6)))
+    with pytest.raises(ValueError, match=r"of the shape \[N, 6\]"):
+        figure.theta({"ego": (3, 4)}, default=np.zeros(5))
+
+
 def test_scenes_of_another_program_are_refused(figure):
     program = things("a = new Thing at 1 @ 1")
     with pytest.raises(ScenicError, match="has 4 objects, and these scenes have 2"):
