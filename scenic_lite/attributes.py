@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.classes import SIDES, is_oriented, side_of
+from scenic_lite.classes import SIDES, is_object, is_oriented, side_of
 from scenic_lite.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
 from scenic_lite.errors import ScenicError
 from scenic_lite.exceptions import ExceptionClass, Fault
 from scenic_lite.frame import Frame, near
 from scenic_lite.geometry import Vector, angle_between, as_vector, distance_between
-from scenic_lite.graph import Random, Value
+from scenic_lite.graph import ABSOLUTE, MAXIMUM, Random, Value, apply
 from scenic_lite.region_members import CLASS_FUNCTIONS, FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
 from scenic_lite.regions import Region, VectorField
 from scenic_lite.tables import own
@@ -153,6 +153,8 @@ def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
         return position.x if name == "x" else position.y
+    if name == "distanceTo" and frame.session.dialect == 3 and is_object(instance):
+        return Bound(DISTANCE_TO_OUTLINE, instance)
     if name in VECTOR_METHODS and position is not None:
         return Bound(VECTOR_METHODS[name], position)
     known = [*instance.properties, *VECTOR_METHODS, "x", "y"]
@@ -195,10 +197,19 @@ def distance_to(self: Vector, other: Value) -> Value:
     return distance_between(self, vector(other))
 
 
+def distance_to_outline(self: Instance, other: Value) -> Value:
+    """Dialect 3: `object.distanceTo(point)` counts from the object's rectangle, 0 inside."""
+    p = self.properties
+    offset = (vector(other) - p["position"]).rotated(-p["heading"])
+    sides = ((offset.x, p["width"]), (offset.y, p["length"]))
+    return Vector(*(apply(MAXIMUM, apply(ABSOLUTE, part) - extent / 2, 0.0) for part, extent in sides)).length()
+
+
 def angle_to(self: Vector, other: Value) -> Value:
     return angle_between(self, vector(other))
 
 
+DISTANCE_TO_OUTLINE = Builtin("distanceTo", distance_to_outline)
 VECTOR_METHODS = own(
     norm=Vector.length,
     normalized=normalized,

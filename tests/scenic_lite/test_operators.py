@@ -47,7 +47,7 @@ BOTH = [
     ("(front right of ego).position", (0.5, 2.5)),
     ("ego.frontRight.position", (0.5, 2.5)),
     ("ego.x + ego.y", 3),
-    ("ego.distanceTo(4 @ 6)", 5),
+    ("ego.position.distanceTo(4 @ 6)", 5),
     ("VectorField('f', lambda p: p.x - p.y) at 2 @ 3", -1),
     ("(follow VectorField('east', lambda p: -90 deg) from 3 @ 4 for 10).position", (13, 4)),
     ("(3 @ 4).norm()", 5),
@@ -181,3 +181,10 @@ def test_requirement_means_the_names_of_its_line():
         "x = Range(0, 1)\ndef low(v):\n    if v < 0.5:\n        return True\n    return False\nrequire low(x)\nx = 7"
     )
     np.testing.assert_array_equal(program.valid(np.array([[-0.5], [0.5]])), [True, False])
+
+
+def test_the_method_distance_to_of_an_object_counts_from_its_outline_in_dialect_3():
+    assert param("ego.distanceTo(4 @ 2)", dialect=2) == pytest.approx(3)  # the ego is at (1, 2)
+    assert param("ego.distanceTo(4 @ 2)", dialect=3) == pytest.approx(2.5)
+    assert param("ego.distanceTo(1.2 @ 2)", dialect=3) == 0
+    assert param("ego.position.distanceTo(4 @ 2)", dialect=3) == pytest.approx(3)
