@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.geometry import Vector
+from scenic_lite.geometry import NORMALISE, Vector
 from scenic_lite.graph import AND, Random, Value, apply
 from scenic_lite.regions import Point2, Region, VectorField, in_frame, numbers_of, truth_of
 
@@ -36,7 +36,7 @@ class PolylineRegion(Region):
         if not self.length > 0:
             raise ScenicError("value", "a polyline needs at least two different points")
         self.ends = np.cumsum(self.lengths) / self.length
-        self.headings = np.arctan2(self.steps[:, 1], self.steps[:, 0]) - math.pi / 2
+        self.headings = NORMALISE.array(np.arctan2(self.steps[:, 1], self.steps[:, 0]) - math.pi / 2)
         self.own_direction = orientation is True
         along = VectorField("the polyline's direction", self._heading_near)
         self.orientation = along if isinstance(orientation, bool) else orientation

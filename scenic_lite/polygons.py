@@ -151,10 +151,10 @@ def polygon_through(points: list[Point2], orientation: VectorField | None = None
     if len(points) < 3:
         raise ScenicError("value", "a polygon needs three points that do not lie on a line")
     shape = shapely.Polygon(points)
+    if len(set(points)) > 3 and not shape.is_valid and shape.convex_hull.area > 0:
+        raise ScenicError("value", "the polygon crosses itself")
     if not shape.area > 0:
         raise ScenicError("value", "a polygon needs three points that do not lie on a line")
-    if not shape.is_valid:
-        raise ScenicError("value", "the polygon crosses itself")
     return PolygonalRegion(shape, orientation)
 
 

@@ -59,7 +59,7 @@ def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
 
 def sectors(*numbers: Any) -> Any:
     """[N] discs or parts of one; their arcs are chains of chords of equal length."""
-    return shapely.polygons(sector_rings(*numbers, COARSE))
+    return shapely.polygons(sector_rings(*numbers, count=COARSE))
 
 
 def polygons_of(*numbers: Any) -> Any:
