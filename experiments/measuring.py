@@ -20,14 +20,16 @@ class Measurement(NamedTuple):
     note: str = ""
 
 
-def rate(run: Callable[[int], None], seconds: float, warm_up: int = 4) -> float:
+def rate(
+    run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
+) -> float:
     """Give calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
-    began = time.perf_counter()
+    began = clock()
     run(warm_up)
-    count = max(1, int(warm_up * seconds / STRETCHES / max(time.perf_counter() - began, 1e-6)))
+    count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))
     best = 0.0
     for _ in range(STRETCHES):
-        began = time.perf_counter()
+        began = clock()
         run(count)
-        best = max(best, count / (time.perf_counter() - began))
+        best = max(best, count / max(clock() - began, 1e-9))
     return best
