@@ -122,7 +122,8 @@ def set_attribute(frame: Frame, owner: Value, name: str, value: Value) -> None:
     elif isinstance(owner, Choice):
         raise ScenicError("type", "the attributes of a random object cannot be assigned")
     else:
-        raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
+        error = ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
+        raise named_fault("AttributeError", error)
 
 
 def unpack(frame: Frame, target: ast.expr, value: Value) -> None:

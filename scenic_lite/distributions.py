@@ -52,6 +52,8 @@ def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:
 
 def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
     """`Discrete({value: weight})`: one of the values, cut by weight."""
+    if isinstance(weights, list | tuple):  # as `Options` takes them
+        return draw_uniform(frame, node, *weights)
     if not isinstance(weights, dict):
         raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}")
     for option, weight in weights.items():
@@ -66,7 +68,8 @@ def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
 def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """One of the options with probability proportional to its weight."""
     if not options:
-        raise ScenicError("value", "a choice among no values")
+        kind = "value" if frame.session.drawn is None else "rejection"  # of the episode (spec section 7)
+        raise ScenicError(kind, "a choice among no values")
     column = frame.session.column("choice", frame.place(node))
     shares = np.cumsum(weights) / np.sum(weights)
     index = Random(Cut(shares[:-1]), (column,))
@@ -211,19 +214,36 @@ def show_coordinates(columns: list[Column], point: Vector, bounds: tuple[float, 
 
 
 def resample(frame: Frame, node: ast.AST, value: Value) -> Value:
-    """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself."""
+    """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself, or is fixed."""
+    drawn = value.index if isinstance(value, Choice) else value
+    if not isinstance(drawn, Random | Vector):
+        return value
     for column in frame.session.columns:
-        if column.shown is value and (column is value or value.inputs == (column,)):
-            return redrawn(frame, node, column)
+        if column.shown is drawn:
+            return choice_like(value, redrawn(frame, node, column))
     raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
 
 
-def redrawn(frame: Frame, node: ast.AST, column: Column) -> Value:
+def choice_like(value: Value, drawn: Random) -> Value:
+    """The value itself, or the same choice by another index."""
+    return choose(drawn, value.options) if isinstance(value, Choice) else drawn
+
+
+def redrawn(frame: Frame, node: ast.AST, column: Column) -> Random:
+    """What `column` shows, computed from a new column; other random values in it stay the same."""
     fresh = frame.session.column(column.draw_kind, frame.place(node), column.offset, column.span)
-    fresh.low, fresh.high = column.low, column.high
-    if column.shown is not column:
-        fresh.shown = Random(column.shown.operation, (fresh,), column.shown.kind)
+    fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
+    fresh.shown = replaced(column.shown, {id(column): fresh})
     return fresh.shown
+
+
+def replaced(value: Random, known: dict[int, Random]) -> Random:
+    """A copy of a value whose inputs are replaced by what is known for them."""
+    if id(value) not in known:
+        parts = [replaced(each, known) if isinstance(each, Random) else each for each in value.inputs]
+        same = all(a is b for a, b in zip(parts, value.inputs, strict=True))
+        known[id(value)] = value if same else Random(value.operation, tuple(parts), value.kind)
+    return known[id(value)]
 
 
 def check_numbers(name: str, *values: Value) -> None:

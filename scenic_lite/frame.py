@@ -316,8 +316,8 @@ class Frame:
         return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
 
     def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
-        """Give an error its place, unless it has one."""
-        if error.place is None:
+        """Give an error its place, unless it has one. A node that no text made leaves that to whoever is above."""
+        if error.place is None and "lineno" in vars(node):
             error.place = self.place(node)
             error.source_line = self.source.line(error.place.line)
         return error

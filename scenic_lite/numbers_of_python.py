@@ -132,6 +132,8 @@ class Extreme:
     def __call__(self, frame: Frame, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
         if len(values) == 1 and isinstance(values[0], Choice):
             return values[0].merged([self(frame, node, option, key=key) for option in values[0].options])
+        if not values:
+            raise ScenicError("type", "min and max need at least one value")
         items = frame.elements(values[0], node) if len(values) == 1 else list(values)
         if not items:
             if default is ...:

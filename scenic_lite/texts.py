@@ -158,6 +158,11 @@ def one_percent(frame: Frame, match: re.Match[str], value: Value) -> Value:
             return text
         digits = f".{match['digits']}" if match["digits"] else ""
         return text_of(frame, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}{digits}")
+    if letter == "c":
+        text = chr(value) if isinstance(value, int) else value
+        if not isinstance(text, str) or len(text) != 1:
+            raise ScenicError("type", f"'{match[0]}' needs one character, not {describe_kind(value)}")
+        return text_of(frame, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}")
     if isinstance(value, str) or not isinstance(value, int | float | Random):
         raise ScenicError("type", f"'{match[0]}' needs a number, not {describe_kind(value)}")
     if letter in "diu":

@@ -72,7 +72,7 @@ def throw(frame: Frame, node: ast.Raise) -> None:
     """`raise`, `raise E`, `raise E(...)`, with or without `from`."""
     if node.exc is None:
         if not frame.session.handled:
-            raise frame.error("type", "there is no exception to raise again", node)
+            raise named_fault("RuntimeError", frame.error("value", "there is no exception to raise again", node))
         raise frame.session.handled[-1]
     value = frame.value(node.exc)
     if node.cause is not None:
