@@ -99,7 +99,8 @@ def relative_to(frame: Frame, x: Value, y: Value) -> Value:
     """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
     if isinstance(x, VectorField | Delayed) or isinstance(y, VectorField | Delayed):
         return field_relative(x, y)
-    if is_oriented(x) and is_oriented(y):
+    random_frames = is_random_frame if frame.session.dialect == 3 else is_oriented
+    if all(is_oriented(each) or random_frames(each) for each in (x, y)):
         raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
     if is_oriented(y):
         return into_frame(frame, x, y)
