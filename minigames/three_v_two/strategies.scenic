@@ -80,9 +80,8 @@ def laneToCut(defender):
         owner = closestTo(ds.ball, ds.left_players)
     near = closestTo(defender, ds.left_players)
     mate = get_closest_player_info(owner, ds.left_players)[0]
-    if mate is near:
-        return (near.x + ds.ball.x) / 2 @ (near.y + ds.ball.y) / 2
-    return (near.x + mate.x) / 2 @ (near.y + mate.y) / 2
+    other = ds.ball.position if mate is near else mate.position
+    return (near.position + other) / 2
 
 def closestTo(place, players):
     return get_closest_player_info(place, players)[0]
