@@ -50,7 +50,7 @@ def toy_world(timestep: float = 1.0) -> World:
         names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}
         return Namespace("simulation()", names)
 
-    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action)
+    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action, several=True)
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:

@@ -31,6 +31,8 @@ class World:
             program may set its attribute `scenic_reward`: the reward of this step, 0 unless set in it.
         command: checks one action of a `take` by an object, and gives it the form that the simulator wants. Raises
             ScenicError for what is no action of this world, or none of this object.
+        several: whether an object can do several things at once, of any kind. If not, its action is a number, and of a
+            `take` of several the first counts.
     """
 
     name: str
@@ -40,6 +42,7 @@ class World:
     properties: Callable[[Instance, dict[str, Value]], dict[str, Value]]
     simulation: Callable[[list[Instance], dict[str, Value]], Namespace]
     command: Callable[[Value, Instance], Value]
+    several: bool = False
 
 
 class Commands(NamedTuple):
