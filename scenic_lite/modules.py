@@ -13,7 +13,7 @@ from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.check import check
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import Place, ScenicError
 from scenic_lite.exceptions import named_fault
 from scenic_lite.frame import Frame, Session, Source, near
 from scenic_lite.functions import MODULES
@@ -21,7 +21,7 @@ from scenic_lite.lexer import unified
 from scenic_lite.parser import parse
 from scenic_lite.values import Namespace
 
-LARGEST_FILE = 1_000_000  # bytes
+LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to read
 LONGEST_NAME = 200  # characters of a path that are shown
 
 
@@ -31,6 +31,8 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
 
     Kept, since library files are the same for every program.
     """
+    if len(text) > LARGEST_FILE:
+        raise ScenicError("budget", f"the program is longer than {LARGEST_FILE:,} characters", Place(file, 1, 0, 1, 1))
     tree = parse(text, file, dialect)
     findings = check(tree, text, file)
     errors = [finding for finding in findings if finding.kind != "warning"]
@@ -80,7 +82,11 @@ def unnamed_model(session: Session, tree: ast.Module) -> str | None:
     """The world model of a file that names none: the caller's, or the domain's default."""
     domain = session.domain
     if session.model is not None:
-        return None if any(isinstance(node, nodes.Model) for node in ast.walk(tree)) else session.model
+        return (
+            None
+            if session.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree))
+            else session.model
+        )
     if domain is None or not domain.default_model or not wants_default_model(tree, domain.library):
         return None
     return domain.default_model
@@ -188,7 +194,7 @@ def neighbours(frame: Frame) -> list[str]:
 
 def model(frame: Frame, node: nodes.Model) -> None:
     """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
-    wanted = None if frame.source.library else frame.session.model
+    wanted = None if frame.source.library or frame.session.modelling else frame.session.model
     take_model(frame, wanted or node.name, node)
 
 

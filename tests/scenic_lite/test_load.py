@@ -1,0 +1,123 @@
+"""What the caller of `load` decides, and what is found out: the dialect, parameters, the world model, modules."""
+
+import numpy as np
+import pytest
+
+from scenic_lite import Domain, ScenicError, load
+
+DIALECTS = [
+    ("ego = Object", 2),
+    ("ego = new Object", 3),
+    ("# scenic: 3\nego = Object at 1 @ 2", 3),
+    ("#! dialect: 2\nego = new Object", 2),
+    ("# scenic: 3.1.1\nego = new Object", 3),
+    ("# Scenic: a program about nothing\nego = new Object", 3),
+    ("new = 3\nego = Object at new @ 2", 2),
+    ("# new Object\nx = 'new Object'\nego = Object", 2),
+]
+
+
+@pytest.mark.parametrize(("text", "dialect"), DIALECTS)
+def test_the_dialect_is_found_out(text, dialect):
+    assert load(text).dialect == dialect
+
+
+def test_an_explicit_dialect_wins():
+    assert load("# scenic: 3\nego = new Object", dialect=2).dialect == 2
+
+
+def test_a_dialect_that_does_not_exist_is_underlined():
+    with pytest.raises(ScenicError) as caught:
+        load("# scenic: 4\nego = Object")
+    assert (caught.value.line, caught.value.column) == (1, 11)
+    assert "write # scenic: 2 or # scenic: 3" in str(caught.value)
+
+
+def test_parameters_of_the_caller_win_over_all():
+    text = "param a = Range(0, 1), b = 2\nparam a = 3\nego = new Object at globalParameters.a @ 0"
+    program = load(text, params={"a": 7, "c": [1, "x"]})
+    assert program.params == {"a": 7, "b": 2, "c": [1, "x"]}
+    assert program.instantiate(np.zeros((1, program.dim))).positions[0, 0, 0] == 7
+
+
+@pytest.mark.parametrize("wrong", [{"params": 3}, {"params": {1: 2}}, {"params": {"a": object()}}, {"model": 3}])
+def test_arguments_that_mean_nothing(wrong):
+    with pytest.raises(TypeError):
+        load("ego = new Object", **wrong)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A program's folder with modules, and packages in it."""
+    files = {
+        "shop.scenic": "param shared = 3\nsize = 4\n_own = 1\ncount = 0\n"
+        "def bump():\n    global count\n    count += 1\n    return count\n",
+        "world.scenic": "param time = 12, sky = 'grey'\nkind = 'world'\n",
+        "other.scenic": "param time = 13\nkind = 'other'\n",
+        "hero.scenic": "ego = new Object at 40 @ 0\n",
+        "pack/one.scenic": "from pack.sub.two import deep\nfrom .sub import two\none = deep + two.deep\n",
+        "pack/sub/two.scenic": "deep = 10\n",
+        "round.scenic": "import trip\n",
+        "trip.scenic": "import round\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def params_of(folder, text, **arguments):
+    (folder / "main.scenic").write_text("ego = new Object\n" + text)
+    return load(folder / "main.scenic", **arguments).params
+
+
+MODULES = [
+    ("from shop import *\nimport shop\nshop.bump()\nparam value = (size, count, shop.count)", (4, 0, 1)),
+    ("import shop\nshop.count = 5\nparam value = shop.bump()", 6),
+    ("import pack.one\nimport pack.sub.two\nparam value = (pack.one.one, pack.sub.two.deep)", (20, 10)),
+    ("from pack.sub import two as t\nparam value = t.deep", 10),
+    ("try:\n    import nothing\nexcept ImportError:\n    param value = 'caught'", "caught"),
+    ("model world\nparam value = (kind, globalParameters.time)", ("world", 12)),
+    ("param time = 1\nmodel world\nparam value = globalParameters.time", 1),
+    ("param shared = 1\nimport shop\nparam value = globalParameters.shared", 3),
+]
+
+
+@pytest.mark.parametrize(("text", "value"), MODULES)
+def test_modules(folder, text, value):
+    assert params_of(folder, text)["value"] == value
+
+
+def test_the_caller_replaces_the_world_model(folder):
+    text = "model world\nparam value = (kind, globalParameters.time)"
+    assert params_of(folder, text, model="other")["value"] == ("other", 13)
+    assert params_of(folder, "param value = kind", model="other")["value"] == "other"
+    domain = Domain("there", {"there": folder / "world.scenic"}, default_model="there")
+    (folder / "main.scenic").write_text("ego = new Object\nparam value = kind")
+    assert load(folder / "main.scenic", domain, model="other").params["value"] == "other"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("import round", "imports itself in a circle"),
+        ("import numpy", "there is no module 'numpy'"),
+        ("from .. import shop", "only from its own folder"),
+        ("from shop import price", "shop has no 'price'"),
+        ("import math\nmath.pi = 3", "the attributes of a module cannot be assigned"),
+    ],
+)
+def test_wrong_imports(folder, text, message):
+    with pytest.raises(ScenicError) as caught:
+        params_of(folder, text)
+    assert message in caught.value.message
+    assert caught.value.place is not None
+
+
+def test_the_ego_of_a_module(folder):
+    """It is the program's where that has none, in Scenic 3; in Scenic 2 it stays the module's."""
+    (folder / "main.scenic").write_text("import hero\nparam value = ego.position.x\n")
+    assert load(folder / "main.scenic", dialect=3).params["value"] == 40
+    with pytest.raises(ScenicError):
+        load(folder / "main.scenic", dialect=2)
+    assert params_of(folder, "import hero\nparam value = ego.position.x")["value"] == 0
