@@ -155,3 +155,8 @@ def test_what_fails_in_a_scene_is_raised_by_sampling_with_its_line():
     with pytest.raises(ScenicError, match="list index out of range") as caught:
         program.sample(50, np.random.default_rng(0))
     assert caught.value.line == 5
+
+
+def test_a_text_that_would_take_long_to_read():
+    with pytest.raises(ScenicError, match="the program is longer than 200,000 characters"):
+        load("x = 1\n" * 40_000)
