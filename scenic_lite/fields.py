@@ -17,6 +17,7 @@ from scenic_lite.field_rows import heading_by_row
 from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector, is_scalar
 from scenic_lite.graph import WHERE, Column, Random, Tape, Value, apply, columns_of, is_number
+from scenic_lite.paths import Walks
 from scenic_lite.regions import Region, VectorField
 
 MOST_STEPS = 1000
@@ -25,7 +26,7 @@ MOST_OPERATIONS = 100_000  # of one field
 
 
 def field_of(frame: Frame, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
-    """A field given by a function of the program, which may branch on the point: then it is called row by row.
+    """A field given by a function of the program, which may branch on the point.
 
     `heading` checks what the function gives.
     """
@@ -35,6 +36,11 @@ def field_of(frame: Frame, node: ast.AST, name: str, function: Value, heading: C
             return heading(frame.call(function, [point], {}, node))
         except ScenicError as error:
             if point.fixed or error.kind not in ("random-control-flow", "type"):
+                raise
+        try:
+            return Walks(frame.session, lambda: heading(frame.call(function, [point], {}, node))).result()
+        except ScenicError as error:
+            if error.kind != "random-control-flow":
                 raise
         return heading_by_row(frame, node, function, point, heading)
 

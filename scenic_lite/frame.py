@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,9 @@ from scenic_lite.values import (
     Stream,
     describe_kind,
 )
+
+if TYPE_CHECKING:
+    from scenic_lite.paths import Path
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 CONTAINERS = (list, tuple, set, dict, str, bytes, range)
@@ -133,6 +136,7 @@ class Session:
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
     in_requirement: int = 0
+    path: Path | None = None  # the way that is taken where a function branches on random values
     row: dict[Random, Value] | None = None  # of one sample: the value of each random node
     drawn: Callable[[Column], Column] | None = None  # while an episode runs: gives each new draw its value at once
 
@@ -251,6 +255,8 @@ class Frame:
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
+        if self.session.path is not None and isinstance(value, Random):
+            return self.session.path.turn(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
         return bool(value)
 
