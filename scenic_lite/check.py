@@ -35,9 +35,9 @@ class Context(NamedTuple):
         return f'in the {self.kind} "{self.name}"' if self.name else "at the top level"
 
 
-def check(tree: ast.Module, text: str, file: str) -> list[ScenicError]:
+def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[ScenicError]:
     """Every breach of the context rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
-    checker = _Checker(tree, Source(text, file))
+    checker = _Checker(tree, Source(text, file), dialect)
     for specifier, message, hint in doubts(tree):
         checker.report(specifier, message, hint, kind="warning")
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
@@ -82,17 +82,17 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
 class _Checker:
     """Collects errors; the methods are the rules of `RULES`."""
 
-    def __init__(self, tree: ast.Module, source: Source) -> None:
-        self.source = source
+    def __init__(self, tree: ast.Module, source: Source, dialect: int) -> None:
+        self.source, self.dialect = source, dialect
         self.errors: list[ScenicError] = []
         self.monitors: set[str] = set()
-        self.idle: dict[str, int] = {}  # behaviors that never take an action, with their lines
+        self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
         for node in ast.walk(tree):
             if isinstance(node, nodes.Behavior):
                 if node.kind == "monitor":
                     self.monitors.add(node.name)
-                elif not suspends(node.body):
-                    self.idle[node.name] = node.lineno
+                if not suspends(node.body):
+                    self.idle[node.name] = node
 
     def report(self, node: ast.AST, message: str, hint: str = "", kind: str = "syntax") -> None:
         """Add an error at the first line of a node."""
@@ -177,7 +177,8 @@ class _Checker:
             for target in statement.targets if isinstance(statement, ast.Assign) else ():
                 if isinstance(target, ast.Name) and target.id in declared:
                     message = f'"{target.id}" is a property of objects, and this sets an attribute of the class'
-                    self.report(statement, message, f'write "{target.id}: value"')
+                    kind = "syntax" if self.dialect == 3 else "warning"  # Scenic 2 lets it pass without effect
+                    self.report(statement, message, f'write "{target.id}: value"', kind)
             if not isinstance(statement, nodes.PropertyDefault):
                 continue
             if statement.name in seen:
@@ -186,6 +187,14 @@ class _Checker:
 
     def behavior(self, node: nodes.Behavior, context: Context) -> None:
         self.static(node, context)
+        if node.started and node.name in self.idle:
+            self.never(node, self.idle.pop(node.name))
+
+    def scenario(self, node: nodes.Scenario, context: Context) -> None:
+        self.static(node, context)
+        if node.compose and not suspends(node.compose):
+            hint = 'is a "do" or "wait" missing?'
+            self.report(node, f'the compose block of the scenario "{node.name}" runs nothing', hint)
 
     def loop(self, node: ast.While, context: Context) -> None:
         if context.kind in DYNAMIC and endless_loop(node):
@@ -196,9 +205,14 @@ class _Checker:
     def call(self, node: ast.Call, context: Context) -> None:
         """A call of a behavior that does nothing."""
         if isinstance(node.func, ast.Name) and node.func.id in self.idle:
-            line = self.idle.pop(node.func.id)
-            message = f'the behavior "{node.func.id}" of line {line} never takes an action'
-            self.report(node, message, 'is a "take", "wait" or "do" missing?')
+            self.never(node, self.idle.pop(node.func.id))
+
+    def never(self, node: ast.AST, definition: nodes.Behavior) -> None:
+        """Report a behavior that takes no action, or a monitor that never waits, where it is to be run."""
+        monitor = definition.kind == "monitor"
+        does = "waits" if monitor else "takes an action"
+        message = f'the {definition.kind} "{definition.name}" of line {definition.lineno} never {does}'
+        self.report(node, message, 'is a "wait" missing?' if monitor else 'is a "take", "wait" or "do" missing?')
 
     # ------------------------------------------------------------ requirements
 
@@ -257,7 +271,7 @@ RULES: dict[type[ast.AST], Callable[..., None]] = {
     nodes.TerminateWhen: _Checker.static,
     nodes.TerminateAfter: _Checker.static,
     nodes.Behavior: _Checker.behavior,
-    nodes.Scenario: _Checker.static,
+    nodes.Scenario: _Checker.scenario,
     nodes.Require: _Checker.require,
     ast.ClassDef: _Checker.class_body,
     ast.While: _Checker.loop,

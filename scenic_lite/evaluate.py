@@ -53,7 +53,7 @@ def load(
     run_file(session, text, own)
     set_up_main(session, own, scenario)
     settle(session)
-    if session.ego is None and (session.dialect == 2 or needs_ego(session)):
+    if session.ego is None and needs_ego(session):
         raise no_ego(session, own)
     return Program(session, own, text, warnings_of(session))
 
@@ -132,5 +132,7 @@ def new_session(domain: Domain | None, dialect: int) -> Session:
 
 
 def needs_ego(session: Session) -> bool:
-    """Dialect 3 needs an ego only to see others."""
+    """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
+    if session.dialect == 2:
+        return session.main is None or not session.main.behavior.node.compose
     return any(each.properties["requireVisible"] is True for each in session.objects)

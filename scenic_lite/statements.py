@@ -16,7 +16,7 @@ from scenic_lite.classes import OBJECT
 from scenic_lite.errors import ScenicError
 from scenic_lite.exceptions import ExceptionClass
 from scenic_lite.frame import Frame, Watched, name_draws, near
-from scenic_lite.graph import Value
+from scenic_lite.graph import Random, Value, is_number
 from scenic_lite.matching import choose_case
 from scenic_lite.requirements import mutate, require
 from scenic_lite.trying import TRYING
@@ -197,7 +197,7 @@ def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
     behavior = Behavior(node.name, node, defaults, keyword_defaults, frame, scope_of(node.body)[0])
     frame.assign(node.name, behavior)
     frame.session.behaviors[node.name] = behavior
-    if node.kind == "monitor" and frame.session.dialect == 2:  # there it starts by being defined
+    if node.started:  # Scenic 2, where to define it is to start it
         frame.session.monitors.append(BehaviorCall(behavior, {}, frame.place(node)))
 
 
@@ -247,6 +247,12 @@ def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
+    """Evaluated by whoever runs the episode."""
+    if isinstance(node, nodes.TerminateAfter):
+        duration = frame.value(node.duration)
+        if not is_number(duration) and not isinstance(duration, Random):
+            message = f"a duration is a number, not {describe_kind(duration)}"
+            raise frame.error("type", message, node.duration)
     frame.session.terminations.append(Watched(node, frame.place(node), frame, name_of_termination(node)))
 
 

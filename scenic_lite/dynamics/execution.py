@@ -110,13 +110,8 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
 def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
     """`terminate`, which in Scenic 2 always means the simulation."""
     scope = "simulation" if thread.episode.program.dialect == 2 else node.scope
-    yield End(scope, node.lineno)
+    yield End(scope, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
     thread.check_invariants()
-
-
-def resume_with_block(thread: Thread, node: ast.With) -> Iterator[Step]:
-    raise ScenicError("unsupported", "`with` blocks are not supported")
-    yield ()
 
 
 SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {

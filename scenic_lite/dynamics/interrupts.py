@@ -23,6 +23,7 @@ from typing import NamedTuple
 from scenic_lite import nodes
 from scenic_lite.dynamics.threads import Step, Thread
 from scenic_lite.errors import ScenicError
+from scenic_lite.values import BehaviorCall
 
 Steps = Iterator[Step]
 
@@ -50,11 +51,14 @@ def handler_of(thread: Thread, node: nodes.Interrupt) -> Handler:
 
 def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
     try:
-        return bool(thread.frame.truth(node.condition))
+        value = thread.frame.value(node.condition)
     except ScenicError as error:
         if thread.call.behavior.kind == "scenario" and is_unset(error):
             return False
         raise
+    if isinstance(value, BehaviorCall):
+        raise thread.frame.error("type", "a behavior cannot be called in a condition", node.condition)
+    return thread.frame.certain_truth(value, node.condition)
 
 
 def is_unset(error: ScenicError) -> bool:

@@ -72,7 +72,10 @@ def called(thread: Thread, value: Value, place: ast.expr, wanted: str) -> Behavi
     if isinstance(value, BehaviorCall) and value.behavior.kind == wanted:
         return value
     hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == wanted else ""
-    raise thread.frame.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
+    found = describe_kind(value)
+    if isinstance(value, BehaviorCall):
+        found = f"the {value.behavior.kind} {value.behavior.name}"
+    raise thread.frame.error("type", f"`do` needs a {wanted}, not {found}", place, hint)
 
 
 def checked_weights(thread: Thread, weights: list[Value], node: nodes.Do) -> list[float]:

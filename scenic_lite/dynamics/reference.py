@@ -20,6 +20,8 @@ fault at run time is a ScenicError with its place. Read next: `scenarios`, `agen
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -33,6 +35,7 @@ from scenic_lite.dynamics.runtime import making_objects, statements_of
 from scenic_lite.dynamics.scenarios import Scenario
 from scenic_lite.dynamics.threads import End
 from scenic_lite.dynamics.world import Commands, Verdict, World
+from scenic_lite.errors import ScenicError
 from scenic_lite.program import Program
 from scenic_lite.values import Instance
 
@@ -72,17 +75,13 @@ class Reference:
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
         """The actions of this step, from the world [O, F] and the facts [G]. Raises ScenicError at a fault."""
         actions: list = []
-        if self._over():
-            return self._commands(actions)
-        with self.episode.playing():
-            try:
+        if not self._over():
+            with self.episode.playing(), self._rejecting():
                 self._see(world, facts)
                 if self._complete is not None:
                     self._end(f"scenarioComplete: {self._complete}")
                 else:
                     actions = self._behaviors()
-            except Rejected as reason:
-                self._rejected = str(reason)
         return self._commands(actions)
 
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
@@ -90,12 +89,10 @@ class Reference:
         if self._over():
             return Verdict(0.0, self._terminated, self._rejected)
         with self.episode.playing():
-            try:
+            with self._rejecting():
                 self._see(world, facts)
                 self._record()
                 self._judge()
-            except Rejected as reason:
-                self._rejected = str(reason)
             reward = self.episode.reward
             self.episode.clear_reward()
         return Verdict(reward, None if self._rejected else self._terminated, self._rejected)
@@ -103,14 +100,23 @@ class Reference:
     def finish(self) -> str | None:
         """The episode ends because its time is over; which requirement it leaves unsatisfied, if any."""
         if not self._over():
-            with self.episode.playing():
-                try:
-                    self._end("timeLimit: the time of the episode is over")
-                except Rejected as reason:
-                    self._rejected = str(reason)
+            with self.episode.playing(), self._rejecting():
+                self._end("timeLimit: the time of the episode is over")
         return self._rejected
 
     # ------------------------------------------------------------ inside
+
+    @contextmanager
+    def _rejecting(self) -> Iterator[None]:
+        """Inside, whatever rejects the episode ends it."""
+        try:
+            yield
+        except Rejected as reason:
+            self._rejected = str(reason)
+        except ScenicError as error:
+            if error.kind != "rejection":
+                raise
+            self._rejected = error.message
 
     def _over(self) -> bool:
         return self._terminated is not None or self._rejected is not None

@@ -33,11 +33,11 @@ class End(NamedTuple):
     """What `terminate` gives instead of actions: the end of a scenario, or of the simulation."""
 
     scope: str  # "scenario" or "simulation"
+    statement: str  # "terminate" or "terminate simulation"
     line: int
 
     def reason(self) -> str:
-        word = "terminate simulation" if self.scope == "simulation" else "terminate"
-        return f'"{word}" executed on line {self.line}'
+        return f'"{self.statement}" executed on line {self.line}'
 
 
 Step = tuple[Value, ...] | End
@@ -107,9 +107,18 @@ class Thread:
 
     def _check(self, word: str, conditions: list[ast.expr]) -> None:
         for condition in conditions:
-            if not self.frame.truth(condition):
+            if not self._holds(condition):
                 name = self.call.behavior.name
                 raise Guarded(f"violated {word} of {name} on line {condition.lineno}")
+
+    def _holds(self, condition: ast.expr) -> bool:
+        """Whether a guard holds; one that has nothing to draw from does not."""
+        try:
+            return self.frame.truth(condition)
+        except ScenicError as error:
+            if error.kind == "rejection":
+                return False
+            raise
 
     # ------------------------------------------------------------ others inside this one
 
