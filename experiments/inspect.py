@@ -56,6 +56,8 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
+    if config.dialect not in (None, 2, 3):
+        raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
     path = build.find_minigame(config.program).program
     if config.show in ("tokens", "nodes"):
         print_text(path, config)

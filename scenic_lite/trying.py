@@ -31,13 +31,19 @@ def guarded(frame: Frame, node: ast.Try) -> None:
     try:
         frame.run(node.body)
     except ScenicError as error:
-        fault = fault_of(error)
+        fault = None if decides_by_row(frame, error) else fault_of(error)
         handler = None if fault is None else handler_for(frame, node, fault)
         if fault is None or handler is None:
             raise
         handle(frame, handler, fault, error)
     else:
         frame.run(node.orelse)
+
+
+def decides_by_row(frame: Frame, error: ScenicError) -> bool:
+    """Whether a requirement will be evaluated again, scene by scene, because of this error."""
+    session = frame.session
+    return error.kind == "random-control-flow" and bool(session.in_requirement) and session.row is None
 
 
 def handler_for(frame: Frame, node: ast.Try, fault: Fault) -> ast.ExceptHandler | None:

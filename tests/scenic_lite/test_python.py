@@ -159,3 +159,12 @@ def test_random_values_of_the_module_random():
 def test_random_truth_values_count_as_numbers():
     value = param("Uniform(True, True) + Uniform(True, True)")
     assert value.tolist() == [2]
+
+
+def test_a_requirement_may_try():
+    text = (
+        "x = DiscreteRange(0, 3)\ndef ok(v):\n    try:\n        if v == 2:\n            raise ValueError\n"
+        "        return v > 0\n    except Exception:\n        return False\nrequire ok(x)\nparam x = x"
+    )
+    _, scenes = things(text).sample(100, np.random.default_rng(0))
+    assert set(scenes.params["x"]) == {1, 3}
