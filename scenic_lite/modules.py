@@ -34,7 +34,7 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
     if len(text) > LARGEST_FILE:
         raise ScenicError("budget", f"the program is longer than {LARGEST_FILE:,} characters", Place(file, 1, 0, 1, 1))
     tree = parse(text, file, dialect)
-    findings = check(tree, text, file)
+    findings = check(tree, text, file, dialect)
     errors = [finding for finding in findings if finding.kind != "warning"]
     if errors:
         errors[0].also = tuple(errors[1:])

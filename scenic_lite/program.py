@@ -250,7 +250,7 @@ class Program:
         self.session.budget.new_call(n)
         while len(pending):
             if draws >= (FIRST_DRAWS if len(pending) == n else FIRST_DRAWS + DRAWS_PER_SCENE * n):
-                raise self._impossible(rng)
+                raise self._impossible(rng, n - len(pending), n, draws)
             each = max(1, min(4 if self._by_row else 64, FIRST_DRAWS // len(pending))) if draws else 1
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * each, self.dim))
             scenes = self._scenes(candidates)
@@ -281,8 +281,12 @@ class Program:
             if fault is not None:
                 raise fault
 
-    def _impossible(self, rng: np.random.Generator) -> ScenicError:
-        return ScenicError("rejection", str(replace(self.report(FIRST_DRAWS, rng), accepted=0)))
+    def _impossible(self, rng: np.random.Generator, found: int, wanted: int, draws: int) -> ScenicError:
+        report = replace(self.report(FIRST_DRAWS, rng), accepted=0)
+        if not found:
+            return ScenicError("rejection", str(report))
+        head = f"{self.file}: only {found} of {wanted} scenes found in {draws:,} draws"
+        return ScenicError("rejection", "\n".join([head, *report.rules()]))
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
         """The values that one row theta [D] stands for, by name of the draw, in the program's units."""

@@ -34,9 +34,13 @@ class RejectionReport:
             head = f"{self.file}: {100 * self.acceptance:.1f} % of {self.draws} draws are valid"
         else:
             head = f"{self.file}: no valid scene in {self.draws} draws"
+        return "\n".join([head, *self.rules()])
+
+    def rules(self) -> list[str]:
+        """One line for each rule that rejected something."""
         rows = [(f"    line {rule.place.line}: {rule.label}", share) for rule, share in self.rejected[:SHOWN]]
         width = max((len(text) for text, _ in rows), default=0) + 6
         lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
         if len(self.rejected) > SHOWN:
             lines.append(f"    and {len(self.rejected) - SHOWN} rules more")
-        return "\n".join([head, *lines])
+        return lines

@@ -96,7 +96,7 @@ def test_a_requirement_may_index_by_a_random_number():
     assert set(scenes.positions[:, 0, 0]) == {1, 2}
 
 
-def test_a_soft_requirement_that_never_holds_is_reported_as_impossible():
+def test_a_soft_requirement_that_never_holds_leaves_the_scenes_without_it():
     program = load("ego = new Object at Range(0, 1) @ 0\nrequire[0.5] ego.x > 2\n")
-    with pytest.raises(ScenicError, match="no valid scene in 4096 draws"):
+    with pytest.raises(ScenicError, match=r"only \d+ of 20 scenes found in [\d,]+ draws\n    line 2"):
         program.sample(20, np.random.default_rng(0))
