@@ -72,7 +72,7 @@ def comparison(frame: Frame, node: ast.Compare) -> Value:
 def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
     """One link of a chain of comparisons."""
     if isinstance(sign, ast.Is | ast.IsNot):
-        return (left is right) == isinstance(sign, ast.Is)
+        return identity(frame, left, right, isinstance(sign, ast.Is))
     if isinstance(sign, ast.In | ast.NotIn):
         inside = membership(frame, node, left, right)
         return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
@@ -92,6 +92,17 @@ def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, righ
     if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
         raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
     return apply(COMPARISONS[type(sign)], left, right, kind="truth")
+
+
+def identity(frame: Frame, left: Value, right: Value, same: bool) -> Value:
+    """`left is right`; outside requirements a random choice is itself and none of its options, as in real Scenic."""
+    if left is right or not frame.session.in_requirement:
+        return (left is right) == same
+    if isinstance(left, Choice):
+        return left.merged([identity(frame, option, right, same) for option in left.options])
+    if isinstance(right, Choice):
+        return identity(frame, right, left, same)
+    return not same
 
 
 def equal(frame: Frame, left: Value, right: Value) -> bool:

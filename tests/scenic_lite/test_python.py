@@ -168,3 +168,13 @@ def test_a_requirement_may_try():
     )
     _, scenes = things(text).sample(100, np.random.default_rng(0))
     assert set(scenes.params["x"]) == {1, 3}
+
+
+def test_a_requirement_may_ask_which_object_was_chosen():
+    text = (
+        "a = new Thing with tag 'a'\nb = new Thing with tag 'b'\nc = Uniform(a, b)\nrequire c is a\n"
+        "require c is not b\nparam t = c.tag, before = c is a"
+    )
+    _, scenes = things(text).sample(50, np.random.default_rng(0))
+    assert set(scenes.params["t"]) == {"a"}
+    assert scenes.params["before"] is False
