@@ -36,7 +36,7 @@ from scenic_lite.values import (
 )
 
 if TYPE_CHECKING:
-    from scenic_lite.paths import Path
+    from scenic_lite.paths import Way
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 CONTAINERS = (list, tuple, set, dict, str, bytes, range)
@@ -136,7 +136,7 @@ class Session:
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
     in_requirement: int = 0
-    path: Path | None = None  # the way that is taken where a function branches on random values
+    path: Way | None = None  # the way that is taken where a function branches on random values
     row: dict[Random, Value] | None = None  # of one sample: the value of each random node
     drawn: Callable[[Column], Column] | None = None  # while an episode runs: gives each new draw its value at once
 

@@ -16,7 +16,7 @@ from scenic_lite.graph import WHERE, Value, apply
 MOST_BRANCHES, MOST_WALKS = 24, 64
 
 
-class Path:
+class Way:
     """One way: the decisions of its branches in order, then always True; `conditions` are what was asked."""
 
     def __init__(self, decisions: list[bool]) -> None:
@@ -55,14 +55,14 @@ class Walks:
         self.count += 1
         if self.count > MOST_WALKS:
             raise too_many()
-        path = Path(list(decisions))
+        path = Way(list(decisions))
         value = self._walk(path)
         for at in reversed(range(len(decisions), len(path.conditions))):
             other = self._from([*path.decisions[:at], False])
             value = apply(WHERE, path.conditions[at], value, other)
         return value
 
-    def _walk(self, path: Path) -> Value:
+    def _walk(self, path: Way) -> Value:
         before, self.session.path = self.session.path, path
         try:
             with self.session.requiring():

@@ -57,9 +57,9 @@ def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
     return shapely.polygons(np.stack(rings, axis=1))
 
 
-def sectors(*numbers: Any) -> Any:
+def sectors(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
     """[N] discs or parts of one; their arcs are chains of chords of equal length."""
-    return shapely.polygons(sector_rings(*numbers, count=COARSE))
+    return shapely.polygons(sector_rings(x, y, radius, heading, angle, COARSE))
 
 
 def polygons_of(*numbers: Any) -> Any:
