@@ -59,8 +59,9 @@ def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
     for option, weight in weights.items():
         if not is_number(weight):
             raise ScenicError("type", f"the weight of {option!r} in Discrete must be a fixed number")
-        if weight < 0:
-            raise ScenicError("value", f"the weight {weight} of {option!r} in Discrete is negative")
+        if not 0 <= weight < math.inf:
+            fault = "negative" if weight < 0 else "not finite"
+            raise ScenicError("value", f"the weight {weight} of {option!r} in Discrete is {fault}")
     kept = {option: float(weight) for option, weight in weights.items() if weight > 0}
     return weighted(frame, node, list(kept), list(kept.values()))
 
@@ -71,7 +72,8 @@ def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[fl
         kind = "value" if frame.session.drawn is None else "rejection"  # of the episode (spec section 7)
         raise ScenicError(kind, "a choice among no values")
     column = frame.session.column("choice", frame.place(node))
-    shares = np.cumsum(weights) / np.sum(weights)
+    scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
+    shares = np.cumsum(scaled) / scaled.sum()
     index = Random(Cut(shares[:-1]), (column,))
     column.low, column.high = 0.0, float(len(options) - 1)
     value = choose(index, options)

@@ -34,6 +34,7 @@ BETTER = {
         "dist_functions": "so is //",
         "facing_forms": "a random position cannot be faced from in Scenic 2",
         "loop_objects": "Scenic 2 takes the `for` of a comprehension into the specifier before it",
+        "require_names": "a requirement means the names as they are where it stands, not at the end of the file",
         "require_function": "an internal error of Scenic 2",
         "str_of_random": "int() of a random value is refused by Scenic 2",
     },
