@@ -36,7 +36,7 @@ from scenic_lite.region_members import item_of as element_of
 from scenic_lite.regions import Region, VectorField
 from scenic_lite.texts import joined as joined_texts
 from scenic_lite.texts import percent, represented, text_of
-from scenic_lite.values import Choice, Delayed, Namespace, Stream, choose, describe_kind
+from scenic_lite.values import Builtin, Choice, Delayed, Function, Namespace, Stream, choose, describe_kind
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -121,8 +121,15 @@ def at_sign(x: Value, y: Value) -> Value:
     """`x @ y`, a vector."""
     for part in (x, y):
         if not (is_number(part) or (isinstance(part, Random) and part.kind == "number")):
-            raise ScenicError("type", f"`@` needs two numbers, not {describe_kind(part)}")
+            hint = NUMBERS_FROM.get(type(part), "")
+            raise ScenicError("type", f"`@` needs two numbers, not {describe_kind(part)}", hint=hint)
     return Vector(x, y)
+
+
+NUMBERS_FROM: dict[type, str] = {
+    range: "a random number is drawn by Range(low, high)",
+    list: "Uniform(*values) draws one of them",
+}
 
 
 def check_size(frame: Frame, sign: ast.operator, left: Value, right: Value) -> None:
@@ -227,7 +234,8 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
     if isinstance(container, Namespace):
         container = container.names
     if not isinstance(container, list | tuple | dict | str | range):
-        raise ScenicError("type", f"{describe_kind(container)} has no elements to index")
+        hint = "it is called with round brackets" if isinstance(container, Builtin | Function) else ""
+        raise ScenicError("type", f"{describe_kind(container)} has no elements to index", hint=hint)
     frame.session.budget.whole(index)
     result = container[index]
     frame.session.budget.keep(result) if isinstance(index, slice) else None
