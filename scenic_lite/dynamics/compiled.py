@@ -1,0 +1,318 @@
+"""A compiled program, and a match of it driven from Python: the machine for a batch of one.
+
+Read next: `vm`; `toy`, a world to play in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.dynamics.bytecode import (
+    FAULT,
+    FAULT_ROW,
+    NO_COMMAND,
+    PATIENCE,
+    REJECTED,
+    SEEN,
+    TERMINATED,
+    Code,
+    Fault,
+    Listing,
+    Op,
+    disassemble,
+)
+from scenic_lite.dynamics.compiler_code import AREA, LABEL, Assembler, Label, Live, Operands, Row
+from scenic_lite.dynamics.world import Commands, Verdict
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.frame import in_row
+from scenic_lite.graph import Random, Tape, Value
+from scenic_lite.program import Program
+from scenic_lite.stream import streams
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A program's behaviors as code, and all that is needed to run and to explain it.
+
+    Attributes:
+        code: what the kernels read.
+        program: what it was compiled from.
+        threads: of each thread the object that it moves, or -1.
+        places: of each row its place in the program.
+        world_base: the first register of the world table [O, F]; the facts follow it.
+        commands: in a world of several actions at once, what each command number stands for: values with registers.
+        reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
+    """
+
+    code: Code
+    program: Program
+    threads: tuple[int, ...]
+    places: tuple[Place, ...]
+    commands: tuple[tuple[Value, ...], ...]
+    reasons: tuple[str, ...]
+    broken: tuple[str, ...]
+    listing: Listing
+    start: np.ndarray  # [R]: constants, entries of the threads
+    inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text
+    tape: Tape
+    texts: dict[str, int]
+
+    @property
+    def world_base(self) -> int:
+        return self.code.world_base
+
+    def registers(self, theta: np.ndarray) -> np.ndarray:
+        """The registers at the start of matches with theta [N, D]: [N, R] float64."""
+        theta = self.program._checked(theta)
+        rows = np.tile(self.start, (len(theta), 1))
+        if self.inputs:
+            with np.errstate(all="ignore"):
+                found = self.tape.run(self.program._scaled(theta))
+            for register, slot, text in self.inputs:
+                values = found[slot]
+                rows[:, register] = [self.text(each) for each in values] if text else values
+        return rows
+
+    def text(self, value: str) -> int:
+        """The number of a text; a new one if the program does not mention it."""
+        return self.texts.setdefault(str(value), len(self.texts))
+
+    def disassembly(self) -> str:
+        """The code in words, with the lines of the program."""
+        return disassemble(self.code, self.listing)
+
+    def fault(self, registers: np.ndarray) -> ScenicError | None:
+        """What went wrong in a match [R], at its place in the program; None if nothing did."""
+        if registers[FAULT] == 0:
+            return None
+        row = min(int(registers[FAULT_ROW]), len(self.places) - 1)
+        fault = Fault(int(registers[FAULT]))
+        if fault is Fault.ENDLESS:
+            hint = "is a take or wait missing in a loop?"
+            message = f"more than {PATIENCE:,} steps of evaluation without an action"
+            return self.program.error("budget", message, self.places[row], hint)
+        message = self.listing.notes.get(row, "") or fault.words
+        return self.program.error("value", message, self.places[row])
+
+    def rendered(self, number: float, registers: np.ndarray, scene: dict[Random, Value]) -> tuple[Value, ...]:
+        """The actions of a command in a match [R] whose scene gives the draws these values."""
+        if number == NO_COMMAND:
+            return ()
+        names = {number: text for text, number in self.texts.items()}
+        row = dict(scene)
+        return tuple(plain(each, registers, row, names) for each in self.commands[int(number)])
+
+
+def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: dict[int, str]) -> Value:
+    """A value with everything in it that stands in registers."""
+    for leaf in leaves(value):
+        number = float(registers[leaf.register])
+        if leaf.kind == "text":
+            row[leaf] = names[int(number)]
+        elif leaf.kind == "truth":
+            row[leaf] = bool(number)
+        else:
+            row[leaf] = int(number) if leaf.whole else number
+    found = in_row(value, row)
+    if isinstance(found, list | tuple):
+        return type(found)(plain(each, registers, row, names) for each in found)
+    return found
+
+
+def leaves(value: Value) -> list[Live]:
+    """The registers in a value."""
+    from scenic_lite.values import Choice
+
+    if isinstance(value, Live):
+        return [value]
+    if isinstance(value, Random):
+        return [leaf for each in value.inputs for leaf in leaves(each)]
+    if isinstance(value, Choice):
+        return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
+    parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
+    return [leaf for each in parts for leaf in leaves(each)]
+
+
+# ------------------------------------------------------------ laying out
+
+
+def finished(c: Any, threads: list[tuple[int, int, Label, str]]) -> Compiled:
+    """Lay out the rows and registers of one walk."""
+    code: Assembler = c.code
+    rows = [row for row in code.rows if row.op != LABEL]
+    at = 0
+    for row in code.rows:
+        if row.op == LABEL:
+            assert isinstance(row.c, Label)
+            row.c.row = at
+        else:
+            at += 1
+    layout = Layout(code)
+    lists: list[int] = []
+    table = np.zeros((len(rows), 4), dtype=np.int32)
+    for i, row in enumerate(rows):
+        table[i] = (row.op, *layout.operands(row, lists))
+    start = np.zeros(layout.count)
+    for value, register in code.constants.items():
+        start[layout(register)] = value
+    for register, value in code.initial.items():
+        start[layout(register)] = value
+    for slot, _, entry, _ in threads:
+        start[layout(slot)] = entry.row
+    start[SEEN] = -1.0
+    return assembled(c, layout, table, lists, start, threads, rows)
+
+
+def assembled(
+    c: Any, layout: Layout, table: np.ndarray, lists: list[int], start: np.ndarray, threads: list, rows: list[Row]
+) -> Compiled:
+    code, program = c.code, c.program
+    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
+    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
+    whole = Code(
+        table,
+        np.array([*lists, 0], dtype=np.int32),
+        np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
+        *c.counts,
+        layout(c.world_base),
+        layout(c.fact_base),
+        layout(c.clock.register) if c.clock is not None else 0,
+        layout.count,
+    )
+    nowhere = Place(program.file, 1, 0, 1, 1)
+    places = tuple(row.place or nowhere for row in rows)
+    notes = {i: row.note for i, row in enumerate(rows) if row.note}
+    names = {layout(register): note for register, note in code.notes.items()}
+    names |= {layout(register): f"{value:g}" for value, register in code.constants.items()}
+    lines = {(place.file, place.line): line_of(program, place) for place in set(places)}
+    titles = {entry.row: title for _, _, entry, title in threads}
+    relocate(c.commands, layout)
+    return Compiled(
+        whole,
+        program,
+        tuple(thing for _, thing, _, _ in threads),
+        places,
+        tuple(c.commands),
+        tuple(c.reasons),
+        tuple(c.broken),
+        Listing(places, names, lines, notes, titles),
+        start,
+        tuple(inputs),
+        tape,
+        code.texts,
+    )
+
+
+def line_of(program: Program, place: Place) -> str:
+    source = program._sources.get(place.file)
+    return "" if source is None else source.line(place.line)
+
+
+def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:
+    """Give the registers in commands their final numbers."""
+    seen: set[int] = set()
+    for actions in commands:
+        for action in actions:
+            for leaf in leaves(action):
+                if id(leaf) not in seen:
+                    seen.add(id(leaf))
+                    leaf.register = layout(leaf.register)
+
+
+class Layout:
+    """Where each area of registers begins."""
+
+    def __init__(self, code: Assembler) -> None:
+        sizes = [code.fixed.used, len(code.constants), len(code.inputs), code.variables.most, code.temporaries.most]
+        self.bases = [sum(sizes[:i]) for i in range(len(sizes))]
+        self.count = sum(sizes)
+
+    def __call__(self, register: int) -> int:
+        return self.bases[register // AREA] + register % AREA
+
+    def operands(self, row: Row, lists: list[int]) -> tuple[int, int, int]:
+        form = Op(row.op).form
+        a, b = (self(row.a) if form[0] in "abc" else 0), (self(row.b) if form[1] in "abc" else 0)
+        if isinstance(row.c, Label):
+            return a, b, row.c.row
+        if isinstance(row.c, Operands):
+            lists.append(len(row.c.registers))
+            lists += [self(each) for each in row.c.registers]
+            return a, b, len(lists) - len(row.c.registers)
+        return a, b, self(row.c) if form[2] in "abc" else row.c
+
+
+# ------------------------------------------------------------ one match from Python
+
+
+class CompiledController:
+    """One match of a compiled program; the same calls as `Reference`."""
+
+    def __init__(self, compiled: Compiled, theta: np.ndarray, seed: int = 0) -> None:
+        self.compiled = compiled
+        theta = np.asarray(theta, dtype=float)[None]
+        self.registers = compiled.registers(theta)[0]
+        self.holder = np.zeros(1, dtype=HOLDER).view(np.recarray)[0]
+        self.holder.random = streams([seed])[0]
+        self._scene: dict[Random, Value] = dict(compiled.program.row(theta[0]))
+        self.commands = np.full(len(compiled.program.objects), NO_COMMAND)
+
+    def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
+        """As `Reference.act`."""
+        from scenic_lite.dynamics.vm import run_behaviors
+
+        self._see(world, facts)
+        with np.errstate(all="ignore"):
+            run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
+        self._check()
+        several = bool(self.compiled.commands)
+        actions = tuple(self._actions(number, several) for number in self.commands)
+        agents = tuple(each for each in self.compiled.threads if each >= 0)
+        return Commands(actions, agents, self._terminated(), self._rejected())
+
+    def _actions(self, number: float, several: bool) -> tuple[Value, ...]:
+        if several:
+            return self.compiled.rendered(number, self.registers, self._scene)
+        return () if number == NO_COMMAND else (float(number),)
+
+    def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
+        """As `Reference.watch`."""
+        from scenic_lite.dynamics.vm import run_watchers
+
+        self._see(world, facts)
+        with np.errstate(all="ignore"):
+            reward = run_watchers(self.compiled.code, self.registers, self.holder)
+        self._check()
+        return Verdict(float(reward), self._terminated(), self._rejected())
+
+    def finish(self) -> str | None:
+        """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
+        from scenic_lite.dynamics.vm import end, over
+
+        if not over(self.registers):
+            end(self.compiled.code, self.registers, self.commands, self.holder)
+        return self._rejected()
+
+    def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
+        code = self.compiled.code
+        self.registers[code.world_base : code.world_base + world.size] = world.ravel()
+        self.registers[code.fact_base : code.fact_base + len(facts)] = facts
+
+    def _check(self) -> None:
+        fault = self.compiled.fault(self.registers)
+        if fault is not None:
+            raise fault
+
+    def _terminated(self) -> str | None:
+        number = int(self.registers[TERMINATED])
+        return self.compiled.reasons[number - 1] if number and not self._rejected() else None
+
+    def _rejected(self) -> str | None:
+        number = int(self.registers[REJECTED])
+        return self.compiled.broken[number - 1] if number else None
+
+
+HOLDER = np.dtype([("random", "u8")])

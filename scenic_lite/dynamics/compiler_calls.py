@@ -1,0 +1,150 @@
+"""Calls: functions of the program are inlined, built-in ones of lists have a meaning of their own here.
+
+Read next: `compiler_functions`, `compiler_statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+
+from scenic_lite.calls import Return, bind, call, seen_from, starred
+from scenic_lite.calls import mapping as spread
+from scenic_lite.dynamics.compiler_choices import over_options
+from scenic_lite.dynamics.compiler_code import Assembler, Label
+from scenic_lite.dynamics.compiler_frame import MUTATORS, Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler_functions import FUNCTIONS, mutated
+from scenic_lite.dynamics.compiler_shapes import LiveList, loaded, shape_of, varies
+from scenic_lite.dynamics.compiler_slots import pairs, registers_in, settled, store
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import Frame
+from scenic_lite.graph import Value
+from scenic_lite.values import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
+
+
+def call_node(c: Compilation, frame: Frame, node: ast.Call) -> Value:
+    changed = mutation(c, frame, node)
+    if changed is not None:
+        return changed[0]
+    function = frame.value(node.func)
+    arguments: list[Value] = []
+    for argument in node.args:
+        if isinstance(argument, ast.Starred):
+            arguments += starred(frame, function, argument)
+        else:
+            arguments.append(frame.value(argument))
+    keywords: dict[str, Value] = {}
+    for keyword in node.keywords:
+        value = frame.value(keyword.value)
+        keywords |= spread(frame, keyword, value) if keyword.arg is None else {keyword.arg: value}
+    return call_value(c, frame, function, arguments, keywords, node)
+
+
+def call_value(
+    c: Compilation, frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Call whatever can be called."""
+    if isinstance(function, Choice):
+        return over_options(c, function, lambda each: call_value(c, frame, each, arguments, keywords, node), id(node))
+    if isinstance(function, Bound):
+        return call_value(c, frame, function.function, [function.receiver, *arguments], keywords, node)
+    if isinstance(function, Function):
+        return inlined(c, frame, function, arguments, keywords, node)
+    if isinstance(function, Behavior):
+        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        values = {name: settled(c.code, value) for name, value in bound.items()}
+        return BehaviorCall(function, values, frame.place(node))
+    if isinstance(function, Builtin):
+        own = FUNCTIONS.get(function.name)
+        if own is not None:
+            result = own(c, frame, node, arguments, keywords)
+            if result is not NotImplemented:
+                return result
+        at = next((i for i, each in enumerate(arguments) if isinstance(each, Choice)), None)
+        if at is not None and function.name not in ("Uniform", "Discrete", "print"):
+            before, after = arguments[:at], arguments[at + 1 :]
+            return over_options(
+                c,
+                arguments[at],
+                lambda each: call_value(c, frame, function, [*before, each, *after], keywords, node),
+                (id(node), at),
+            )
+    return call(frame, function, arguments, keywords, node)
+
+
+def inlined(
+    c: Compilation, frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """The rows of a function of the program, in place."""
+    if function.generates:
+        raise ScenicError("unsupported", f"{function.name}() has a `yield`, which no match can do")
+    bound = bind(function.name, function.arguments, function, arguments, keywords)
+    code, used = c.code, c.code.variables.used
+    with c.entered(function, node):
+        names = {name: settled(code, value) for name, value in bound.items()}
+        scope = Scope(c.path, function.body if isinstance(function.body, list) else [], Label())
+        inner = LiveFrame(c, function.frame.source, names, function.frame, scope)
+        inner.assigned = function.assigned
+        if function.owner is not None and arguments:
+            inner.method = (function.owner, arguments[0])
+        before = code.place
+        try:
+            result = value_of(c, inner, function, scope)
+        except ScenicError as error:
+            raise seen_from(frame, function, node, error) from None
+        finally:
+            code.place = before
+            code.known.clear()
+    result = out_of_the_way(code, result, used)
+    code.variables.used = used
+    return result
+
+
+def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
+    """A function's value, copied out of the registers of its variables, which are free again."""
+    if not varies(value):
+        return value
+    shape = shape_of(value)
+    start = code.temporaries.take(shape.size)
+    moves = list(pairs(shape, iter(range(start, start + shape.size)), value))
+    freed = range(code.variables.base + used, code.variables.base + code.variables.used)
+    if not any(register in freed for _, part in moves for register in registers_in(part)):
+        return value
+    store(code, moves)
+    return loaded(shape, iter(range(start, start + shape.size)))
+
+
+def value_of(c: Compilation, inner: LiveFrame, function: Function, scope: Scope) -> Value:
+    if isinstance(function.body, ast.expr):
+        return inner.value(function.body)
+    try:
+        inner.run(function.body)
+    except Return as result:
+        return result.value
+    if scope.result is None:
+        return None
+    if c.code.reachable:
+        scope.result.store(None)
+    c.code.put(scope.end)
+    return scope.result.value
+
+
+def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | None:
+    """`items.append(x)` and the like where `items` is a variable: it becomes a changed list."""
+    function = node.func
+    if not (isinstance(function, ast.Attribute) and function.attr in MUTATORS and isinstance(function.value, ast.Name)):
+        return None
+    items = frame.value(function.value)
+    if not isinstance(items, list | LiveList):
+        return None
+    holder = frame
+    while not isinstance(holder, LiveFrame):
+        assert holder.outer is not None
+        holder = holder.outer
+    name = function.value.id
+    if name not in holder.locals:
+        hint = "copy it first: items = list(items)"
+        raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be changed in a match", hint=hint)
+    arguments = [frame.value(each) for each in node.args]
+    changed, result = mutated(c, frame, items, function.attr, arguments)
+    holder.assign(name, changed)
+    return (result,)

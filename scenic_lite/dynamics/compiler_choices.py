@@ -1,0 +1,200 @@
+"""Values that are one of several things: an object or None, a player found in a loop, one of two texts.
+
+What is done to them is done to each of the things: at once if that costs nothing, else behind jumps, so that only what
+is really there is computed. Where it cannot be done to some of them (None has no position) the match stops with the
+program's line if one of those is met. Read next: `compiler_conditions`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from scenic_lite.attributes import attribute
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler_code import Label, Live
+from scenic_lite.dynamics.compiler_emit import is_live, register_of
+from scenic_lite.dynamics.compiler_frame import Compilation
+from scenic_lite.dynamics.compiler_shapes import LiveList, taken_apart
+from scenic_lite.dynamics.compiler_slots import Slot
+from scenic_lite.errors import ScenicError
+from scenic_lite.expressions import combined, item_of, signed
+from scenic_lite.frame import Frame
+from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+from scenic_lite.operators import OPERATORS
+from scenic_lite.values import Choice, Function, choose, describe_kind
+
+MADE = Callable[[Value], Value]
+
+
+def over_options(c: Compilation, choice: Choice, of_one: MADE, key: object) -> Value:
+    """`of_one` of whichever option it is in the match. Raises its error if it fails for all."""
+    results: list[tuple[list, Value]] = []
+    errors: list[ScenicError | None] = []
+    for option in choice.options:
+        with c.code.captured() as rows:
+            try:
+                results.append((rows, of_one(option)))
+                errors.append(None)
+            except ScenicError as error:
+                results.append(([], None))
+                errors.append(error)
+    if all(errors):
+        assert errors[0] is not None
+        raise errors[0]
+    refuse(c, choice, errors)
+    good = next(i for i, error in enumerate(errors) if error is None)
+    free = all(not rows and costs_nothing(value) for rows, value in results)
+    if free:
+        return choose(choice.index, [results[good][1] if errors[i] else each for i, (_, each) in enumerate(results)])
+    return switch(c, choice, [None if errors[i] else each for i, each in enumerate(results)], key)
+
+
+def refuse(c: Compilation, choice: Choice, errors: list[ScenicError | None]) -> None:
+    """A fault if the match meets an option for which there is an error."""
+    for i, error in enumerate(errors):
+        if error is not None:
+            differs = apply(NOT_EQUAL, choice.index, i, kind="truth")
+            c.code.fault_unless(register_of(c.code, differs), error.message)
+
+
+def costs_nothing(value: Value) -> bool:
+    """Whether a value needs no computing."""
+    if isinstance(value, Live) or not isinstance(value, Random | Choice):
+        apart = None if isinstance(value, Live) else taken_apart(value)
+        return apart is None or all(map(costs_nothing, apart[1]))
+    if isinstance(value, Choice):
+        return costs_nothing(value.index) and all(map(costs_nothing, value.options))
+    return not is_live(value)
+
+
+def switch(c: Compilation, choice: Choice, results: list[tuple[list, Value] | None], key: object) -> Value:
+    """Rows that compute what belongs to the option that is met, and nothing else."""
+    code = c.code
+    slot = Slot(code, c.shapes, (*c.path, "switch", key))
+    for each in results:
+        if each is not None:
+            slot.widen(each[1])
+    end = Label()
+    index = register_of(code, choice.index)
+    for i, each in enumerate(results):
+        if each is None:
+            continue
+        following = Label()
+        code.row(Op.JUMP_NOT_EQUAL, index, code.constant(i), following)
+        code.rows.extend(each[0])
+        slot.store(each[1])
+        code.row(Op.JUMP, c=end)
+        code.put(following)
+    code.put(end)
+    return slot.value
+
+
+def whole_choice(value: Value, c: Compilation) -> Value:
+    """A choice without None: a fault if it is None in the match."""
+    if not isinstance(value, Choice) or value.options[-1] is not None:
+        return value
+    there = apply(NOT_EQUAL, value.index, len(value.options) - 1, kind="truth")
+    c.code.fault_unless(register_of(c.code, there), "None is no object, number or vector")
+    options = value.options[:-1]
+    return options[0] if len(options) == 1 else choose(value.index, options)
+
+
+# ------------------------------------------------------------ expressions over choices
+
+
+def attribute_of(c: Compilation, frame: Frame, node: ast.Attribute) -> Value:
+    return attribute_named(c, frame, frame.value(node.value), node)
+
+
+def attribute_named(c: Compilation, frame: Frame, value: Value, node: ast.Attribute) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: attribute_named(c, frame, option, node), id(node))
+    return attribute(frame, value, node.attr)
+
+
+def binary(c: Compilation, frame: Frame, node: ast.BinOp) -> Value:
+    left, right = frame.value(node.left), frame.value(node.right)
+    return combination(c, frame, node, left, right)
+
+
+def combination(c: Compilation, frame: Frame, node: ast.BinOp | ast.AugAssign, left: Value, right: Value) -> Value:
+    """`left sign right`."""
+    if isinstance(left, Choice):
+        return over_options(c, left, lambda each: combination(c, frame, node, each, right), (id(node), 0))
+    if isinstance(right, Choice):
+        return over_options(c, right, lambda each: combination(c, frame, node, left, each), (id(node), 1))
+    if isinstance(left, LiveList) or isinstance(right, LiveList):
+        from scenic_lite.dynamics.compiler_lists import concatenated
+
+        return concatenated(c, node, left, right)
+    return combined(frame, node.op, left, right)
+
+
+def unary(c: Compilation, frame: Frame, node: ast.UnaryOp) -> Value:
+    from scenic_lite.dynamics.compiler_conditions import negation
+
+    if isinstance(node.op, ast.Not):
+        return negation(c, frame, node)
+    return sign(c, node, frame.value(node.operand))
+
+
+def sign(c: Compilation, node: ast.UnaryOp, value: Value) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: sign(c, node, option), id(node))
+    return signed(node.op, value)
+
+
+def subscript(c: Compilation, frame: Frame, node: ast.Subscript) -> Value:
+    return item(c, frame, node, frame.value(node.value), frame.value(node.slice))
+
+
+def item(c: Compilation, frame: Frame, node: ast.Subscript, container: Value, index: Value) -> Value:
+    """`container[index]`."""
+    from scenic_lite.dynamics.compiler_lists import item_at, slice_of
+
+    if isinstance(container, Choice):
+        return over_options(c, container, lambda each: item(c, frame, node, each, index), (id(node), 0))
+    if isinstance(index, Choice):
+        return over_options(c, index, lambda each: item(c, frame, node, container, each), (id(node), 1))
+    if isinstance(index, slice) and isinstance(container, LiveList):
+        return slice_of(c, container, index)
+    if isinstance(container, LiveList) or isinstance(index, Random):
+        return item_at(c, frame, container, index)
+    return item_of(frame, container, index)
+
+
+def scenic_operator(c: Compilation, frame: Frame, node) -> Value:
+    """An operator of Scenic; operands may be choices."""
+    operation = OPERATORS.get(node.name)
+    if operation is None:
+        raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
+    operands = [None if each is None else whole_choice(frame.value(each), c) for each in node.operands]
+    try:
+        return operation(frame, *operands)
+    except ScenicError:
+        at = next((i for i, each in enumerate(operands) if isinstance(each, Choice)), None)
+        if at is None:
+            raise
+    choice, before, after = operands[at], operands[:at], operands[at + 1 :]
+    return over_options(c, choice, lambda each: operation(frame, *before, each, *after), (id(node), at))
+
+
+def same_thing(left: Value, right: Value) -> Value:
+    """`left is right`."""
+    if isinstance(left, Choice):
+        return choose(left.index, [same_thing(option, right) for option in left.options])
+    if isinstance(right, Choice):
+        return choose(right.index, [same_thing(left, option) for option in right.options])
+    if isinstance(left, Random) and isinstance(right, Random | bool | int | float | str):
+        return apply(EQUAL, left, right, kind="truth")
+    if isinstance(right, Random) and isinstance(left, bool | int | float | str):
+        return apply(EQUAL, left, right, kind="truth")
+    if isinstance(left, Function) and isinstance(right, Function):
+        return left.body is right.body
+    return left is right
+
+
+def no_choice(value: Value, what: str) -> None:
+    if isinstance(value, Choice):
+        raise ScenicError("unsupported", f"{what} {describe_kind(value)}")

@@ -1,0 +1,195 @@
+"""Writing code: rows with labels, registers for constants, inputs, variables and intermediate results.
+
+Registers are numbered in areas while a program is compiled, and laid side by side when it is finished: constants,
+inputs, the world and the threads' variables keep their values, intermediate results are shared by all. Read next:
+`compiler_emit`, which turns nodes into rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from scenic_lite.budget import exceeded
+from scenic_lite.dynamics.bytecode import FIRST_FREE, Op
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.graph import Column, Random
+
+MOST_ROWS = 200_000
+MOST_REGISTERS = 100_000
+LABEL = -1  # in place of an opcode: the label of this row stands here
+AREA = 1 << 24  # registers are numbered by area until they are laid side by side
+FIXED, CONSTANTS, INPUTS, VARIABLES, TEMPORARIES = (area * AREA for area in range(5))
+
+
+class Label:
+    """A row to jump to, known when the code is laid out."""
+
+    __slots__ = ("row", "used")
+
+    def __init__(self) -> None:
+        self.row = -1
+        self.used = False
+
+
+class Operands(NamedTuple):
+    """A list of operands."""
+
+    registers: tuple[int, ...]
+
+
+class Row(NamedTuple):
+    op: int
+    a: int
+    b: int
+    c: int | Label | Operands
+    place: Place | None
+    note: str = ""
+
+
+class Live(Random):
+    """A value that stands in a register while a match runs; the leaf of what the compiler computes with.
+
+    `whole`: it is an integer, which counts where it is written as text. `lasting`: the register belongs to a variable
+    or to the world, and may change; an intermediate result does not change before the end of its statement.
+    """
+
+    __slots__ = ("lasting", "register", "whole")
+
+    def __init__(self, register: int, kind: str = "number", whole: bool = False, lasting: bool = True) -> None:
+        super().__init__(None, (), kind)
+        self.register, self.whole, self.lasting = register, whole, lasting
+
+
+class DrawnNow(Column):
+    """A draw at run time, as distributions know it; `register` holds its value."""
+
+    __slots__ = ("register",)
+
+    def __init__(self, register: int, kind: str, place: Place, offset: float, span: float) -> None:
+        super().__init__(kind, place, offset, span)
+        self.register = register
+
+
+@dataclass
+class Area:
+    """Registers of one kind, handed out like a stack."""
+
+    base: int
+    used: int = 0
+    most: int = 0
+
+    def take(self, count: int = 1) -> int:
+        """The first of `count` fresh registers."""
+        start = self.base + self.used
+        self.used += count
+        self.most = max(self.most, self.used)
+        if self.used > MOST_REGISTERS:
+            raise exceeded(f"the behaviors of the program need more than {MOST_REGISTERS:,} numbers at once")
+        return start
+
+
+@dataclass
+class Assembler:
+    """The rows written so far, and where the next ones go."""
+
+    rows: list[Row] = field(default_factory=list)
+    reachable: bool = True  # whether the next row can be come to
+    place: Place | None = None  # of the statement that is being compiled
+    variables: Area = field(default_factory=lambda: Area(VARIABLES))
+    temporaries: Area = field(default_factory=lambda: Area(TEMPORARIES))
+    constants: dict[float, int] = field(default_factory=dict)
+    inputs: dict[int, tuple[int, Random]] = field(default_factory=dict)  # by the node's id
+    initial: dict[int, float] = field(default_factory=dict)  # registers that a match starts with
+    texts: dict[str, int] = field(default_factory=dict)
+    notes: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
+    fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
+    widened: bool = False  # a shape has changed: all must be compiled again
+    known: dict[int, tuple[int, Random]] = field(default_factory=dict)  # nodes computed on the way to here, by id
+
+    # ------------------------------------------------------------ rows
+
+    def row(
+        self, op: Op, a: int = 0, b: int = 0, c: int | Label | Operands = 0, note: str = "", place: Place | None = None
+    ) -> None:
+        if not self.reachable:
+            return
+        if isinstance(c, Label):
+            c.used = True
+        self.rows.append(Row(op, a, b, c, place or self.place, note))
+        if len(self.rows) > MOST_ROWS:
+            raise exceeded(f"the behaviors of the program become more than {MOST_ROWS:,} rows of code")
+        if op in ENDS:
+            self.reachable = False
+
+    def put(self, label: Label) -> None:
+        """The label stands here; control may come from wherever it is used."""
+        self.rows.append(Row(LABEL, 0, 0, label, self.place))
+        self.reachable = self.reachable or label.used
+        self.known.clear()
+
+    def put_loop(self, label: Label) -> None:
+        """A label that only later rows will use."""
+        self.rows.append(Row(LABEL, 0, 0, label, self.place))
+        self.known.clear()
+
+    def fault(self, message: str) -> None:
+        self.row(Op.FAULT, note=message)
+
+    def fault_unless(self, register: int, message: str) -> None:
+        self.row(Op.FAULT_UNLESS, register, note=message)
+
+    @contextmanager
+    def captured(self) -> Iterator[list[Row]]:
+        """Rows written inside are kept aside."""
+        inside: list[Row] = []
+        outside, known = self.rows, dict(self.known)
+        self.rows = inside
+        try:
+            yield inside
+        finally:
+            self.rows, self.known = outside, known
+
+    # ------------------------------------------------------------ registers
+
+    def constant(self, value: float | bool | str) -> int:
+        """The register of a constant; a text is its number in `texts`."""
+        number = float(self.text(value)) if isinstance(value, str) else float(value)
+        key = number if number != 0 else 0.0
+        if number != number:
+            raise ScenicError("value", "nan is no number to compute with")
+        if key not in self.constants:
+            self.constants[key] = CONSTANTS + len(self.constants)
+        return self.constants[key]
+
+    def text(self, value: str) -> int:
+        return self.texts.setdefault(value, len(self.texts))
+
+    def input(self, node: Random) -> int:
+        """The register of a value that is the same for a whole match: it is computed when the match starts."""
+        if id(node) not in self.inputs:
+            self.inputs[id(node)] = (INPUTS + len(self.inputs), node)
+        return self.inputs[id(node)][0]
+
+    def begin_with(self, register: int, value: Any) -> None:
+        """What a register holds when a match starts: a fixed value, or one that the scene gives."""
+        if isinstance(value, Random):
+            self.inputs[-register] = (register, value)
+        else:
+            self.initial[register] = float(self.text(value)) if isinstance(value, str) else float(value)
+
+    @contextmanager
+    def statement(self) -> Iterator[None]:
+        """The intermediate results of one statement are forgotten after it."""
+        used = self.temporaries.used
+        self.known.clear()
+        try:
+            yield
+        finally:
+            self.temporaries.used = used
+            self.known.clear()
+
+
+ENDS = frozenset({Op.END, Op.JUMP, Op.RESUME, Op.REJECT, Op.FAULT})
