@@ -20,7 +20,7 @@ from scenic_lite.fields import patchwork
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import NOT, OR, Operation, Random, Value, apply
 from scenic_lite.lines import GridRegion, PointSetRegion, PolylineRegion
-from scenic_lite.polygons import PolygonalRegion, ShapeRegion
+from scenic_lite.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion
 from scenic_lite.regions import (
     Everywhere,
     Filtered,
@@ -95,6 +95,8 @@ def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
     """The region of a fixed shape, whatever it turned out to be."""
     if shape.is_empty:
         return Nowhere()
+    if shapely.get_num_coordinates(shape) > MOST_CORNERS:
+        raise ScenicError("budget", f"evaluation budget exceeded: a region of more than {MOST_CORNERS:,} corners")
     if shape.area > 0:
         return PolygonalRegion(shape, orientation)
     if shape.length > 0:

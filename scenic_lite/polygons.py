@@ -16,6 +16,7 @@ from scenic_lite.graph import AND, Random, Value, apply
 from scenic_lite.regions import CLOSENESS, Point2, Region, VectorField, truth_of
 from scenic_lite.slabs import Slabs
 
+MOST_CORNERS = 5000  # of one region
 FEW_EDGES = 60  # up to here plain arrays find faster than shapely whether an edge meets a rectangle
 BLOCK = 1 << 15  # numbers in one array, so that they stay in the processor's cache
 

@@ -18,7 +18,7 @@ from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector, as_vector, normalised
 from scenic_lite.graph import Value, apply, is_number
 from scenic_lite.lines import NEAR, GridRegion, PointSetRegion, PolylineRegion
-from scenic_lite.polygons import PolygonalRegion, ShapeRegion, polygon_through
+from scenic_lite.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion, polygon_through
 from scenic_lite.regions import (
     Everywhere,
     Nowhere,
@@ -29,8 +29,6 @@ from scenic_lite.regions import (
     VectorField,
 )
 from scenic_lite.values import Builtin, Choice, describe_kind
-
-MOST_CORNERS = 20_000  # of one polygon
 
 
 def rectangle(position: Value, heading: Value, width: Value, length: Value, name: Value = None) -> Region:

@@ -25,6 +25,7 @@ from scenic_lite.tables import own, sited
 from scenic_lite.values import Builtin, Instance, describe_kind
 
 MOST_POINTS = 100_000  # along one polyline
+COST = 10_000  # elements of memory that the combination of two regions counts for
 
 
 def contains_point(self: Region, point: Value) -> Value:
@@ -46,18 +47,21 @@ def contains_region(self: Region, reg: Value, tolerance: Value = 0) -> Value:
 def intersect(frame: Frame, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite import algebra
 
+    frame.session.budget.spend(COST)
     return algebra.common_part(self, region(other), frame.session.dialect)
 
 
-def difference(self: Region, other: Value) -> Region:
+def difference(frame: Frame, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite import algebra
 
+    frame.session.budget.spend(COST)
     return algebra.remainder(self, region(other))
 
 
-def union(self: Region, other: Value, buf: Value = 0) -> Region:
+def union(frame: Frame, node: Any, self: Region, other: Value, buf: Value = 0) -> Region:
     from scenic_lite import algebra
 
+    frame.session.budget.spend(COST)
     return algebra.union(self, region(other))
 
 
@@ -67,9 +71,10 @@ def intersects(self: Region, other: Value) -> Value:
     return algebra.meet(self, region(other))
 
 
-def buffer(self: Region, amount: Value) -> Region:
+def buffer(frame: Frame, node: Any, self: Region, amount: Value) -> Region:
     from scenic_lite import algebra
 
+    frame.session.budget.spend(COST)
     return algebra.grown(self, number(amount))
 
 
@@ -282,9 +287,6 @@ REGION_METHODS = own(
     containsObject=contains_object,
     containsRegion=contains_region,
     intersects=intersects,
-    difference=difference,
-    union=union,
-    buffer=buffer,
     distanceTo=distance_to,
     getAABB=bounds,
     signedDistanceTo=signed_distance,
@@ -292,7 +294,8 @@ REGION_METHODS = own(
     nearestSegmentTo=nearest_segment,
     pointAlongBy=point_along,
 ) | sited(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
-REGION_METHODS["intersect"] = Builtin("intersect", intersect, sited=True)
+for combine in (intersect, difference, union, buffer):
+    REGION_METHODS[combine.__name__] = Builtin(combine.__name__, combine, sited=True)
 REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
     **{name: parameter(name) for name in ("position", "center", "heading", "width", "length", "radius", "angle")},
     "orientation": lambda self: self.orientation,
