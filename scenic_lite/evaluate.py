@@ -134,5 +134,5 @@ def new_session(domain: Domain | None, dialect: int) -> Session:
 def needs_ego(session: Session) -> bool:
     """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
     if session.dialect == 2:
-        return session.main is None or not session.main.behavior.node.compose
+        return session.main is None or not session.main.behavior.scenario.compose
     return any(each.properties["requireVisible"] is True for each in session.objects)

@@ -85,7 +85,7 @@ class Sight(NamedTuple):
 class Watched(NamedTuple):
     """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
 
-    tree: ast.stmt
+    tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
     place: Place
     frame: Frame
     label: str = ""  # its name, or its text

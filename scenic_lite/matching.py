@@ -20,6 +20,11 @@ from scenic_lite.values import Builtin, Choice, describe_kind
 
 def choose_case(frame: Frame, node: ast.Match) -> None:
     """Run the first case whose pattern and guard hold; the subject must not be random."""
+    frame.run(chosen_case(frame, node))
+
+
+def chosen_case(frame: Frame, node: ast.Match) -> list[ast.stmt]:
+    """The statements of the first case that holds; its names are assigned."""
     subject = frame.value(node.subject)
     for case in node.cases:
         names: dict[str, Value] = {}
@@ -28,8 +33,8 @@ def choose_case(frame: Frame, node: ast.Match) -> None:
         for name, value in names.items():
             frame.assign(name, value)
         if case.guard is None or frame.truth(case.guard):
-            frame.run(case.body)
-            return
+            return case.body
+    return []
 
 
 def matches(frame: Frame, pattern: ast.pattern, value: Value, names: dict[str, Value]) -> bool:

@@ -24,7 +24,7 @@ def set_up_main(session: Session, source: Source, name: str | None) -> None:
     session.main = BehaviorCall(scenario, arguments, place)
     session.main_frame = scenario_frame(session.main)
     session.monitors, session.terminations, session.records = [], [], []
-    session.main_frame.run(scenario.node.setup)  # type: ignore[union-attr]
+    session.main_frame.run(scenario.scenario.setup)
 
 
 def main_of(session: Session, source: Source, name: str | None) -> Behavior | None:

@@ -212,6 +212,12 @@ class Behavior:
         """One of "behavior", "monitor" and "scenario"."""
         return "scenario" if isinstance(self.node, nodes.Scenario) else self.node.kind
 
+    @property
+    def scenario(self) -> nodes.Scenario:
+        """The tree of a scenario."""
+        assert isinstance(self.node, nodes.Scenario)
+        return self.node
+
 
 @dataclass(frozen=True, eq=False)
 class BehaviorCall:

@@ -34,7 +34,7 @@ class ComposeThread(Thread):
 
     @property
     def exists(self) -> bool:
-        node = self.call.behavior.node
+        node = self.call.behavior.scenario
         return bool(node.compose or node.preconditions or node.invariants)
 
     def start(self, unchecked: bool = True) -> None:
@@ -44,7 +44,7 @@ class ComposeThread(Thread):
         self._steps = self.run()
 
     def run(self) -> Iterator[Step]:
-        if self.call.behavior.node.compose:
+        if self.call.behavior.scenario.compose:
             yield from super().run()
             self.ended = True
             return

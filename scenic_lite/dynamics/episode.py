@@ -20,7 +20,7 @@ from scenic_lite.dynamics.draws import Draws
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import in_row
-from scenic_lite.graph import Column, Random, Value, is_number
+from scenic_lite.graph import Column, Random, Value
 from scenic_lite.program import Program
 from scenic_lite.rows import body_of
 from scenic_lite.values import Behavior, Builtin, Function, Instance, Namespace
@@ -98,7 +98,7 @@ class Episode:
     def reward(self) -> float:
         """What `simulation().scenic_reward` says."""
         value = None if self.simulation is None else self.simulation.names.get("scenic_reward")
-        return float(value) if isinstance(value, bool) or is_number(value) else 0.0
+        return float(value) if isinstance(value, int | float) else 0.0
 
     def clear_reward(self) -> None:
         if self.simulation is not None:

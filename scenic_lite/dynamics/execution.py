@@ -19,12 +19,17 @@ from scenic_lite.dynamics.invoking import do, wait
 from scenic_lite.dynamics.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.exceptions import fault_of
+from scenic_lite.matching import chosen_case
 from scenic_lite.statements import Break, Continue
 from scenic_lite.trying import handler_for
 
 
 def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
     return thread.block(node.body if thread.frame.truth(node.test) else node.orelse)
+
+
+def choose(thread: Thread, node: ast.Match) -> Iterator[Step]:
+    return thread.block(chosen_case(thread.frame, node))
 
 
 def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
@@ -119,6 +124,7 @@ SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
     ast.For: repeat,
     ast.While: repeat_while,
     ast.Try: attempt,
+    ast.Match: choose,
     nodes.TryInterrupt: interruptible,
     nodes.Take: take,
     nodes.Wait: wait,

@@ -19,8 +19,10 @@ a temporal requirement does not hold. Each scenario has its own `ego`, at first 
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 from scenic_lite import nodes
 from scenic_lite.dynamics.agents import Agents
@@ -28,7 +30,7 @@ from scenic_lite.dynamics.composing import ComposeThread
 from scenic_lite.dynamics.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.temporal import Truth, Watch, formula_of
 from scenic_lite.dynamics.threads import End, Thread
-from scenic_lite.frame import Watched
+from scenic_lite.frame import Frame, Watched
 from scenic_lite.graph import Value, is_number
 from scenic_lite.values import BehaviorCall, Instance, describe_kind
 
@@ -72,7 +74,7 @@ class Scenario:
         try:
             with self.current():
                 self.compose.check_guards()
-                self.compose.frame.run(self.compose.call.behavior.node.setup)
+                self.compose.frame.run(self.compose.call.behavior.scenario.setup)
         finally:
             vars(session).update(outside)
         self.objects = session.objects[before:]
@@ -164,8 +166,9 @@ class Scenario:
     def _step(self) -> str | End | None:
         for watched, watch in self._temporal:
             with watched.bindings.restored():
-                if watch.step(lambda part, frame=watched.frame: truth(frame.value(part))) is Truth.FALSE:
-                    raise Rejected(watched.label)
+                known = watch.step(partial(holds, watched.frame))
+            if known is Truth.FALSE:
+                raise Rejected(watched.label)
         if self._limit is not None and self._elapsed >= self._limit:
             return self.stop("reached time limit")
         self._elapsed += 1
@@ -176,7 +179,7 @@ class Scenario:
             if self.compose.ended:
                 return self.stop("finished compose block")
         for watched in self._conditions("scenario"):
-            if truth(watched.frame.value(watched.tree.condition)):
+            if holds(watched.frame, watched.tree.condition):
                 return self.stop(watched.label)
         return None
 
@@ -205,7 +208,7 @@ class Scenario:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             for watched in self._conditions("simulation"):
-                if truth(watched.frame.value(watched.tree.condition)):
+                if holds(watched.frame, watched.tree.condition):
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
@@ -248,5 +251,5 @@ class Scenario:
         return [sub for sub in self.subs if sub.running]
 
 
-def truth(value: Value) -> bool:
-    return bool(value)
+def holds(frame: Frame, condition: ast.expr) -> bool:
+    return frame.truth(condition)

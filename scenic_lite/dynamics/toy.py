@@ -48,6 +48,7 @@ def toy_world(timestep: float = 1.0) -> World:
 
     def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
         names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}
+        names["agents"] = [each for each in objects if each.properties["behavior"] is not None]
         return Namespace("simulation()", names)
 
     return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action, several=True)
@@ -57,7 +58,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
     """Where an object is; it has no speed of its own. Its x is what the program wrote, since nothing moves it."""
     x = instance.properties["position"].x
     at = Vector(x if isinstance(x, int) else fields["x"], fields["y"])
-    still: dict[str, Any] = {"velocity": Vector(0.0, 0.0), "speed": 0.0, "angularSpeed": 0.0}
+    still: dict[str, Any] = {"velocity": Vector(0, 0), "speed": 0.0, "angularSpeed": 0.0}
     return {"position": at, "heading": fields["heading"]} | still
 
 
