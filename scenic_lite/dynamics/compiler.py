@@ -15,7 +15,8 @@ from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.budget import Budget
-from scenic_lite.distributions import draw_range
+from scenic_lite.calls import meaning
+from scenic_lite.classes import OBJECT
 from scenic_lite.dynamics.bytecode import REWARD, Op
 from scenic_lite.dynamics.compiled import Compiled, finished
 from scenic_lite.dynamics.compiler_behaviors import DYNAMIC, run_behavior
@@ -24,7 +25,6 @@ from scenic_lite.dynamics.compiler_choices import attribute_of, binary, scenic_o
 from scenic_lite.dynamics.compiler_code import Assembler, DrawnNow, Label, Live
 from scenic_lite.dynamics.compiler_comprehensions import comprehension, dictionary_comprehension
 from scenic_lite.dynamics.compiler_conditions import boolean, comparison, conditional
-from scenic_lite.dynamics.compiler_emit import register_of
 from scenic_lite.dynamics.compiler_frame import Compilation, guarded
 from scenic_lite.dynamics.compiler_shapes import Shape
 from scenic_lite.dynamics.compiler_statements import STATEMENTS
@@ -34,7 +34,8 @@ from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Frame
 from scenic_lite.graph import Column, Value
 from scenic_lite.program import Program
-from scenic_lite.values import BehaviorCall, Builtin, Instance, Namespace
+from scenic_lite.specifiers import make
+from scenic_lite.values import BehaviorCall, Builtin, Instance, Namespace, ScenicClass, describe_kind
 
 MOST_WALKS = 40
 EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
@@ -100,12 +101,14 @@ def meanings(c: Compilation) -> dict[str, Any]:
         return call_value(c, frame, function, arguments, keywords, node)
 
     return {
-        "expressions": session.expressions | own | {nodes.New: no_objects},
+        "expressions": session.expressions | own | {nodes.New: new},
         "statements": session.statements | statements,
         "call": call,
         "column": partial(draw, c),
         "in_requirement": 1,
         "owner": None,
+        "points": [],
+        "requirements": [],
         "handled": [],
         "budget": Budget(session.budget.limits),
         "builtins": session.builtins | {"simulation": simulation},
@@ -120,8 +123,18 @@ def draw(c: Compilation, kind: str, place: Place, offset: float = 0.0, span: flo
     return DrawnNow(register, kind, place, offset, span)
 
 
-def no_objects(frame: Frame, node: nodes.New) -> Value:
-    raise ScenicError("type", "objects are not made in behaviors", hint="make them before")
+def new(frame: Frame, node: nodes.New) -> Value:
+    """A point that a behavior speaks of; objects are made before the match."""
+    cls = frame.value(node.cls)
+    if not isinstance(cls, ScenicClass):
+        if not node.certain:
+            return cls if node.operator is None else frame.value(node.operator)
+        raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls)
+    if cls.derives_from(OBJECT):
+        hint = "make it before, or in the setup of a scenario"
+        raise ScenicError("type", "no object can be made in a behavior", hint=hint)
+    instance = Instance(cls, frame.place(node))
+    return make(frame, cls, [meaning(frame, instance, each) for each in node.specifiers], instance)
 
 
 # ------------------------------------------------------------ one walk
@@ -136,10 +149,13 @@ def walk(c: Compilation, shared: dict) -> list[tuple[int, int, Label, str]]:
     threads: list[tuple[int, int, Label, str]] = []
     agents, monitors = calls_of(c)
     guards = [(agent, call) for _, agent, call in agents] + [(None, call) for call in monitors]
-    every(c, threads, "guards", lambda: start(c, guards), once=True)
+    if any(has_guards(call) for _, call in guards):
+        every(c, threads, "guards", lambda: start(c, guards), once=True)
     made: list = []
-    every(c, threads, "temporal requirements", lambda: made.extend(temporal(c)))
-    every(c, threads, "terminate when", lambda: (time_limit(c), conditions(c, "scenario")))
+    if c.program.temporal:
+        every(c, threads, "temporal requirements", lambda: made.extend(temporal(c)))
+    if c.program.terminations:
+        every(c, threads, "terminate when", lambda: (time_limit(c), conditions(c, "scenario")))
     c.counts = (len(threads), len(agents), len(monitors))
     for number, agent, call in agents:
         c.agent = agent
@@ -160,6 +176,10 @@ def calls_of(c: Compilation) -> tuple[list[tuple[int, Instance, BehaviorCall]], 
         if isinstance(call, BehaviorCall):
             agents.append((number, instance, call))
     return agents, list(c.program.monitors)
+
+
+def has_guards(call: BehaviorCall) -> bool:
+    return bool(call.behavior.node.preconditions or call.behavior.node.invariants)
 
 
 def show_world(c: Compilation) -> None:
@@ -191,10 +211,8 @@ def every(c: Compilation, threads: list, title: str, write: Callable[[], object]
     code = c.code
     slot, entry = code.fixed.take(), Label()
     begin(code, entry)
-    used = code.variables.used
     with code.statement():
         write()
-    del used
     if once:
         code.row(Op.END, slot)
     else:
@@ -221,6 +239,3 @@ def body(c: Compilation, threads: list, number: int, call: BehaviorCall, title: 
     code.row(Op.END, slot)
     code.reachable = False
     threads.append((slot, number, entry, title))
-
-
-_ = (draw_range, register_of)

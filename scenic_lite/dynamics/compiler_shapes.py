@@ -16,9 +16,10 @@ from scenic_lite.dynamics.compiler_code import Live
 from scenic_lite.dynamics.compiler_emit import is_live, is_whole
 from scenic_lite.errors import ScenicError
 from scenic_lite.geometry import Vector
-from scenic_lite.graph import Random, Value, kind_of
+from scenic_lite.graph import Random, Table, Value, kind_of, pick
 from scenic_lite.regions import Region
-from scenic_lite.values import BehaviorCall, Bound, Choice, Instance, describe_kind
+from scenic_lite.texts import FormatEach
+from scenic_lite.values import BehaviorCall, Bound, Choice, Function, Instance, describe_kind
 
 MOST_OPTIONS = 256
 CAPACITY = 64  # elements of a list whose length is not known before the match
@@ -103,11 +104,12 @@ def alike(a: Value, b: Value) -> bool:
         return False
     if isinstance(a, bool | int | float | str):
         return a == b
-    if isinstance(a, Vector):
-        return alike(a.x, b.x) and alike(a.y, b.y)
-    if isinstance(a, tuple):
-        return len(a) == len(b) and all(map(alike, a, b))
-    return False
+    if isinstance(a, Function):
+        return a.body is b.body
+    first, second = taken_apart(a), taken_apart(b)
+    if first is None or second is None or first[0] != second[0]:
+        return False
+    return all(map(alike, first[1], second[1]))
 
 
 # ------------------------------------------------------------ taking apart, putting together
@@ -129,9 +131,19 @@ def taken_apart(value: Value) -> tuple[tuple, list[Value]] | None:
         return (BehaviorCall, value.behavior, tuple(value.arguments), value.place), list(value.arguments.values())
     if isinstance(value, Instance) and not value.label:  # an oriented point of an operator
         return (Instance, value.cls, value.place, tuple(value.properties)), list(value.properties.values())
-    if isinstance(value, Random) and not isinstance(value, Live) and value.kind == "text" and value.inputs:
-        return (Random, value.operation, len(value.inputs)), list(value.inputs)
+    if builds_text(value):
+        operation = (FormatEach, value.operation.spec) if isinstance(value.operation, FormatEach) else value.operation
+        return (Random, operation, len(value.inputs)), list(value.inputs)
     return None
+
+
+def builds_text(value: Value) -> bool:
+    """Whether a text is made of parts in the match, so that it has no number."""
+    if not isinstance(value, Random) or isinstance(value, Live) or value.kind != "text":
+        return False
+    if value.operation is pick:
+        return any(map(builds_text, value.inputs[1:]))
+    return bool(value.inputs) and not isinstance(value.operation, Table)
 
 
 def put_together(head: tuple, parts: list[Value]) -> Value:
@@ -149,7 +161,8 @@ def put_together(head: tuple, parts: list[Value]) -> Value:
     if kind is Instance:
         return Instance(rest[0], rest[1], properties=dict(zip(rest[2], parts, strict=True)))
     if kind is Random:
-        return Random(rest[0], tuple(parts), "text")
+        operation = FormatEach(rest[0][1]) if isinstance(rest[0], tuple) else rest[0]
+        return Random(operation, tuple(parts), "text")
     region = object.__new__(kind)
     vars(region).update(zip(rest[0], parts, strict=True))
     return region
@@ -216,17 +229,10 @@ def leaf_of(shape: Shape) -> Leaf | None:
     if isinstance(shape, Leaf):
         return shape
     if isinstance(shape, Same) and kind_of(shape.value) in ("number", "truth", "text"):
-        if isinstance(shape.value, Random) and shape.value.kind == "text" and not is_choice_of_texts(shape.value):
+        if builds_text(shape.value):
             return None
         return Leaf(kind_of(shape.value), is_whole(shape.value))
     return None
-
-
-def is_choice_of_texts(value: Random) -> bool:
-    """Whether a random text is one of some fixed ones, so that it has a number."""
-    from scenic_lite.graph import Table
-
-    return isinstance(value.operation, Table)
 
 
 def united_leaf(a: Leaf, b: Leaf) -> Leaf | None:

@@ -66,10 +66,10 @@ def conditions(c: Compilation, scope: str) -> None:
     """`terminate when`, `terminate simulation when`: the first that is true."""
     end = Label()
     kind, register = ("scenarioComplete", COMPLETE) if scope == "scenario" else (SIMULATION, TERMINATED)
-    c.code.row(Op.JUMP_IF, register, c=end)
-    for watched in c.program.terminations:
-        if not isinstance(watched.tree, nodes.TerminateWhen) or watched.tree.scope != scope:
-            continue
+    wanted = [each for each in c.program.terminations if getattr(each.tree, "scope", "") == scope]
+    if wanted:
+        c.code.row(Op.JUMP_IF, register, c=end)
+    for watched in wanted:
         frame, no = frame_for(c, watched), Label()
         with c.code.statement():
             jump_on(c, frame, watched.tree.condition, no, when=False)
