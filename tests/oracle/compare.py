@@ -8,6 +8,8 @@ standard errors; errors in their line. Read next: `tests/scenic_lite/test_oracle
 import bisect
 import math
 
+from tests.oracle.compare_dynamic import of_episodes
+
 CURVE = 1 / 40  # by which 41 quantiles may misstate a distribution
 
 
@@ -15,6 +17,8 @@ def differences(expected: dict, found: dict) -> list[str]:
     """Where a record of ours is unlike real Scenic's."""
     if "error" in expected or "error" in found:
         return list(of_errors(expected.get("error"), found.get("error")))
+    if expected["kind"] == "dynamic":
+        return list(of_episodes(expected, found))
     if "values" not in expected:
         return []
     sizes = expected["n"], found["n"]
