@@ -1,0 +1,115 @@
+"""Modular scenarios where real Scenic 3.1.1 needlessly fails or forgets something, and the choice of the main one.
+
+What it does well is in the golden oracle.
+"""
+
+import pytest
+
+from scenic_lite import ScenicError, load
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.toy import toy_world
+from tests.scenic_lite.dynamics.playing import actions, played
+
+PARTS = """
+behavior Loop(w):
+    while True:
+        take w
+scenario Part(w, n):
+    setup:
+        override ego with behavior Loop(w)
+        terminate after n steps
+"""
+MAIN = """
+scenario Main():
+    setup:
+        ego = new Object with behavior Loop('-')
+    compose:
+"""
+
+
+def composed(compose, parts=""):
+    return PARTS + parts + MAIN + "\n".join(f"        {line}" for line in compose.splitlines())
+
+
+def test_a_condition_ends_a_scenario_inside():
+    part = "scenario Until(y):\n    setup:\n        override ego with behavior Loop('u')\n"
+    part += "        terminate when ego.position.y >= y\n"
+    assert actions(composed("do Until(2)\ndo Part('p', 1)", part)) == "u u p"
+
+
+def test_an_interrupted_scenario_goes_on():
+    compose = "try:\n    do Part('a', 4)\ninterrupt when ego.position.y == 2:\n    do Part('b', 1)\nwait"
+    assert actions(composed(compose), 9) == "a a b a a -"
+
+
+def test_an_aborted_scenario_gives_back_what_it_had_overridden():
+    compose = "try:\n    do Part('a', 4)\ninterrupt when ego.position.y == 2:\n    abort\nwait"
+    assert actions(composed(compose)) == "a a -"
+
+
+def test_a_monitor_ends_the_scenario_that_it_belongs_to():
+    """At once, while the compose block around it goes on in the next step."""
+    part = "monitor Stop():\n    wait\n    terminate\n"
+    part += "scenario Watched():\n    setup:\n        override ego with behavior Loop('w')\n"
+    part += "        require monitor Stop()\n"
+    assert actions(composed("do Watched()\ndo Part('p', 2)", part)) == "w - p p"
+
+
+def test_records_of_a_scenario_inside():
+    part = "scenario Kept():\n    setup:\n        record ego.position.y as y\n        terminate after 2 steps\n"
+    reference, _ = played(composed("wait\ndo Kept()", part))
+    assert reference.records == {"y": [(1, 1.0), (2, 2.0)]}
+
+
+def test_a_temporal_requirement_made_in_a_behavior():
+    text = "behavior B():\n    take 'a'\n    require always self.position.y < 3\n    while True:\n        take 'b'\n"
+    _, trace = played(text + "ego = new Object with behavior B()")
+    assert trace.rejected == "require always self.position.y < 3"
+
+
+def test_random_names_of_the_setup_are_drawn_with_the_scene():
+    text = composed("do Part(x, 1)").replace(
+        "setup:\n        ego", "setup:\n        x = Uniform('l', 'r')\n        ego"
+    )
+    assert [actions(text, theta=[theta]) for theta in (-1, 1)] == ["l", "r"]
+
+
+def test_guards_of_the_main_scenario():
+    text = PARTS + "scenario Main():\n    invariant: ego.position.y < 2\n    setup:\n"
+    text += "        ego = new Object with behavior Loop('a')\n"
+    assert played(text)[1].rejected == "violated invariant of Main on line 10"
+
+
+# ------------------------------------------------------------ which one is the program
+
+
+SEVERAL = "scenario A():\n    ego = new Object\nscenario B():\n    ego = new Object at 3 @ 3\n    new Object at 9 @ 9\n"
+
+
+def test_the_scenario_that_is_asked_for():
+    assert [len(load(SEVERAL, dialect=3, scenario=name).objects) for name in "AB"] == [1, 2]
+
+
+def test_several_scenarios_and_no_main_one():
+    with pytest.raises(ScenicError, match="there are several scenarios: A, B"):
+        load(SEVERAL, dialect=3)
+
+
+def test_a_scenario_that_is_not_there():
+    with pytest.raises(ScenicError, match="has no scenario 'Bb'"):
+        load(SEVERAL, dialect=3, scenario="Bb")
+
+
+def test_the_main_scenario_takes_over_objects_but_not_monitors():
+    text = "monitor M():\n    wait\nego = new Object\nrequire monitor M()\nterminate after 1 steps\n"
+    program = load(text + "scenario Main():\n    new Object at 5 @ 5\n", dialect=3)
+    assert (len(program.objects), program.monitors, program.terminations) == (2, (), ())
+
+
+def test_variables_of_a_setup_belong_to_an_episode():
+    text = composed("while n < 2:\n    n += 1\n    wait").replace(
+        "setup:\n        ego", "setup:\n        n = 0\n        ego"
+    )
+    program = load(text, dialect=3)
+    assert [Reference(program, [], toy_world()).episode.program.main_frame.locals["n"] for _ in range(2)] == [0, 0]
+    assert [len(played(text)[1].commands) for _ in range(2)] == [2, 2]
