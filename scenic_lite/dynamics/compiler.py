@@ -222,6 +222,8 @@ def every(c: Compilation, threads: list, title: str, write: Callable[[], object]
 
 
 def begin(code: Assembler, entry: Label) -> None:
+    """A thread starts here; its variables are its own."""
+    code.variables.used = code.variables.most
     code.place = None
     code.reachable = True
     entry.used = True
