@@ -117,7 +117,7 @@ class Episode:
         try:
             yield
         finally:
-            self._inside = {name: getattr(self.session, name) for name in self._inside}
+            self._inside = {name: vars(self.session)[name] for name in self._inside}
             vars(self.session).update(outside)
             for instance, (properties, attributes) in zip(instances, loaded, strict=True):
                 instance.properties, instance.attributes = properties, attributes

@@ -59,7 +59,7 @@ class Scenario:
     def adopt(self) -> None:
         """Take over what loading the program has made."""
         program = self.episode.program
-        self.kept = {name: list(getattr(program, name)) for name in KEPT}
+        self.kept = {name: list(vars(program)[name]) for name in KEPT}
         self.objects = list(self.episode.objects)
         if self.compose is not None and program.main_frame is not None:
             self.compose.use(program.main_frame)
@@ -68,7 +68,7 @@ class Scenario:
         """Check the guards and execute the setup, inside the parent."""
         assert self.compose is not None
         session = self.episode.session
-        outside = {name: getattr(session, name) for name in KEPT}
+        outside = {name: vars(session)[name] for name in KEPT}
         vars(session).update(self.kept)
         before = len(session.objects)
         try:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.world import Commands, Verdict, World
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Value
@@ -96,6 +97,6 @@ def run(table: np.ndarray, controller: Controller, steps: int, drift: float = 0.
 
 def with_new(table: np.ndarray, controller: Controller) -> np.ndarray:
     """The table with rows for objects that scenarios have just made."""
-    made = list(getattr(controller, "objects", ()))[len(table) :]
+    made = controller.objects[len(table) :] if isinstance(controller, Reference) else []
     rows = [[each.properties["position"].x, each.properties["position"].y, each.properties["heading"]] for each in made]
     return np.concatenate([table, np.array(rows)]) if rows else table
