@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from scenic_lite.rows import body_of
 from scenic_lite.values import Behavior, Builtin, Function, Instance, Namespace
 
 Handlers = dict[type, Callable[..., Any]]
+FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
 STEPS = 200_000  # nodes of the tree that a behavior may evaluate before it lets time pass
 
 
@@ -133,9 +135,9 @@ class Episode:
             replace_all(names, own)
 
     def rested(self) -> None:
-        """Give the behavior that runs next its own patience; what it remembers still counts."""
+        """Give what runs next its own patience; most of what was made before counts as forgotten."""
         fresh = Patience(self.session.budget.limits)
-        fresh.memory = self.session.budget.memory
+        fresh.memory = int(self.session.budget.memory * FORGETTING)
         self.session.budget = fresh
 
     def refresh(self, table: np.ndarray, facts: np.ndarray, first: bool) -> None:
@@ -143,6 +145,7 @@ class Episode:
 
         While the episode starts, guards still see the properties that the scene gives the objects, until `show`.
         """
+        self.rested()
         self.row.clear()
         self.row.update(self._scene)
         known = dict(zip(self.world.facts, map(float, facts), strict=True))
@@ -214,5 +217,9 @@ def shared_names(program: Program) -> list[dict[str, Value]]:
 
 
 def assigns_globals(value: Value) -> bool:
-    trees = body_of(value) if isinstance(value, Function | Behavior) else []
-    return any(isinstance(each, ast.Global) for tree in trees for each in ast.walk(tree))
+    return isinstance(value, Function | Behavior) and any(has_global(tree) for tree in body_of(value))
+
+
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def has_global(tree: ast.AST) -> bool:
+    return any(isinstance(each, ast.Global) for each in ast.walk(tree))
