@@ -23,9 +23,9 @@ class Area(NamedTuple):
 
 
 def areas_of(workspace: Region | None, points: Iterable[DrawnPoint]) -> tuple[Area, ...]:
-    """The workspace, and every region from which a point is drawn, once each; not those that are random or endless."""
+    """The workspace, and the regions from which points are drawn, as named; not those that are random or endless."""
     found = [Area("workspace", strips_of(workspace))] if workspace is not None else []
-    regions = {id(each.region): each.region for each in points}
+    regions = {id(region): region for region in (each.whole or each.region for each in points)}
     found += [Area("drawn", strips_of(region)) for region in regions.values() if region is not workspace]
     return tuple(area for area in found if area.strips)
 

@@ -19,6 +19,7 @@ from scenic_lite.functions import BUILTINS
 from scenic_lite.modular import set_up_main
 from scenic_lite.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.program import Program
+from scenic_lite.pruning import prune
 from scenic_lite.requirements import settle
 from scenic_lite.statements import STATEMENTS
 from scenic_lite.values import Namespace
@@ -55,6 +56,7 @@ def load(
     settle(session)
     if session.ego is None and needs_ego(session):
         raise no_ego(session, own)
+    prune(session)
     return Program(session, own, text, warnings_of(session))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -139,8 +140,12 @@ class Walk:
         self.heading = field.heading_at(Vector(*self.here))
         others = [each for each in columns_of(self.heading) if not any(each is own for own in self.here)]
         self.others = tuple(others)
-        known = [*self.here, *others]
-        self.tape = Tape([self.heading], known, MOST_OPERATIONS) if isinstance(self.heading, Random) else None
+        self.known = [*self.here, *others]
+
+    @cached_property
+    def tape(self) -> Tape | None:
+        """Made when all is loaded, since `pruning` changes nodes."""
+        return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, Random) else None
 
     def __call__(self, x: Any, y: Any, distance: Any, *others: Any) -> tuple[Any, Any]:
         rows = [each.astype(float) for each in np.broadcast_arrays(x, y, distance, *others)]

@@ -68,11 +68,15 @@ class Requirement:
 
 
 class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's."""
+    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's.
+
+    `whole` is the region that the program names, where only a part of it is drawn from.
+    """
 
     region: Region
     columns: tuple[Column, ...]
     point: Vector
+    whole: Region | None = None
 
 
 class Sight(NamedTuple):
@@ -353,7 +357,7 @@ class Frame:
         raise ScenicError("name", f"name '{name}' is not defined", hint=near(name, self.visible_names()))
 
     def visible_names(self) -> list[str]:
-        names = [*self.session.builtins]
+        names = [*self.session.builtins, "ego", "workspace"]
         frame: Frame | None = self
         while frame is not None:
             names += frame.locals
@@ -387,11 +391,17 @@ def in_row(value: Value, row: dict[Random, Value]) -> Value:
     if value not in row:
         assert value.operation is not None, "a draw that the condition was not known to depend on"
         inputs = [in_row(each, row) for each in value.inputs]
-        arrays = [np.array([each], dtype=object if isinstance(each, str) else None) for each in inputs]
-        result = value.operation(*arrays)
+        result = value.operation(*(one_row(each) for each in inputs))
         row[value] = tuple(part[0] for part in result) if isinstance(result, tuple) else result[0]
     found = row[value]
     return found.item() if isinstance(found, np.generic) else found
+
+
+def one_row(value: Value) -> Any:
+    """A value of one sample as an operation wants it: an array of one, or several where it has parts."""
+    if isinstance(value, tuple):
+        return tuple(np.array([part]) for part in value)
+    return np.array([value], dtype=object if isinstance(value, str) else None)
 
 
 def name_draws(name: str, value: Value, inside: bool = False) -> None:
@@ -435,6 +445,6 @@ def near_inputs(value: Random) -> list[Random]:
 def near(name: str, names: Iterable[str]) -> str:
     """A hint with the nearest spelling, or nothing."""
     public = [each for each in names if not each.startswith("_")]
-    same = [each for each in public if each.lower() == name.lower()]
+    same = [each for each in public if sorted(each.lower()) == sorted(name.lower())]  # or two letters swapped
     close = same or difflib.get_close_matches(name, public, 1, 0.7)
     return f"did you mean '{close[0]}'?" if close else ""

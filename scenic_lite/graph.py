@@ -98,7 +98,8 @@ class Column(Random):
     """One column of θ, already scaled: `low + (θ + 1) / 2 · span`; the leaf of the graph.
 
     `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
-    program's units; `owner` says to whom the value belongs until a variable gives it a better name.
+    program's units; `owner` says to whom the value belongs until a variable gives it a better name. `pruning` may turn
+    it into a node of other columns: then it has an operation.
     """
 
     __slots__ = ("draw_kind", "high", "low", "name", "offset", "options", "owner", "place", "shown", "span")
@@ -252,7 +253,7 @@ def columns_of(*values: Value) -> Iterator[Column]:
         if not isinstance(node, Random) or id(node) in seen:
             continue
         seen.add(id(node))
-        if isinstance(node, Column):
+        if isinstance(node, Column) and node.operation is None:
             yield node
         stack.extend(reversed(node.inputs))
 

@@ -246,18 +246,20 @@ class Program:
         active = np.stack([rng.random(n) < p for _, p in soft], axis=1) if soft else np.zeros((n, 0), dtype=bool)
         theta = np.empty((n, self.dim))
         pending = np.arange(n)
-        draws = 0
+        draws = accepted = 0
         self.session.budget.new_call(n)
         while len(pending):
             if draws >= (FIRST_DRAWS if len(pending) == n else FIRST_DRAWS + DRAWS_PER_SCENE * n):
                 raise self._impossible(rng, n - len(pending), n, draws)
-            each = max(1, min(4 if self._by_row else 64, FIRST_DRAWS // len(pending))) if draws else 1
+            wanted = (draws + 1) // (accepted + 1) + 1 if draws else 1  # so that most of the pending scenes get one
+            each = max(1, min(wanted, FIRST_DRAWS // len(pending)))
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * each, self.dim))
             scenes = self._scenes(candidates)
             self._raise_fault()
             draws += len(candidates)
             broken = scenes.failed[:, [i for i, _ in soft]] & np.repeat(active[pending], each, axis=0)
             good = (scenes.ok & ~broken.any(axis=1)).reshape(len(pending), each)
+            accepted += int(good.sum())
             found = good.any(axis=1)
             chosen = (np.arange(len(pending)) * each + good.argmax(axis=1))[found]
             theta[pending[found]] = candidates[chosen]

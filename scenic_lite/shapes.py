@@ -128,6 +128,11 @@ def grown(shape: Any, by: Any) -> Any:
 GROWN = shaping(grown)
 
 
+def moved(shape: Any, x: float, y: float) -> Any:
+    """A fixed shape somewhere else."""
+    return shapely.transform(shape, lambda points: points + (x, y))
+
+
 def holds_shape(shape: Any, other: Any) -> Any:
     """Whether shapes lie in shapes, boundaries included."""
     return shapely.covers(shapely.buffer(shape, CLOSENESS, join_style="mitre"), other)

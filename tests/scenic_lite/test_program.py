@@ -263,7 +263,7 @@ def test_report_of_an_impossible_program():
         "<program>: no valid scene in 4096 draws\n"
         "    line 4: require (distance from ego to keeper) > 11      rejected 100.0 %\n"
         "    line 5: require ego.x > keeper.x + 20                   rejected 100.0 %\n"
-        "    line 2: keeper overlaps ego                             rejected 18.4 %"
+        "    line 2: keeper overlaps ego                             rejected 19.0 %"
     )
 
 

@@ -1,0 +1,235 @@
+"""Pruning: a point is drawn only from where its object has room in its container, not from all that the program names.
+
+The valid scenes and their distribution stay the same, since whatever is left out would be rejected; fewer levels are
+invalid. Only objects that stand at such a point itself, or at a fixed step from it, are pruned: not those with noise.
+Spec section 9. Read next: `rules`, which tests what is left.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from scenic_lite.bounds import bounds_of
+from scenic_lite.distributions import show_coordinates, span_between
+from scenic_lite.errors import ScenicError
+from scenic_lite.frame import DrawnPoint, Session
+from scenic_lite.geometry import TURN, Vector
+from scenic_lite.graph import Column, Random, Tape, Value, columns_of, is_number
+from scenic_lite.polygons import PolygonalRegion
+from scenic_lite.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
+from scenic_lite.rules import containers
+from scenic_lite.values import Instance
+
+SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
+ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
+LARGEST_NODE = 10_000  # random operations behind a width that are looked through
+
+
+class Demand(NamedTuple):
+    """What the point of one object must satisfy: `container` has room for the object at the point + `step`.
+
+    `across`, `along`: half its least extents, if it is known to be upright, else both the radius of its inner circle.
+    """
+
+    container: Region
+    step: Vector
+    across: float
+    along: float
+
+    @property
+    def radius(self) -> float:
+        return min(self.across, self.along)
+
+
+def prune(session: Session) -> None:
+    """Draw the points of a session's objects from the parts of their regions in which the objects fit.
+
+    Raises ScenicError where an object fits nowhere.
+    """
+    points = {id(part): i for i, each in enumerate(session.points) for part in (each.point.x, each.point.y)}
+    for container, (where, label) in containers(session, session.objects).items():
+        for instance in [session.objects[i] for i in where] if is_fixed_area(container) else []:
+            found = near_point(points, session, instance.properties["position"])
+            if found is not None and is_fixed_area(session.points[found[0]].region):
+                demand = Demand(container, found[1], *half_extents(instance))
+                prune_point(session, found[0], demand, does_not_fit(session, instance, label))
+
+
+def is_fixed_area(region: Region) -> bool:
+    """Whether a region is the same in every scene, has an area, and is known by its boundary."""
+    return isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion) and region.fixed()
+
+
+def near_point(points: dict[int, int], session: Session, position: Vector) -> tuple[int, Vector] | None:
+    """The index of the drawn point that a position is, and the fixed step from there."""
+    (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
+    at = points.get(id(x))
+    if at is None or session.points[at].point.x is not x or session.points[at].point.y is not y:
+        return None
+    return at, Vector(right, up)
+
+
+def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
+    """A value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
+    step = 0.0
+    while isinstance(value, Random) and id(value) not in points and value.operation in (np.add, np.subtract):
+        first, second = value.inputs
+        if is_number(second):
+            step += second if value.operation is np.add else -second
+            value = first
+        elif is_number(first) and value.operation is np.add:
+            step, value = step + first, second
+        else:
+            break
+    return value, step
+
+
+def half_extents(instance: Instance) -> tuple[float, float]:
+    """Across and along: a lower bound of how far an object reaches from its middle in every scene."""
+    properties = instance.properties
+    width, length = (max(0.0, least(properties[name])) / 2 for name in ("width", "length"))
+    heading = properties["heading"]
+    if is_number(heading) and heading == 0:
+        return width, length
+    return min(width, length), min(width, length)
+
+
+def least(value: Value) -> float:
+    """A lower bound; -inf if none is known."""
+    if not isinstance(value, Random):
+        return float(value)
+    columns = list(columns_of(value))
+    try:
+        tape = Tape([value], columns, LARGEST_NODE)
+    except ScenicError:
+        return -math.inf
+    return bounds_of(tape, columns)[tape.slot(value)][0]
+
+
+def does_not_fit(session: Session, instance: Instance, label: str) -> ScenicError:
+    place = instance.place
+    message = f"{instance.title()} does not fit into {label}"
+    hint = "nowhere in the region from which its position is drawn is there room for it"
+    return ScenicError("value", message, place, hint=hint, source_line=session.sources[place.file].line(place.line))
+
+
+# ------------------------------------------------------------ one point
+
+
+def prune_point(session: Session, at: int, demand: Demand, misfit: ScenicError) -> None:
+    """Draw the point with the index `at` from the part of its region that meets a demand; raises `misfit` if none."""
+    drawn = session.points[at]
+    base, container = drawn.region, demand.container
+    part: Region | None
+    if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
+        part = common_rectangle(base, demand)
+    elif isinstance(base, SectorRegion) and isinstance(container, SectorRegion) and base.round() and container.round():
+        part = common_disc(base, demand) or common_shape(base, demand)
+    else:
+        part = common_shape(base, demand)
+    if part is None:
+        raise misfit
+    if part is base:
+        return
+    columns = drawn.columns
+    if drawn.point.x is columns[0] and isinstance(part, RectangularRegion):
+        narrow(columns, part)
+    else:
+        columns = redraw(session, drawn, part)
+    session.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or base)
+
+
+def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
+    return abs(math.remainder(a.heading - b.heading, math.pi)) < CLOSENESS
+
+
+def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegion | None:
+    """As `common_shape`, in the frame of two rectangles of the same heading."""
+    container = demand.container
+    assert isinstance(container, RectangularRegion)
+    upright = base.heading == 0 and container.heading == 0
+    across, along = (demand.across, demand.along) if upright else (demand.radius, demand.radius)
+    middle = base.position.rotated(-base.heading)
+    room = (container.position - demand.step).rotated(-base.heading)
+    x = overlap(middle.x, base.width / 2, room.x, container.width / 2 - across)
+    y = overlap(middle.y, base.length / 2, room.y, container.length / 2 - along)
+    width, length = x[1] - x[0], y[1] - y[0]
+    if (min(width, length) <= 0 and base.width * base.length > 0) or min(width, length) < -CLOSENESS:
+        return None
+    if width * length >= (1 - SLIGHT) * base.width * base.length:
+        return base
+    place = Vector((x[0] + x[1]) / 2, (y[0] + y[1]) / 2).rotated(base.heading)
+    return RectangularRegion(place, base.heading, width, length)
+
+
+def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
+    """What two intervals, given by middle and half length, have in common."""
+    return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
+
+
+def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
+    """As `common_shape` where that is one of the two discs; None if they overlap, or are apart."""
+    container = demand.container
+    assert isinstance(container, SectorRegion)
+    middle, radius = container.center - demand.step, container.radius - demand.radius
+    apart = (middle - base.center).length()
+    if apart + base.radius <= radius + CLOSENESS:
+        return base
+    return SectorRegion(middle, radius) if radius > 0 and apart + radius <= base.radius + CLOSENESS else None
+
+
+def common_shape(base: Region, demand: Demand) -> Region | None:
+    """The part of a region that meets a demand; the region itself if that is almost all of it, None if it is empty."""
+    from scenic_lite import algebra, shapes  # slow to import, and only needed by programs with such regions
+
+    room = circumscribed(demand.container).shape()
+    if demand.radius > 0:
+        room = shapes.GROWN.scalar(room, -demand.radius)
+    whole = base.shape()
+    part = shapes.INTERSECTION.scalar(whole, shapes.moved(room, -demand.step.x, -demand.step.y))
+    if part.area >= (1 - ROUGH) * whole.area:
+        return base
+    return algebra.region_of(part, base.orientation) if part.area > 0 else None
+
+
+def circumscribed(region: Region) -> Region:
+    """A region whose polygon holds all of the given one, also its arcs."""
+    if not isinstance(region, SectorRegion):
+        return region
+    radius = region.radius / math.cos(min(region.angle, TURN) / 2 / ARC_SEGMENTS)
+    return SectorRegion(region.center, radius, region.heading, region.angle)
+
+
+# ------------------------------------------------------------ the graph
+
+
+def narrow(columns: tuple[Column, ...], part: RectangularRegion) -> None:
+    """Columns that are the coordinates themselves stay so, between nearer limits."""
+    for column, (low, span) in zip(columns, part.scales(), strict=True):
+        column.offset, column.low, column.high = low, low, low + span
+        column.span = span_between(low, low + span)
+
+
+def redraw(session: Session, drawn: DrawnPoint, part: Region) -> tuple[Column, ...]:
+    """Make the point's nodes those of another region, so that all that was computed from them follows."""
+    columns = drawn.columns
+    if drawn.point.x is columns[0]:  # its columns become nodes, of two others
+        columns = tuple(successor(session, column) for column in columns)
+    for column, (offset, span) in zip(columns, part.scales(), strict=True):
+        column.offset, column.span = offset, span
+    made = part.point(*columns)
+    for node, computed in zip((drawn.point.x, drawn.point.y), (made.x, made.y), strict=True):
+        node.operation, node.inputs = computed.operation, computed.inputs
+    show_coordinates(list(columns), drawn.point, part.bounds())
+    return columns
+
+
+def successor(session: Session, column: Column) -> Column:
+    """A new column in the place of another one."""
+    fresh = Column(column.draw_kind, column.place)
+    fresh.name, fresh.owner = column.name, column.owner
+    session.columns[next(i for i, each in enumerate(session.columns) if each is column)] = fresh
+    return fresh
