@@ -87,8 +87,7 @@ def idle(c: Compilation) -> None:
 
 
 def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
-    scope = "simulation" if c.program.dialect == 2 else node.scope
-    word = "terminate simulation" if scope == "simulation" else "terminate"
+    word = "terminate simulation" if node.scope == "simulation" else "terminate"
     on = Label()
     who = "Behavior" if c.agent is not None else "Monitor"
     c.code.row(Op.TERMINATE, c.reason(f'terminatedBy{who}: "{word}" executed on line {node.lineno}'), c.slot, on)

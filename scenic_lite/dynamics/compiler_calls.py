@@ -94,6 +94,7 @@ def inlined(
         finally:
             code.place = before
             code.known.clear()
+    code.temporaries.used = max(code.temporaries.used, scope.level)
     result = out_of_the_way(code, result, used)
     code.variables.used = used
     return result

@@ -22,7 +22,7 @@ from scenic_lite.expressions import combined, item_of, signed
 from scenic_lite.frame import Frame
 from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
 from scenic_lite.operators import OPERATORS
-from scenic_lite.values import Choice, Function, choose, describe_kind
+from scenic_lite.values import Choice, Function, choose
 
 MADE = Callable[[Value], Value]
 
@@ -182,6 +182,11 @@ def scenic_operator(c: Compilation, frame: Frame, node) -> Value:
 
 def same_thing(left: Value, right: Value) -> Value:
     """`left is right`."""
+    if isinstance(left, Choice) and isinstance(right, Choice):
+        things = list({id(each): each for each in (*left.options, *right.options)}.values())
+        if not any(isinstance(each, Random | str | int | float) for each in things):
+            first, second = numbered(left, things), numbered(right, things)
+            return apply(EQUAL, first, second, kind="truth")
     if isinstance(left, Choice):
         return choose(left.index, [same_thing(option, right) for option in left.options])
     if isinstance(right, Choice):
@@ -195,6 +200,7 @@ def same_thing(left: Value, right: Value) -> Value:
     return left is right
 
 
-def no_choice(value: Value, what: str) -> None:
-    if isinstance(value, Choice):
-        raise ScenicError("unsupported", f"{what} {describe_kind(value)}")
+def numbered(choice: Choice, things: list[Value]) -> Value:
+    """The place of what is chosen in a list of things."""
+    places = [next(i for i, each in enumerate(things) if each is option) for option in choice.options]
+    return choice.index if places == list(range(len(places))) else choose(choice.index, places)

@@ -50,6 +50,7 @@ class Scope:
     result: Slot | None = None  # of a function that returns from several places
     loops: list[Loop] = field(default_factory=list)
     aborts: list[Label] = field(default_factory=list)
+    level: int = 0  # intermediate results in use when a function gives its value back
     live: int = 0  # constructs around the present statement that are decided during a match
 
 

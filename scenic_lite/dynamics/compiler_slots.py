@@ -63,7 +63,10 @@ def variant_pairs(shape: Variant, registers: Iterator[int], value: Value) -> Ite
     tag = next(registers)
     options = value.options if isinstance(value, Choice) else (value,)
     places = [option_for(shape, option) for option in options]
-    yield tag, choose(value.index, places) if isinstance(value, Choice) else places[0]
+    if isinstance(value, Choice):
+        yield tag, value.index if places == list(range(len(places))) else choose(value.index, places)
+    else:
+        yield tag, places[0]
     for i, option in enumerate(shape.options):
         own = list(islice(registers, option.size))
         chosen = [each for each, place in zip(options, places, strict=True) if place == i]

@@ -286,7 +286,9 @@ def give_back(c: Compilation, frame: LiveFrame, node: ast.Return) -> None:
         return
     value = None if node.value is None else frame.value(node.value)
     if scope.live == 0 and scope.result is None and not scope.loops:
-        raise Return(settled(c.code, value))
+        value = settled(c.code, value)
+        scope.level = c.code.temporaries.used
+        raise Return(value)
     if scope.result is None:
         scope.result = Slot(c.code, c.shapes, (*scope.path, "return"))
     scope.result.store(value)
