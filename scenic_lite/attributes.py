@@ -153,6 +153,8 @@ def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
         return position.x if name == "x" else position.y
+    if name == "z" and position is not None and frame.session.dialect == 3:
+        return 0.0
     if name == "distanceTo" and frame.session.dialect == 3 and is_object(instance):
         return Bound(DISTANCE_TO_OUTLINE, instance)
     if name in VECTOR_METHODS and position is not None:

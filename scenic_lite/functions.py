@@ -14,7 +14,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
 from scenic_lite.functions_of_python import PYTHON
 from scenic_lite.geometry import NORMALISE, Vector
-from scenic_lite.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value
+from scenic_lite.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
 from scenic_lite.numbers_of_python import MATH, NUMBERS, of_one, of_two
 from scenic_lite.randomness import RANDOM
 from scenic_lite.region_functions import REGIONS, number
@@ -23,6 +23,13 @@ from scenic_lite.values import Builtin, Namespace
 
 def outside_behavior(frame: Frame, node: ast.AST) -> None:
     raise ScenicError("type", "simulation() has a meaning only while a behavior runs", hint="use it inside a behavior")
+
+
+def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
+    """`Vector(x, y)`; programs for three dimensions give a third coordinate, which must be 0."""
+    if not is_number(z) or z != 0:
+        raise ScenicError("unsupported", "the third coordinate of a vector must be 0 in two dimensions")
+    return Vector(number(x), number(y))
 
 
 # ------------------------------------------------------------ the tables
@@ -56,7 +63,7 @@ SCENIC: dict[str, Value] = {
     "Point": POINT,
     "OrientedPoint": ORIENTED_POINT,
     "Object": OBJECT,
-    "Vector": plain("Vector", lambda x, y: Vector(number(x), number(y)), Vector),
+    "Vector": plain("Vector", vector_of, Vector),
     "sin": plain("sin", of_one(SINE)),
     "cos": plain("cos", of_one(COSINE)),
     "hypot": MATH["hypot"],

@@ -108,9 +108,14 @@ def scalar_operand(value: Value, sign: str) -> Value:
 
 
 def as_vector(value: Value) -> Vector | None:
-    """A vector from what the language accepts as one: itself, a pair of numbers, anything with a position."""
+    """A vector from what the language accepts as one: itself, a pair of numbers, anything with a position.
+
+    Of three coordinates the third must be 0.
+    """
     if isinstance(value, Vector):
         return value
+    if isinstance(value, tuple | list) and len(value) == 3 and is_number(value[2]) and value[2] == 0:
+        value = value[:2]
     if isinstance(value, tuple | list) and len(value) == 2 and all(is_scalar(part) for part in value):
         return Vector(value[0], value[1])
     return value.position_vector() if isinstance(value, Located) else None
