@@ -1,7 +1,11 @@
 """Every example of the language reference does what the comments in it promise."""
 
+import re
+
 import pytest
 from manual import MANUAL, Block, blocks, failures
+
+from experiments.__main__ import main
 
 TEXT = MANUAL.read_text()
 BLOCKS = blocks(TEXT)
@@ -30,6 +34,21 @@ def test_there_are_many_examples():
 def test_every_example_is_of_a_language_that_is_run():
     languages = {line[3:].split(" ")[0] for line in TEXT.splitlines() if line.startswith("```")} - {""}
     assert languages <= {"scenic", "python", "sh", "text"}
+
+
+def test_links_lead_to_headings():
+    headings = {line.lstrip("# ").lower().replace(" ", "-") for line in TEXT.splitlines() if line.startswith("#")}
+    links = re.findall(r"\]\(#([^)]+)\)", TEXT)
+    assert links and set(links) <= headings
+
+
+def test_commands_have_the_flags_that_are_shown(capsys):
+    shown = re.findall(r"^regista inspect ([^#\n]*)", TEXT, re.M)
+    with pytest.raises(SystemExit):
+        main(["inspect", "--help"])
+    assert shown and set(re.findall(r"--[a-z]+", " ".join(shown))) <= set(
+        re.findall(r"--[a-z]+", capsys.readouterr().out)
+    )
 
 
 WRONG = [
