@@ -10,6 +10,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from scenic_lite.alternatives import one_behavior
 from scenic_lite.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, near
@@ -205,10 +206,10 @@ def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], i
         )
 
 
-def with_property(frame: Frame, node: ast.AST, name: str, value: Value) -> Meaning:
+def with_property(frame: Frame, node: ast.expr, name: str, value: Value) -> Meaning:
     """`with name value`."""
-    if name == "behavior" and isinstance(value, Behavior):
-        value = frame.call(value, [], {}, node)
+    if name == "behavior":
+        value = frame.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(frame, node, value)
     if isinstance(value, Delayed):
         delayed = value
         return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs)

@@ -164,6 +164,12 @@ def test_a_seed_repeats_an_episode():
     assert actions(text, seed=3) == actions(text, seed=3) != actions(text, seed=4)
 
 
+def test_a_behavior_drawn_with_the_scene():
+    text = "behavior A():\n    take 'a'\nbehavior B(w):\n    take w\nego = Object with behavior Uniform(A(), B('b'))"
+    assert load(text).objects[0].behavior == "A or B"
+    assert [actions(text, steps=1, dialect=2, theta=[theta]) for theta in (-1, 1)] == ["a", "b"]
+
+
 def test_random_values_that_only_behaviors_read_are_columns_of_theta():
     text = """
 side = Uniform('left', 'right')
