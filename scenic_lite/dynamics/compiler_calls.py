@@ -78,25 +78,26 @@ def inlined(
     if function.generates:
         raise ScenicError("unsupported", f"{function.name}() has a `yield`, which no match can do")
     bound = bind(function.name, function.arguments, function, arguments, keywords)
-    code, used = c.code, c.code.variables.used
-    with c.entered(function, node):
-        names = {name: settled(code, value) for name, value in bound.items()}
-        scope = Scope(c.path, function.body if isinstance(function.body, list) else [], Label())
-        inner = LiveFrame(c, function.frame.source, names, function.frame, scope)
-        inner.assigned = function.assigned
-        if function.owner is not None and arguments:
-            inner.method = (function.owner, arguments[0])
-        before = code.place
-        try:
+    code, outside, before = c.code, c.code.variables, c.code.place
+    used = code.scratch.used
+    code.variables = code.scratch
+    try:
+        with c.entered(function, node):
+            names = {name: settled(code, value) for name, value in bound.items()}
+            scope = Scope(c.path, function.body if isinstance(function.body, list) else [], Label())
+            inner = LiveFrame(c, function.frame.source, names, function.frame, scope)
+            inner.assigned = function.assigned
+            if function.owner is not None and arguments:
+                inner.method = (function.owner, arguments[0])
             result = value_of(c, inner, function, scope)
-        except ScenicError as error:
-            raise seen_from(frame, function, node, error) from None
-        finally:
-            code.place = before
-            code.known.clear()
+    except ScenicError as error:
+        raise seen_from(frame, function, node, error) from None
+    finally:
+        code.place, code.variables = before, outside
+        code.known.clear()
     code.temporaries.used = max(code.temporaries.used, scope.level)
     result = out_of_the_way(code, result, used)
-    code.variables.used = used
+    code.scratch.used = used
     return result
 
 
@@ -107,7 +108,7 @@ def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
     shape = shape_of(value)
     start = code.temporaries.take(shape.size)
     moves = list(pairs(shape, iter(range(start, start + shape.size)), value))
-    freed = range(code.variables.base + used, code.variables.base + code.variables.used)
+    freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
     if not any(register in freed for _, part in moves for register in registers_in(part)):
         return value
     store(code, moves)

@@ -189,7 +189,7 @@ def in_order(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywo
     if not isinstance(items, LiveList):
         values = [settled(code, each) for each in elements(c, frame, items, node)]
         marks = [key_of_fixed(c, frame, key, each, node) for each in values]
-        if not any(map(varies, marks)) and not any(isinstance(each, Choice) for each in marks):
+        if not any(isinstance(each, Random | Choice) for each in marks):
             return NotImplemented
     start = code.variables.take(2 * CAPACITY)
     keys, order = start, start + CAPACITY
@@ -210,7 +210,7 @@ def in_order(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywo
 
 def key_of_fixed(c: Compilation, frame: Frame, key: Value, item: Value, node: ast.AST) -> Value:
     mark = settled(c.code, item if key is None else frame.call(key, [item], {}, node))
-    if varies(mark) and kind_of(mark) not in ("number", "truth"):
+    if isinstance(mark, Random | Choice) and kind_of(mark) not in ("number", "truth"):
         raise ScenicError("unsupported", f"in a match lists are sorted by numbers, not by {describe_kind(mark)}")
     return mark
 

@@ -398,11 +398,12 @@ def run_watchers(code, registers, holder):
         return 0.0
     step_scenario(code, registers, registers, holder)
     first = code.scenarios + code.behaviors
-    run_threads(code, registers, registers, first, code.monitors, holder)
-    if registers[TERMINATED] == 0:
+    if registers[COMPLETE] != 0:  # its monitors have ended with it
         registers[TERMINATED] = registers[COMPLETE]
-    if registers[TERMINATED] == 0:
-        run_threads(code, registers, registers, first + code.monitors, 1, holder)
+    else:
+        run_threads(code, registers, registers, first, code.monitors, holder)
+        if registers[TERMINATED] == 0:
+            run_threads(code, registers, registers, first + code.monitors, 1, holder)
     if registers[TERMINATED] != 0:
         end(code, registers, registers, holder)
     reward = registers[REWARD]
