@@ -100,10 +100,6 @@ RightReg_RM = get_reg_from_edges(16, 20, 22, 18)
 RightReg_AM = get_reg_from_edges(10, 15, 2, -2)
 RightReg_CF = get_reg_from_edges(1, 5, 2, -2)
 
-# Where a keeper of LeftReg_GK or RightReg_GK fits onto the pitch: the same scenes, and no draw is rejected.
-left_keeper_area = get_reg_from_edges(-99.5, -98, 2, -2)
-right_keeper_area = get_reg_from_edges(98, 99.5, 2, -2)
-
 # The ball and the players.
 
 class Ball:
@@ -145,7 +141,7 @@ class RightPlayer(Player):
 
 class LeftGK(LeftPlayer):
     role[dynamic]: "GK"
-    position[dynamic]: Point in left_keeper_area
+    position[dynamic]: Point in LeftReg_GK
 
 class LeftCB(LeftPlayer):
     role[dynamic]: "CB"
@@ -197,7 +193,7 @@ class LeftCF(LeftPlayer):
 
 class RightGK(RightPlayer):
     role[dynamic]: "GK"
-    position[dynamic]: Point in right_keeper_area
+    position[dynamic]: Point in RightReg_GK
 
 class RightCB(RightPlayer):
     role[dynamic]: "CB"
