@@ -108,7 +108,7 @@ class Program:
         refuse_huge(params, f"a parameter of {self.file}")
         yield from randoms_in(params)
         yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
-        for value in read_in_episodes(self):
+        for value in self.read_in_episodes:
             yield from randoms_in(value)
 
     def _plan(self, session: Session) -> None:
@@ -185,6 +185,11 @@ class Program:
             arguments[i] = plan(registers, count)
         params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
         return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
+
+    @cached_property
+    def read_in_episodes(self) -> list[Value]:
+        """What behaviors, monitors and conditions name."""
+        return read_in_episodes(self)
 
     @property
     def instances(self) -> list[Instance]:

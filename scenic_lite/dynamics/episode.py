@@ -8,23 +8,22 @@ loaded, so that many episodes of one program can be played in turns. Read next: 
 
 from __future__ import annotations
 
-import ast
+import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.budget import Budget
+from scenic_lite.dynamics.belongings import Belongings
 from scenic_lite.dynamics.draws import Draws
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import in_row
 from scenic_lite.graph import Column, Random, Value
 from scenic_lite.program import Program
-from scenic_lite.rows import body_of
-from scenic_lite.values import Behavior, Builtin, Function, Instance, Namespace
+from scenic_lite.values import Builtin, Instance, Namespace
 
 Handlers = dict[type, Callable[..., Any]]
 FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
@@ -69,7 +68,7 @@ class Episode:
         self.scenario: Any = None  # the one whose statements run now
         self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
         self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
-        self._names = [(names, dict(names)) for names in shared_names(program)]
+        self._belongings = Belongings(program)
         self._inside = self._lent()
 
     def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
@@ -112,27 +111,18 @@ class Episode:
     def playing(self) -> Iterator[None]:
         """Inside, the program means this episode."""
         outside = dict(vars(self.session))
-        instances = list(self.objects)
-        loaded = [(each.properties, each.attributes) for each in instances]
-        loaded_names = [dict(names) for names, _ in self._names]
-        self._enter(instances)
-        try:
-            yield
-        finally:
-            self._inside = {name: vars(self.session)[name] for name in self._inside}
-            vars(self.session).update(outside)
-            for instance, (properties, attributes) in zip(instances, loaded, strict=True):
-                instance.properties, instance.attributes = properties, attributes
-            for i, (names, _) in enumerate(self._names):
-                self._names[i] = (names, dict(names))
-                replace_all(names, loaded_names[i])
-
-    def _enter(self, instances: list[Instance]) -> None:
-        vars(self.session).update(self._inside)
-        for each in instances:
-            each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
-        for names, own in self._names:
-            replace_all(names, own)
+        loaded = [(each, each.properties, each.attributes) for each in self.objects]
+        with self._belongings.lent():
+            vars(self.session).update(self._inside)
+            for each, _, _ in loaded:
+                each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
+            try:
+                yield
+            finally:
+                self._inside = {name: vars(self.session)[name] for name in self._inside}
+                vars(self.session).update(outside)
+                for each, properties, attributes in loaded:
+                    each.properties, each.attributes = properties, attributes
 
     def rested(self) -> None:
         """Give what runs next its own patience; most of what was made before counts as forgotten."""
@@ -195,31 +185,12 @@ def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
 
 
 def settled(value: Value, row: dict[Random, Value]) -> Value:
-    """A value with everything random in it as it is in one sample."""
+    """A value with everything random in it as it is in one sample; what is not random stays the same container."""
     value = in_row(value, row)
     if isinstance(value, list | tuple):
-        return type(value)(settled(each, row) for each in value)
+        parts = [settled(each, row) for each in value]
+        return value if all(map(operator.is_, parts, value)) else type(value)(parts)
     if isinstance(value, dict):
-        return {key: settled(each, row) for key, each in value.items()}
+        pairs = {key: settled(each, row) for key, each in value.items()}
+        return value if all(each is value[key] for key, each in pairs.items()) else pairs
     return value
-
-
-def replace_all(names: dict[str, Value], values: dict[str, Value]) -> None:
-    names.clear()
-    names.update(values)
-
-
-def shared_names(program: Program) -> list[dict[str, Value]]:
-    """The variables from the loading that an episode may assign: those of the main scenario, of modules by `global`."""
-    modules = {id(each.frame.module_names): each.frame.module_names for each in program.behaviors.values()}
-    found = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
-    return found if program.main_frame is None else [*found, program.main_frame.locals]
-
-
-def assigns_globals(value: Value) -> bool:
-    return isinstance(value, Function | Behavior) and any(has_global(tree) for tree in body_of(value))
-
-
-@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
-def has_global(tree: ast.AST) -> bool:
-    return any(isinstance(each, ast.Global) for each in ast.walk(tree))

@@ -220,6 +220,28 @@ def test_episodes_of_one_program_do_not_disturb_each_other():
     assert taken == ["12", "12", "24", "24", "36", "36"]
 
 
+def test_containers_begin_every_episode_as_they_were_written():
+    text = """
+log, seen = [], {'n': 0}
+alias = log
+class Bag:
+    items: [1]
+behavior Add(more):
+    while True:
+        log.append(len(more))
+        more.append(0)
+        seen['n'] += len(alias)
+        self.items.append(len(log))
+        take f"{seen['n']}{self.items}{more}"
+ego = new Bag with behavior Add(log)
+"""
+    program = load(text, dialect=3)
+    for seed in (1, 2):
+        trace = run(first_table(program, np.zeros(0)), Reference(program, np.zeros(0), toy_world(), seed), 2)
+        assert [each.actions[0] for each in trace.commands] == [("2[1, 2][0, 0]",), ("6[1, 2, 4][0, 0, 2, 0]",)]
+    assert program.instances[0].properties["items"] == [1]
+
+
 def test_the_program_is_as_it_was_loaded_outside_of_episodes():
     program = load(COUNTING, dialect=3)
     session, (ego,) = program.session, program.instances
