@@ -6,7 +6,6 @@ Read next: `vm`; `toy`, a world to play in.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,21 +15,21 @@ from scenic_lite.dynamics.bytecode import (
     NO_COMMAND,
     PATIENCE,
     REJECTED,
-    SEEN,
     TERMINATED,
     Code,
     Fault,
     Listing,
-    Op,
     disassemble,
 )
-from scenic_lite.dynamics.compiler_code import AREA, LABEL, Assembler, Label, Live, Operands, Row
+from scenic_lite.dynamics.compiler_code import Live
+from scenic_lite.dynamics.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.dynamics.world import Commands, Verdict
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import in_row
 from scenic_lite.graph import Random, Tape, Value
 from scenic_lite.program import Program
 from scenic_lite.stream import streams
+from scenic_lite.values import Choice
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +123,6 @@ def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: 
 
 def leaves(value: Value) -> list[Live]:
     """The registers in a value."""
-    from scenic_lite.values import Choice
-
     if isinstance(value, Live):
         return [value]
     if isinstance(value, Random):
@@ -134,116 +131,6 @@ def leaves(value: Value) -> list[Live]:
         return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
     parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
     return [leaf for each in parts for leaf in leaves(each)]
-
-
-# ------------------------------------------------------------ laying out
-
-
-def finished(c: Any, threads: list[tuple[int, int, Label, str]]) -> Compiled:
-    """Lay out the rows and registers of one walk."""
-    code: Assembler = c.code
-    rows = [row for row in code.rows if row.op != LABEL]
-    at = 0
-    for row in code.rows:
-        if row.op == LABEL:
-            assert isinstance(row.c, Label)
-            row.c.row = at
-        else:
-            at += 1
-    layout = Layout(code)
-    lists: list[int] = []
-    table = np.zeros((len(rows), 4), dtype=np.int32)
-    for i, row in enumerate(rows):
-        table[i] = (row.op, *layout.operands(row, lists))
-    start = np.zeros(layout.count)
-    for value, register in code.constants.items():
-        start[layout(register)] = value
-    for register, value in code.initial.items():
-        start[layout(register)] = value
-    for slot, _, entry, _ in threads:
-        start[layout(slot)] = entry.row
-    start[SEEN] = -1.0
-    return assembled(c, layout, table, lists, start, threads, rows)
-
-
-def assembled(
-    c: Any, layout: Layout, table: np.ndarray, lists: list[int], start: np.ndarray, threads: list, rows: list[Row]
-) -> Compiled:
-    code, program = c.code, c.program
-    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
-    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
-    whole = Code(
-        table,
-        np.array([*lists, 0], dtype=np.int32),
-        np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
-        *c.counts,
-        layout(c.world_base),
-        layout(c.fact_base),
-        layout(c.clock.register) if c.clock is not None else 0,
-        layout.count,
-    )
-    nowhere = Place(program.file, 1, 0, 1, 1)
-    places = tuple(row.place or nowhere for row in rows)
-    notes = {i: row.note for i, row in enumerate(rows) if row.note}
-    names = {layout(register): note for register, note in code.notes.items()}
-    names |= {layout(register): f"{value:g}" for value, register in code.constants.items()}
-    lines = {(place.file, place.line): line_of(program, place) for place in set(places)}
-    titles = {entry.row: title for _, _, entry, title in threads}
-    relocate(c.commands, layout)
-    return Compiled(
-        whole,
-        program,
-        tuple(thing for _, thing, _, _ in threads),
-        places,
-        tuple(c.commands),
-        tuple(c.reasons),
-        tuple(c.broken),
-        Listing(places, names, lines, notes, titles),
-        start,
-        tuple(inputs),
-        tape,
-        code.texts,
-    )
-
-
-def line_of(program: Program, place: Place) -> str:
-    source = program._sources.get(place.file)
-    return "" if source is None else source.line(place.line)
-
-
-def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:
-    """Give the registers in commands their final numbers."""
-    seen: set[int] = set()
-    for actions in commands:
-        for action in actions:
-            for leaf in leaves(action):
-                if id(leaf) not in seen:
-                    seen.add(id(leaf))
-                    leaf.register = layout(leaf.register)
-
-
-class Layout:
-    """Where each area of registers begins."""
-
-    def __init__(self, code: Assembler) -> None:
-        areas = (code.variables, code.scratch, code.temporaries)
-        sizes = [code.fixed.used, len(code.constants), len(code.inputs), *(area.most for area in areas)]
-        self.bases = [sum(sizes[:i]) for i in range(len(sizes))]
-        self.count = sum(sizes)
-
-    def __call__(self, register: int) -> int:
-        return self.bases[register // AREA] + register % AREA
-
-    def operands(self, row: Row, lists: list[int]) -> tuple[int, int, int]:
-        form = Op(row.op).form
-        a, b = (self(row.a) if form[0] in "abc" else 0), (self(row.b) if form[1] in "abc" else 0)
-        if isinstance(row.c, Label):
-            return a, b, row.c.row
-        if isinstance(row.c, Operands):
-            lists.append(len(row.c.registers))
-            lists += [self(each) for each in row.c.registers]
-            return a, b, len(lists) - len(row.c.registers)
-        return a, b, self(row.c) if form[2] in "abc" else row.c
 
 
 # ------------------------------------------------------------ one match from Python
@@ -263,8 +150,6 @@ class CompiledController:
 
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
         """As `Reference.act`."""
-        from scenic_lite.dynamics.vm import run_behaviors
-
         self._see(world, facts)
         with np.errstate(all="ignore"):
             run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
@@ -281,8 +166,6 @@ class CompiledController:
 
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
         """As `Reference.watch`."""
-        from scenic_lite.dynamics.vm import run_watchers
-
         self._see(world, facts)
         with np.errstate(all="ignore"):
             reward = run_watchers(self.compiled.code, self.registers, self.holder)
@@ -291,8 +174,6 @@ class CompiledController:
 
     def finish(self) -> str | None:
         """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
-        from scenic_lite.dynamics.vm import end, over
-
         if not over(self.registers):
             end(self.compiled.code, self.registers, self.commands, self.holder)
         return self._rejected()

@@ -18,7 +18,7 @@ from scenic_lite.budget import Budget
 from scenic_lite.calls import meaning
 from scenic_lite.classes import OBJECT
 from scenic_lite.dynamics.bytecode import REWARD, Op
-from scenic_lite.dynamics.compiled import Compiled, finished
+from scenic_lite.dynamics.compiled import Compiled
 from scenic_lite.dynamics.compiler_behaviors import DYNAMIC, run_behavior
 from scenic_lite.dynamics.compiler_calls import call_node, call_value
 from scenic_lite.dynamics.compiler_choices import attribute_of, binary, scenic_operator, subscript, unary
@@ -26,6 +26,7 @@ from scenic_lite.dynamics.compiler_code import Assembler, DrawnNow, Label, Live
 from scenic_lite.dynamics.compiler_comprehensions import comprehension, dictionary_comprehension
 from scenic_lite.dynamics.compiler_conditions import boolean, comparison, conditional
 from scenic_lite.dynamics.compiler_frame import Compilation, guarded
+from scenic_lite.dynamics.compiler_layout import finished
 from scenic_lite.dynamics.compiler_shapes import Shape
 from scenic_lite.dynamics.compiler_statements import STATEMENTS
 from scenic_lite.dynamics.compiler_watchers import conditions, start, temporal, time_limit, unsatisfied

@@ -7,18 +7,16 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
-from contextlib import nullcontext
 from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler_choices import over_options
-from scenic_lite.dynamics.compiler_code import Label, Live
+from scenic_lite.dynamics.compiler_code import Label
 from scenic_lite.dynamics.compiler_conditions import jump_on, needs_number
-from scenic_lite.dynamics.compiler_emit import jump, register_of
-from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame, Scope, assigned_names
+from scenic_lite.dynamics.compiler_emit import register_of
+from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler_interrupts import Limit, abort, limited, try_interrupt
-from scenic_lite.dynamics.compiler_lists import one_list
 from scenic_lite.dynamics.compiler_slots import kept
 from scenic_lite.dynamics.temporal import is_temporal
 from scenic_lite.errors import ScenicError
@@ -53,7 +51,7 @@ def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
 
 
 def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
-    """The register of the number of a command: the action itself where actions are numbers, else its place in a list."""
+    """The register of a command's number: the action itself where actions are numbers, else its place in a list."""
     if not actions:
         return c.code.constant(-1)
     if not c.world.several:
@@ -315,7 +313,7 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
 
 
 def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
-    """Rows that go to one of some labels by weight, among those that are able; nothing is drawn if there is only one."""
+    """Rows that go to one of some labels by weight, among those that are able; for a single one nothing is drawn."""
     code = c.code
     total, count, mark, share = (code.temporaries.take() for _ in range(4))
     register_of(code, 0, total)
@@ -356,4 +354,3 @@ DYNAMIC: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
     nodes.TryInterrupt: try_interrupt,
     nodes.Abort: abort,
 }
-_ = (Live, jump, assigned_names, one_list, nullcontext)

@@ -14,7 +14,7 @@ from scenic_lite.dynamics.compiler_conditions import jump_on, truth
 from scenic_lite.dynamics.compiler_emit import jump
 from scenic_lite.dynamics.compiler_frame import Compilation
 from scenic_lite.dynamics.compiler_lists import LiveRange, each_of, elements, one_list, put_at_end
-from scenic_lite.dynamics.compiler_shapes import CAPACITY, Items, LiveList
+from scenic_lite.dynamics.compiler_shapes import Items, LiveList
 from scenic_lite.dynamics.compiler_slots import Slot, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
@@ -70,7 +70,7 @@ def go_through(
     for i, item in enumerate(elements(c, frame, items, node)):
         after = Label()
         with c.round(node, i), c.code.captured() as rows:
-            live, reachable = found.live, c.code.reachable
+            reachable = c.code.reachable
             one(item, after)
         if after.used and not found.live and c.code.reachable:
             # What was thought fixed is not: do this round again in registers.
@@ -84,7 +84,6 @@ def go_through(
         if after.used:
             c.code.put(after)
         found.done(i)
-        assert live or True
 
 
 class Gathered:
@@ -173,6 +172,3 @@ def dictionary_comprehension(c: Compilation, frame: Frame, node: ast.DictComp) -
     if keys.live:
         raise ScenicError("unsupported", "a dictionary whose keys the match decides")
     return dict(zip(keys.fixed, values, strict=True))
-
-
-_ = CAPACITY

@@ -120,13 +120,17 @@ def _register(code: Assembler, node: Random, into: int | None) -> int:
 
 def is_live(value: Value) -> bool:
     """Whether a value depends on the running match; what does not is known when it starts."""
-    pending, seen = [value], set()
+    if isinstance(value, Live | DrawnNow):
+        return True
+    if not isinstance(value, Random):
+        return False
+    pending, seen = list(value.inputs), set()
     while pending:
         node = pending.pop()
-        if isinstance(node, Live | DrawnNow):
-            return True
-        if isinstance(node, Random) and id(node) not in seen:
-            seen.add(id(node))
+        if isinstance(node, Random) and node not in seen:
+            if isinstance(node, Live | DrawnNow):
+                return True
+            seen.add(node)
             pending.extend(node.inputs)
     return False
 

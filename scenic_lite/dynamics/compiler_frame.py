@@ -9,16 +9,17 @@ import ast
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler_code import Assembler, Label
-from scenic_lite.dynamics.compiler_shapes import Shape, varies
+from scenic_lite.dynamics.compiler_shapes import Shape
 from scenic_lite.dynamics.compiler_slots import Slot, kept
 from scenic_lite.dynamics.threads import within
 from scenic_lite.dynamics.world import World
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame, Session, Source
 from scenic_lite.graph import Value
 from scenic_lite.program import Program
@@ -211,11 +212,8 @@ def guarded(
     return handle
 
 
-def place_of(frame: Frame, node: ast.AST) -> Place:
-    return frame.place(node)
-
-
-def assigned_names(*trees: ast.AST) -> set[str]:
+@lru_cache(maxsize=4096)
+def assigned_names(*trees: ast.AST) -> frozenset[str]:
     """The variables that some statements change, loop targets aside: a loop looks after its own."""
     found: set[str] = set()
     for each in within(*trees):
@@ -231,7 +229,7 @@ def assigned_names(*trees: ast.AST) -> set[str]:
             continue
         for target in targets:
             found |= {part.id for part in base_names(target)}
-    return found
+    return frozenset(found)
 
 
 def base_names(target: ast.expr) -> Iterator[ast.Name]:
@@ -249,7 +247,3 @@ def suspends(trees: Iterable[ast.AST]) -> bool:
     """Whether time may pass in some statements."""
     kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
     return any(isinstance(each, kinds) for each in within(*trees))
-
-
-def is_fixed(value: Value) -> bool:
-    return not varies(value)

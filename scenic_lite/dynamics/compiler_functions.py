@@ -17,7 +17,6 @@ from scenic_lite.dynamics.compiler_lists import (
     appended,
     as_live_list,
     each_of,
-    element_at,
     elements,
     item_at,
     one_list,
@@ -26,7 +25,7 @@ from scenic_lite.dynamics.compiler_shapes import CAPACITY, LiveList, loaded, var
 from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
-from scenic_lite.graph import ADD, AND, LESS, NEGATE, NOT, OR, Random, Value, apply, kind_of
+from scenic_lite.graph import ADD, AND, LESS, NEGATE, OR, Random, Value, apply, kind_of
 from scenic_lite.values import Choice, describe_kind
 
 Own = Callable[[Compilation, Frame, ast.AST, list, dict[str, Value]], Value]
@@ -322,4 +321,3 @@ FUNCTIONS: dict[str, Own] = {
     "map": made_by,
     "round": rounded,
 }
-_ = (element_at, NOT)

@@ -10,12 +10,12 @@ import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from scenic_lite.comparisons import compared, membership
+from scenic_lite.comparisons import membership
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler_code import Label, Live
-from scenic_lite.dynamics.compiler_emit import is_whole, jump, register_of
+from scenic_lite.dynamics.compiler_emit import jump, register_of
 from scenic_lite.dynamics.compiler_frame import Compilation
-from scenic_lite.dynamics.compiler_shapes import CAPACITY, Items, LiveList, element_of, loaded, shape_of, varies
+from scenic_lite.dynamics.compiler_shapes import CAPACITY, Items, LiveList, element_of, loaded, shape_of
 from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import item_of
@@ -269,6 +269,3 @@ def each_of(c: Compilation, items: LiveList) -> Iterator[tuple[Value, Label]]:
     c.code.row(Op.ADD, counter, counter, c.code.constant(1))
     c.code.row(Op.JUMP, c=again)
     c.code.put(over)
-
-
-_ = (compared, is_whole, varies)

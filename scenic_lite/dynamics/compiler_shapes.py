@@ -47,7 +47,7 @@ class Same(Shape):
     value: Any
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Same) and alike(self.value, other.value)
+        return type(other) is Same and (self.value is other.value or alike(self.value, other.value))
 
 
 @dataclass(frozen=True)
@@ -117,6 +117,8 @@ def alike(a: Value, b: Value) -> bool:
 
 def taken_apart(value: Value) -> tuple[tuple, list[Value]] | None:
     """How a structure is put together, and its parts; None if it is none."""
+    if type(value) in SIMPLE or (type(value) is Instance and value.label):
+        return None
     if isinstance(value, Vector):
         return (Vector,), [value.x, value.y]
     if isinstance(value, list | tuple):
@@ -146,6 +148,9 @@ def builds_text(value: Value) -> bool:
     return bool(value.inputs) and not isinstance(value.operation, Table)
 
 
+SIMPLE = frozenset({Live, int, float, bool, str, type(None), Function})
+
+
 def put_together(head: tuple, parts: list[Value]) -> Value:
     kind, *rest = head
     if kind is Vector:
@@ -170,6 +175,8 @@ def put_together(head: tuple, parts: list[Value]) -> Value:
 
 def varies(value: Value) -> bool:
     """Whether anything in a value depends on the running match."""
+    if type(value) in SIMPLE:
+        return type(value) is Live
     if isinstance(value, Random):
         return is_live(value)
     if isinstance(value, LiveList):

@@ -16,10 +16,10 @@ from scenic_lite.dynamics.compiler_attributes import set_attribute
 from scenic_lite.dynamics.compiler_choices import combination
 from scenic_lite.dynamics.compiler_code import Label, Live
 from scenic_lite.dynamics.compiler_conditions import jump_on, live_branch
-from scenic_lite.dynamics.compiler_emit import is_whole, register_of
+from scenic_lite.dynamics.compiler_emit import register_of
 from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame, Loop, assigned_names, suspends
 from scenic_lite.dynamics.compiler_lists import LiveRange, changed_item, element_at, elements
-from scenic_lite.dynamics.compiler_shapes import CAPACITY, LiveList
+from scenic_lite.dynamics.compiler_shapes import LiveList
 from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
 from scenic_lite.dynamics.threads import within
 from scenic_lite.errors import ScenicError
@@ -339,4 +339,3 @@ STATEMENTS: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
     ast.Nonlocal: refuse,
     ast.ClassDef: refuse,
 }
-_ = (CAPACITY, is_whole)

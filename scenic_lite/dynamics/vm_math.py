@@ -1,4 +1,4 @@
-"""The machine's longer functions: membership in shapes, the normal quantile, sorting. All read their operands from lists.
+"""The machine's longer functions: membership in shapes, the normal quantile, sorting.
 
 The same formulas as `geometry` and `distributions` have for arrays. Read next: `vm`.
 """
@@ -15,12 +15,6 @@ from scenic_lite.jit import kernel
 TURN = 2 * math.pi
 CLOSENESS = 1e-9  # as far outside its edge a point still belongs to a region
 _CENTRE, _MIDDLE, _FAR = (np.array(each) for each in (CENTRE, MIDDLE, FAR))
-
-
-@kernel
-def nearest_integer(value):
-    """Rounded half to even, as a float."""
-    return np.rint(value)
 
 
 @kernel

@@ -1,0 +1,177 @@
+"""The last step of the compiler: short cuts, then final numbers for rows and registers.
+
+Read next: `compiled`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenic_lite.dynamics.bytecode import SEEN, Code, Listing, Op
+from scenic_lite.dynamics.compiled import Compiled, leaves
+from scenic_lite.dynamics.compiler_code import AREA, LABEL, Assembler, Label, Operands, Row
+from scenic_lite.dynamics.compiler_frame import Compilation
+from scenic_lite.errors import Place
+from scenic_lite.graph import Tape, Value
+from scenic_lite.program import Program
+
+
+def finished(c: Compilation, threads: list[tuple[int, int, Label, str]]) -> Compiled:
+    """Lay out the rows and registers of one walk."""
+    code: Assembler = c.code
+    rows = placed(shortened(code.rows))
+    layout = Layout(code)
+    lists: list[int] = []
+    table = np.zeros((len(rows), 4), dtype=np.int32)
+    for i, row in enumerate(rows):
+        table[i] = (row.op, *layout.operands(row, lists))
+    start = np.zeros(layout.count)
+    for value, register in code.constants.items():
+        start[layout(register)] = value
+    for register, value in code.initial.items():
+        start[layout(register)] = value
+    for slot, _, entry, _ in threads:
+        start[layout(slot)] = entry.row
+    start[SEEN] = -1.0
+    return assembled(c, layout, table, lists, start, threads, rows)
+
+
+def assembled(
+    c: Compilation,
+    layout: Layout,
+    table: np.ndarray,
+    lists: list[int],
+    start: np.ndarray,
+    threads: list,
+    rows: list[Row],
+) -> Compiled:
+    code, program = c.code, c.program
+    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
+    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
+    whole = Code(
+        table,
+        np.array([*lists, 0], dtype=np.int32),
+        np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
+        *c.counts,
+        layout(c.world_base),
+        layout(c.fact_base),
+        layout(c.clock.register) if c.clock is not None else 0,
+        layout.count,
+    )
+    nowhere = Place(program.file, 1, 0, 1, 1)
+    places = tuple(row.place or nowhere for row in rows)
+    notes = {i: row.note for i, row in enumerate(rows) if row.note}
+    names = {layout(register): note for register, note in code.notes.items()}
+    names |= {layout(register): f"{value:g}" for value, register in code.constants.items()}
+    lines = {(place.file, place.line): line_of(program, place) for place in set(places)}
+    titles = {entry.row: title for _, _, entry, title in threads}
+    relocate(c.commands, layout)
+    return Compiled(
+        whole,
+        program,
+        tuple(thing for _, thing, _, _ in threads),
+        places,
+        tuple(c.commands),
+        tuple(c.reasons),
+        tuple(c.broken),
+        Listing(places, names, lines, notes, titles),
+        start,
+        tuple(inputs),
+        tape,
+        code.texts,
+    )
+
+
+def line_of(program: Program, place: Place) -> str:
+    source = program._sources.get(place.file)
+    return "" if source is None else source.line(place.line)
+
+
+def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:
+    """Give the registers in commands their final numbers."""
+    seen: set[int] = set()
+    for actions in commands:
+        for action in actions:
+            for leaf in leaves(action):
+                if id(leaf) not in seen:
+                    seen.add(id(leaf))
+                    leaf.register = layout(leaf.register)
+
+
+class Layout:
+    """Where each area of registers begins."""
+
+    def __init__(self, code: Assembler) -> None:
+        areas = (code.variables, code.scratch, code.temporaries)
+        sizes = [code.fixed.used, len(code.constants), len(code.inputs), *(area.most for area in areas)]
+        self.bases = [sum(sizes[:i]) for i in range(len(sizes))]
+        self.count = sum(sizes)
+
+    def __call__(self, register: int) -> int:
+        return self.bases[register // AREA] + register % AREA
+
+    def operands(self, row: Row, lists: list[int]) -> tuple[int, int, int]:
+        form = Op(row.op).form
+        a, b = (self(row.a) if form[0] in "abc" else 0), (self(row.b) if form[1] in "abc" else 0)
+        if isinstance(row.c, Label):
+            return a, b, row.c.row
+        if isinstance(row.c, Operands):
+            lists.append(len(row.c.registers))
+            lists += [self(each) for each in row.c.registers]
+            return a, b, len(lists) - len(row.c.registers)
+        return a, b, self(row.c) if form[2] in "abc" else row.c
+
+
+# ------------------------------------------------------------ short cuts
+
+
+def shortened(rows: list[Row]) -> list[Row]:
+    """The rows without jumps that lead to the next row; jumps to a jump lead where that leads."""
+    first = following(rows)
+    kept: list[Row] = []
+    for i, row in enumerate(rows):
+        if isinstance(row.c, Label) and row.op != LABEL:
+            row = row._replace(c=final(row.c, rows, first))
+            if row.op in SKIPPING and first[i + 1] == first[row.c.row]:
+                continue
+        kept.append(row)
+    return kept
+
+
+SKIPPING = frozenset({Op.JUMP, Op.JUMP_IF, Op.JUMP_UNLESS, Op.JUMP_EQUAL, Op.JUMP_NOT_EQUAL})
+
+
+def following(rows: list[Row]) -> list[int]:
+    """For each position the first real row at it or behind; labels note where they stand."""
+    first = [len(rows)] * (len(rows) + 1)
+    for i in reversed(range(len(rows))):
+        first[i] = first[i + 1] if rows[i].op == LABEL else i
+        if rows[i].op == LABEL:
+            assert isinstance(rows[i].c, Label)
+            rows[i].c.row = i
+    return first
+
+
+def final(label: Label, rows: list[Row], first: list[int]) -> Label:
+    """Where a jump to a label ends up."""
+    for _ in range(20):
+        at = first[label.row]
+        if at >= len(rows) or rows[at].op != Op.JUMP:
+            return label
+        target = rows[at].c
+        assert isinstance(target, Label)
+        label = target
+    return label
+
+
+def placed(rows: list[Row]) -> list[Row]:
+    """The rows without the labels, which now know theirs."""
+    real = [row for row in rows if row.op != LABEL]
+    at = 0
+    for row in rows:
+        if row.op != LABEL:
+            at += 1
+        else:
+            assert isinstance(row.c, Label)
+            row.c.row = at
+    return real
