@@ -25,19 +25,26 @@ from scenic_lite.values import Instance
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
 ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
+LARGEST_NUMBER = 1e12  # in a region; areas of larger ones may overflow
 LARGEST_NODE = 10_000  # random operations behind a width that are looked through
 
 
 class Demand(NamedTuple):
-    """What the point of one object must satisfy: `container` has room for the object at the point + `step`.
+    """What the point of one object must satisfy: `container` has room for the object.
 
+    `right`, `up`: the fixed step from the point to the object.
     `across`, `along`: half its least extents, if it is known to be upright, else both the radius of its inner circle.
     """
 
     container: Region
-    step: Vector
+    right: float
+    up: float
     across: float
     along: float
+
+    @property
+    def step(self) -> Vector:
+        return Vector(self.right, self.up)
 
     @property
     def radius(self) -> float:
@@ -50,26 +57,38 @@ def prune(session: Session) -> None:
     Raises ScenicError where an object fits nowhere.
     """
     points = {id(part): i for i, each in enumerate(session.points) for part in (each.point.x, each.point.y)}
+    parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
     for container, (where, label) in containers(session, session.objects).items():
         for instance in [session.objects[i] for i in where] if is_fixed_area(container) else []:
             found = near_point(points, session, instance.properties["position"])
-            if found is not None and is_fixed_area(session.points[found[0]].region):
-                demand = Demand(container, found[1], *half_extents(instance))
-                prune_point(session, found[0], demand, does_not_fit(session, instance, label))
+            if found is None or not is_fixed_area(session.points[found[0]].region):
+                continue
+            at, right, up = found
+            base, demand = session.points[at].region, Demand(container, right, up, *half_extents(instance))
+            known = parts.setdefault(demand, {})
+            if base not in known:
+                known[base] = common_part(base, demand)
+            part = known[base]
+            if part is None:
+                raise does_not_fit(session, instance, label)
+            if part is not base:
+                draw_from(session, at, part)
 
 
 def is_fixed_area(region: Region) -> bool:
     """Whether a region is the same in every scene, has an area, and is known by its boundary."""
-    return isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion) and region.fixed()
+    if not isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion):
+        return False
+    return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
 
 
-def near_point(points: dict[int, int], session: Session, position: Vector) -> tuple[int, Vector] | None:
+def near_point(points: dict[int, int], session: Session, position: Vector) -> tuple[int, float, float] | None:
     """The index of the drawn point that a position is, and the fixed step from there."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
     if at is None or session.points[at].point.x is not x or session.points[at].point.y is not y:
         return None
-    return at, Vector(right, up)
+    return at, right, up
 
 
 def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
@@ -119,27 +138,25 @@ def does_not_fit(session: Session, instance: Instance, label: str) -> ScenicErro
 # ------------------------------------------------------------ one point
 
 
-def prune_point(session: Session, at: int, demand: Demand, misfit: ScenicError) -> None:
-    """Draw the point with the index `at` from the part of its region that meets a demand; raises `misfit` if none."""
+def draw_from(session: Session, at: int, part: Region) -> None:
+    """Draw the point with the index `at` from a part of its region."""
     drawn = session.points[at]
-    base, container = drawn.region, demand.container
-    part: Region | None
-    if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
-        part = common_rectangle(base, demand)
-    elif isinstance(base, SectorRegion) and isinstance(container, SectorRegion) and base.round() and container.round():
-        part = common_disc(base, demand) or common_shape(base, demand)
-    else:
-        part = common_shape(base, demand)
-    if part is None:
-        raise misfit
-    if part is base:
-        return
     columns = drawn.columns
     if drawn.point.x is columns[0] and isinstance(part, RectangularRegion):
         narrow(columns, part)
     else:
         columns = redraw(session, drawn, part)
-    session.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or base)
+    session.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or drawn.region)
+
+
+def common_part(base: Region, demand: Demand) -> Region | None:
+    """The part of a region that meets a demand; the region itself if that is almost all of it, None if it is empty."""
+    container = demand.container
+    if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
+        return common_rectangle(base, demand)
+    if isinstance(base, SectorRegion) and isinstance(container, SectorRegion) and base.round() and container.round():
+        return common_disc(base, demand) or common_shape(base, demand)
+    return common_shape(base, demand)
 
 
 def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
@@ -147,7 +164,7 @@ def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
 
 
 def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegion | None:
-    """As `common_shape`, in the frame of two rectangles of the same heading."""
+    """As `common_part`, in the frame of two rectangles of the same heading."""
     container = demand.container
     assert isinstance(container, RectangularRegion)
     upright = base.heading == 0 and container.heading == 0
@@ -171,7 +188,7 @@ def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, 
 
 
 def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
-    """As `common_shape` where that is one of the two discs; None if they overlap, or are apart."""
+    """As `common_part` where that is one of the two discs; None if they overlap, or are apart."""
     container = demand.container
     assert isinstance(container, SectorRegion)
     middle, radius = container.center - demand.step, container.radius - demand.radius
@@ -182,14 +199,14 @@ def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
 
 
 def common_shape(base: Region, demand: Demand) -> Region | None:
-    """The part of a region that meets a demand; the region itself if that is almost all of it, None if it is empty."""
+    """As `common_part`, for regions of any shape."""
     from scenic_lite import algebra, shapes  # slow to import, and only needed by programs with such regions
 
     room = circumscribed(demand.container).shape()
     if demand.radius > 0:
         room = shapes.GROWN.scalar(room, -demand.radius)
     whole = base.shape()
-    part = shapes.INTERSECTION.scalar(whole, shapes.moved(room, -demand.step.x, -demand.step.y))
+    part = shapes.INTERSECTION.scalar(whole, shapes.moved(room, -demand.right, -demand.up))
     if part.area >= (1 - ROUGH) * whole.area:
         return base
     return algebra.region_of(part, base.orientation) if part.area > 0 else None
