@@ -151,6 +151,12 @@ class _Checker:
             word = "break" if isinstance(node, ast.Break) else "continue"
             self.report(node, f'"{word}" may only stand in a loop')
 
+    def guard(self, node: ast.AnnAssign, context: Context) -> None:
+        """`invariant: c` behind the first statement, where Python takes it for the type of a variable."""
+        name = node.target.id if isinstance(node.target, ast.Name) else ""
+        if context.kind in DYNAMIC and node.value is None and name in ("precondition", "invariant"):
+            self.report(node, f'"{name}" may only stand before the first statement')
+
     def return_value(self, node: ast.Return, context: Context) -> None:
         if context.kind == "top":
             self.report(node, '"return" may only stand in a function or a behavior')
@@ -279,6 +285,7 @@ RULES: dict[type[ast.AST], Callable[..., None]] = {
     ast.Break: _Checker.loop_exit,
     ast.Continue: _Checker.loop_exit,
     ast.Return: _Checker.return_value,
+    ast.AnnAssign: _Checker.guard,
     ast.Yield: _Checker.generator,
     ast.YieldFrom: _Checker.generator,
     ast.Await: _Checker.generator,

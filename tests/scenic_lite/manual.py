@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite import Program, Scenes, ScenicError, load
+from scenic_lite.dynamics.compiled import CompiledController
+from scenic_lite.dynamics.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
 
@@ -84,6 +86,12 @@ class Example:
         reference = Reference(self.program, theta, toy_world())
         return reference, run(first_table(self.program, theta), reference, STEPS, DRIFT)
 
+    @cached_property
+    def compiled(self) -> Trace:
+        theta = np.zeros(self.program.dim)
+        controller = CompiledController(compile_program(self.program, toy_world()), theta)
+        return run(first_table(self.program, theta), controller, STEPS, DRIFT)
+
     def index(self, name: str) -> int:
         return [info.name for info in self.program.objects].index(name)
 
@@ -120,7 +128,23 @@ def scenic_failures(block: Block, folder: Path, dialect: int | None) -> list[str
         found = check(example, each)
         if found:
             said.append(f"line {block.line + each.line - 1}, dialect {dialect}: promised {each.text}\n    but {found}")
+    if "episode" in vars(example) and example.error is None:
+        said += compiled_failures(example, block, wanted)
     return said
+
+
+def compiled_failures(example: Example, block: Block, wanted: list[Expectation]) -> list[str]:
+    """Where the compiled program does other than the reference, unless it is promised that it cannot be compiled."""
+    refused = next((each for each in wanted if each.text.startswith("not compiled: ")), None)
+    try:
+        ours, theirs = example.compiled, example.episode[1]
+    except ScenicError as error:
+        good = refused and headline(error).startswith(refused.text.removeprefix("not compiled: "))
+        return [] if good else [f"line {block.line}, compiled: {error}"]
+    same_actions = [step.actions for step in ours.commands] == [step.actions for step in theirs.commands]
+    if refused or not same_actions or ours[1:] != theirs[1:]:
+        return [f"line {block.line}, compiled: {ours}"]
+    return []
 
 
 def needs_episode(program: Program) -> bool:
@@ -237,6 +261,7 @@ CHECKS = (
     (r"ends at (\d+): (.*)", ends),
     (r"rewards (.*)", rewards),
     (r"record (\w+) = (.*)", record),
+    (r"not compiled: .*", lambda example, line, match: ""),
 )
 
 

@@ -89,6 +89,7 @@ WRONG = [
     ),
     ("behavior A():\n  while self.far: pass\n  take x", 2, 3, LOOP),
     ("behavior A():\n  while x < 3:\n    y = x + 1\n  take x", 2, 3, LOOP),
+    ("behavior B():\n    wait\n    invariant: True", 3, 5, '"invariant" may only stand before the first statement'),
 ]
 
 
