@@ -19,10 +19,8 @@ a temporal requirement does not hold. Each scenario has its own `ego`, at first 
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
 
 from scenic_lite import nodes
 from scenic_lite.dynamics.agents import Agents
@@ -30,7 +28,7 @@ from scenic_lite.dynamics.composing import ComposeThread
 from scenic_lite.dynamics.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.temporal import Truth, Watch, formula_of
 from scenic_lite.dynamics.threads import End, Thread
-from scenic_lite.frame import Frame, Watched
+from scenic_lite.frame import Watched
 from scenic_lite.graph import Value, is_number
 from scenic_lite.values import BehaviorCall, Instance, describe_kind
 
@@ -86,7 +84,7 @@ class Scenario:
         """Begin: guards of the program's own scenario, then all that runs."""
         self.running = True
         for watched in self.kept["temporal"]:
-            self._temporal.append((watched, Watch(formula_of(watched.tree.condition))))
+            self.add_temporal(watched)
         with self.current():
             if self.compose is not None:
                 self.compose.start(self.parent is None)
@@ -120,7 +118,7 @@ class Scenario:
         self._monitors.append(thread)
 
     def add_temporal(self, watched: Watched) -> None:
-        """A temporal requirement that is made while the scenario runs: it begins with the next step."""
+        """Watch a temporal requirement from the next step on."""
         self._temporal.append((watched, Watch(formula_of(watched.tree.condition))))
 
     def _time_limit(self) -> float | None:
@@ -166,7 +164,7 @@ class Scenario:
     def _step(self) -> str | End | None:
         for watched, watch in self._temporal:
             with watched.bindings.restored():
-                known = watch.step(partial(holds, watched.frame))
+                known = watch.step(watched.frame.truth)
             if known is Truth.FALSE:
                 raise Rejected(watched.label)
         if self._limit is not None and self._elapsed >= self._limit:
@@ -179,7 +177,7 @@ class Scenario:
             if self.compose.ended:
                 return self.stop("finished compose block")
         for watched in self._conditions("scenario"):
-            if holds(watched.frame, watched.tree.condition):
+            if watched.frame.truth(watched.tree.condition):
                 return self.stop(watched.label)
         return None
 
@@ -208,7 +206,7 @@ class Scenario:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             for watched in self._conditions("simulation"):
-                if holds(watched.frame, watched.tree.condition):
+                if watched.frame.truth(watched.tree.condition):
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
@@ -249,7 +247,3 @@ class Scenario:
 
     def _running(self) -> list[Scenario]:
         return [sub for sub in self.subs if sub.running]
-
-
-def holds(frame: Frame, condition: ast.expr) -> bool:
-    return frame.truth(condition)
