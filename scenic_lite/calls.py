@@ -121,6 +121,7 @@ def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dic
     check_signature(function, given, keywords)
     result = function.function(*given, **keywords)
     frame.session.budget.keep(result)
+    frame.watch(result)
     return result
 
 

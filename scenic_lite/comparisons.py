@@ -57,7 +57,8 @@ def comparison(frame: Frame, node: ast.Compare) -> Value:
     left = frame.value(node.left)
     result: Value = True
     for sign, operand in zip(node.ops, node.comparators, strict=True):
-        right = frame.value(operand)
+        with frame.session.watching.given(*(((result, True),) if isinstance(result, Random) else ())):
+            right = frame.value(operand)
         link = compared(frame, node, sign, left, right)
         if isinstance(link, Random) or isinstance(result, Random):
             result = apply(AND, result, link, kind="truth") if result is not True else link

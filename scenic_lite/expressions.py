@@ -16,7 +16,8 @@ from scenic_lite import nodes
 from scenic_lite.attributes import attribute
 from scenic_lite.comparisons import comparison
 from scenic_lite.errors import ScenicError
-from scenic_lite.exceptions import named_fault
+from scenic_lite.exceptions import from_python, named_fault
+from scenic_lite.faults import Picky
 from scenic_lite.frame import Frame
 from scenic_lite.geometry import Vector, as_vector
 from scenic_lite.graph import (
@@ -101,6 +102,7 @@ def combined(frame: Frame, sign: ast.operator, left: Value, right: Value) -> Val
     except TypeError:
         raise mismatch(sign, left, right) from None
     frame.session.budget.keep(result)
+    frame.watch(result)
     return result
 
 
@@ -175,7 +177,8 @@ def boolean(frame: Frame, node: ast.BoolOp) -> Value:
     pending: Value = None
     value: Value = None
     for operand in node.values:
-        value = frame.value(operand)
+        with frame.session.watching.given(*(() if pending is None else ((pending, is_and),))):
+            value = frame.value(operand)
         if isinstance(value, Random) and frame.session.in_requirement:
             pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
             value = pending
@@ -189,7 +192,10 @@ def boolean(frame: Frame, node: ast.BoolOp) -> Value:
 def conditional(frame: Frame, node: ast.IfExp) -> Value:
     test = frame.value(node.test)
     if isinstance(test, Random) and frame.session.in_requirement:
-        return either(test, frame.value(node.body), frame.value(node.orelse))
+        with frame.session.watching.given((test, True)):
+            yes = frame.value(node.body)
+        with frame.session.watching.given((test, False)):
+            return either(test, yes, frame.value(node.orelse))
     return frame.value(node.body if frame.certain_truth(test, node.test) else node.orelse)
 
 
@@ -248,10 +254,11 @@ def item_at(frame: Frame, container: Value, index: Random) -> Value:
     if isinstance(container, dict) or not items:
         raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
     place = Random(Within(len(items)), (index,))
+    frame.watch(place)
     return choose(place, items)
 
 
-class Within:
+class Within(Picky):
     """Places [N] in a list of `count` elements, counted from its end where negative."""
 
     def __init__(self, count: int) -> None:
@@ -259,6 +266,12 @@ class Within:
 
     def __call__(self, index: Any) -> Any:
         return np.clip(np.where(index < 0, index + self.count, index), 0, self.count - 1)
+
+    def fails(self, index: Any) -> Any:
+        return (index < -self.count) | (index >= self.count)
+
+    def error(self, row: int) -> ScenicError:
+        return from_python(IndexError("list index out of range"))
 
 
 class EachItem:

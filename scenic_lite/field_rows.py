@@ -24,7 +24,9 @@ def heading_by_row(
     """What a function of the program says at a random point, called once for each sample."""
     pending = [(part.frame, each) for part in definitions_in(function) for each in body_of(part)]
     columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
-    return Random(HeadingByRow(frame, node, function, columns, heading), (point.x, point.y, *columns))
+    result = Random(HeadingByRow(frame, node, function, columns, heading), (point.x, point.y, *columns))
+    frame.watch(result)
+    return result
 
 
 class HeadingByRow(ByRow):
@@ -44,7 +46,8 @@ class HeadingByRow(ByRow):
     def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
         rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
         with self.bindings.restored():
-            return np.array([self._one(*row) for row in zip(*(each.tolist() for each in rows), strict=True)], float)
+            headings = [self._one(*row) for row in self.scenes(each.tolist() for each in rows)]
+        return np.array(headings, float)
 
     def _one(self, x: float, y: float, *draws: Value) -> float:
         return self.in_scene(draws, lambda: self._asked(x, y), float("nan"))

@@ -21,6 +21,7 @@ from scenic_lite.budget import Budget, exceeded
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.exceptions import from_python, named_fault
+from scenic_lite.faults import Watching
 from scenic_lite.geometry import Vector
 from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.regions import Region
@@ -136,6 +137,7 @@ class Session:
     warnings: list[ScenicError] = field(default_factory=list)
     doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
     declared: set[Place] = field(default_factory=set)  # `with` specifiers of properties that the class declares
+    watching: Watching = field(default_factory=Watching)
     ego: Instance | None = None
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
@@ -233,6 +235,8 @@ class Frame:
             raise self.error("unsupported", f"{type(node).__name__} expressions are not supported", node)
         try:
             value = handler(self, node)
+            if self.session.watching.unplaced:
+                self.note_places(node)
             return value if self.session.row is None else in_row(value, self.session.row)
         except ScenicError as error:
             raise self.placed(error, node) from None
@@ -249,6 +253,8 @@ class Frame:
                 raise self.error("unsupported", f"`{word}` is not supported outside behaviors", node)
             try:
                 handler(self, node)
+                if self.session.watching.unplaced:
+                    self.note_places(node)
             except ScenicError as error:
                 raise self.placed(error, node) from None
             except PYTHON_FAULTS as fault:
@@ -320,6 +326,19 @@ class Frame:
             return Place(self.source.file, 1, 0, 1, 1)
         end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
         return Place(self.source.file, node.lineno, node.col_offset, end_line, end_column)
+
+    def watch(self, result: Value) -> None:
+        """Note a result that some scenes may be unable to compute."""
+        session = self.session
+        if session.row is None and session.drawn is None:
+            path = session.path
+            ways = () if path is None else zip(path.conditions, path.decisions, strict=False)
+            session.watching.note(result, ways)
+
+    def note_places(self, node: ast.AST) -> None:
+        if "lineno" in vars(node):
+            place = self.place(node)
+            self.session.watching.place(place, self.source.line(place.line))
 
     def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
         """An error at `node`."""

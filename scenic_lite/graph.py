@@ -274,6 +274,10 @@ class Tape:
     def slot(self, value: Random) -> int:
         return self.slots[id(value)]
 
+    def find(self, value: Random) -> int | None:
+        """The register of any value that is computed on the way to the outputs."""
+        return self._slots.get(id(value))
+
     def run(self, columns: Any) -> list[Any]:
         """Evaluate every node. columns [D, N] (scaled); returns the registers, each [N] or a constant."""
         registers = self.registers.copy()

@@ -15,6 +15,7 @@ import numpy as np
 
 from scenic_lite.budget import exceeded
 from scenic_lite.errors import ScenicError
+from scenic_lite.faults import failing
 from scenic_lite.frame import Frame
 from scenic_lite.geometry import TURN
 from scenic_lite.graph import (
@@ -244,7 +245,7 @@ def combinations(n: Value, k: Value) -> int:
     return math.comb(n, k)
 
 
-LOGARITHM = Operation(math.log, np.log)
+LOGARITHM = failing(Operation(math.log, np.log))
 TRUNCATION = Operation(math.trunc, to_integers)
 OF_ONE: tuple[tuple[Callable[[float], Any], Callable[[Any], Any]], ...] = (
     (math.sin, np.sin), (math.cos, np.cos), (math.tan, np.tan),
@@ -256,6 +257,7 @@ OF_ONE: tuple[tuple[Callable[[float], Any], Callable[[Any], Any]], ...] = (
     (math.floor, lambda x: to_integers(np.floor(x))), (math.ceil, lambda x: to_integers(np.ceil(x))),
     (math.radians, np.radians), (math.degrees, np.degrees),
 )  # fmt: skip
+NEVER_FAILING = ("sin", "cos", "tan", "atan", "tanh", "asinh", "fabs", "radians", "degrees", "atan2", "copysign")
 TESTS: tuple[tuple[Callable[[float], bool], Callable[[Any], Any]], ...] = (
     (math.isnan, np.isnan), (math.isinf, np.isinf), (math.isfinite, np.isfinite),
 )  # fmt: skip
@@ -263,6 +265,9 @@ OF_TWO: tuple[tuple[Callable[[float, float], Any], Callable[[Any, Any], Any]], .
     (math.atan2, np.arctan2), (math.copysign, np.copysign), (math.fmod, np.fmod), (math.pow, np.float_power),
     (math.remainder, lambda x, y: x - y * np.rint(x / y)),
 )  # fmt: skip
+for _scalar, _array in (*OF_ONE, *OF_TWO):
+    if _scalar.__name__ not in NEVER_FAILING:
+        failing(Operation(_scalar, _array))
 INTEGERS_ONLY = (math.gcd, math.lcm, math.isqrt)
 
 

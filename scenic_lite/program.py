@@ -16,14 +16,14 @@ import numpy as np
 from scenic_lite.areas import Area, areas_of
 from scenic_lite.dynamics.mentions import read_in_episodes
 from scenic_lite.errors import Place, ScenicError
+from scenic_lite.faults import Faults, Found
 from scenic_lite.frame import Session, Source
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
 from scenic_lite.levels import Inverse
 from scenic_lite.naming import column_names, name_arguments, name_objects, title_of, title_of_option
 from scenic_lite.refusals import Refusals
 from scenic_lite.rejection import RejectionReport
-from scenic_lite.rows import ByRow
-from scenic_lite.rules import Rule, checks_of
+from scenic_lite.rules import Rule, checks_of, rules_of_requirements
 from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
 from scenic_lite.values import BehaviorCall, Instance
 from scenic_lite.wishes import Subjects, wishes_of_description, wishes_of_scenes
@@ -99,7 +99,8 @@ class Program:
         self._offset = np.array([column.offset for column in self._columns])[:, None]
         self._span = np.array([column.span for column in self._columns])[:, None]
         self._tape = Tape(roots, self._columns, session.budget.limits.operations)
-        self._by_row: list[ByRow] = [operation for operation, _, _ in self._tape.steps if isinstance(operation, ByRow)]
+        watches = session.watching.watches.values()
+        self._faults = Faults(watches, self._tape, rules_of_requirements(session, self._checks))
 
     def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
         for instance in self._instances:
@@ -160,9 +161,10 @@ class Program:
         Never raises for rows that describe no valid scene: their `ok` is False.
         """
         self.session.budget.new_call()
-        return self._scenes(self._checked(theta))
+        return self._scenes(self._checked(theta))[0]
 
-    def _scenes(self, theta: np.ndarray) -> Scenes:
+    def _scenes(self, theta: np.ndarray) -> tuple[Scenes, Found]:
+        """The scenes of some rows, and what could not be computed in them."""
         count = len(theta)
         scaled = self._scaled(theta)
         known = np.isfinite(scaled.sum(axis=0))
@@ -172,9 +174,10 @@ class Program:
             registers = self._tape.run(scaled)
             positions, headings, outlines = self._arrangement.write(registers, count)
             failed = self._failures(registers, outlines, count)
+            found = self._faults.found(registers, failed)
             broken = (failed if self._hard is None else failed[self._hard]).any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
-            ok = np.isfinite(placed) & ~broken & known
+            ok = np.isfinite(placed) & ~broken & ~found.in_values & known
         properties = self._properties
         if self._property_plans:
             properties = {name: list(column) for name, column in properties.items()}
@@ -184,7 +187,7 @@ class Program:
         for i, plan in self._argument_plans:
             arguments[i] = plan(registers, count)
         params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
-        return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
+        return Scenes(positions, headings, properties, params, arguments, ok, failed.T), found
 
     @cached_property
     def read_in_episodes(self) -> list[Value]:
@@ -259,11 +262,15 @@ class Program:
             wanted = (draws + 1) // (accepted + 1) + 1 if draws else 1  # so that most of the pending scenes get one
             each = max(1, min(wanted, FIRST_DRAWS // len(pending)))
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * each, self.dim))
-            scenes = self._scenes(candidates)
-            self._raise_fault()
+            scenes, found_faults = self._scenes(candidates)
             draws += len(candidates)
-            broken = scenes.failed[:, [i for i, _ in soft]] & np.repeat(active[pending], each, axis=0)
+            in_force = np.ones(scenes.failed.shape, dtype=bool)
+            in_force[:, [i for i, _ in soft]] = np.repeat(active[pending], each, axis=0)
+            broken = scenes.failed & in_force
             good = (scenes.ok & ~broken.any(axis=1)).reshape(len(pending), each)
+            if found_faults.any:
+                earlier = np.cumsum(good, axis=1) - good  # of the scenes that one by one would have found
+                found_faults.raise_first(broken, (earlier == 0).ravel())
             accepted += int(good.sum())
             found = good.any(axis=1)
             chosen = (np.arange(len(pending)) * each + good.argmax(axis=1))[found]
@@ -280,13 +287,6 @@ class Program:
         order = sorted(range(len(shares)), key=lambda i: -shares[i])
         rejected = tuple((self.requirements[i], float(shares[i])) for i in order if shares[i] > 0)
         return RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
-
-    def _raise_fault(self) -> None:
-        """Raise what went wrong in a scene, such as a division by zero in a function of a requirement."""
-        for each in self._by_row:
-            fault, each.fault = each.fault, None
-            if fault is not None:
-                raise fault
 
     def _impossible(self, rng: np.random.Generator, found: int, wanted: int, draws: int) -> ScenicError:
         report = replace(self.report(FIRST_DRAWS, rng), accepted=0)

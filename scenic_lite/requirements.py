@@ -31,7 +31,9 @@ def require(frame: Frame, node: nodes.Require) -> None:
     probability = 1.0 if node.probability is None else frame.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
         raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
-    condition = condition_of(frame, node.condition)
+    number = len(session.requirements)
+    with session.watching.within(number):
+        condition = condition_of(frame, node.condition)
     label = node.name or source_text(frame, node)
     requirement = Requirement(label, frame.place(node), condition, float(probability))
     bindings = Bindings(frame)
@@ -39,7 +41,7 @@ def require(frame: Frame, node: nodes.Require) -> None:
         session.temporal.append(Watched(node, requirement.place, frame, label, bindings))
 
     def again() -> None:
-        with bindings.restored():
+        with bindings.restored(), session.watching.within(number):
             requirement.condition = condition_of(frame, node.condition)
 
     session.requirements.append(requirement)
@@ -57,6 +59,7 @@ def condition_of(frame: Frame, node: ast.expr) -> Value:
             if error.kind != "random-control-flow":
                 raise
             condition = row_by_row(frame, node)
+            frame.watch(condition)
     if isinstance(condition, BehaviorCall):
         hint = f"write require monitor {condition.behavior.name}()"
         raise frame.error("type", "a monitor is no condition", node, hint)

@@ -15,6 +15,7 @@ import numpy as np
 from scenic_lite.bindings import Bindings
 from scenic_lite.budget import Budget
 from scenic_lite.errors import ScenicError
+from scenic_lite.faults import Picky
 from scenic_lite.frame import Frame
 from scenic_lite.graph import Column, Random, Value, columns_of
 from scenic_lite.scenes import randoms_in
@@ -27,21 +28,35 @@ def row_by_row(frame: Frame, node: ast.expr) -> Random:
     return Random(RowByRow(frame, node, columns), columns, "truth")
 
 
-class ByRow:
+class ByRow(Picky):
     """What is decided scene by scene: a tree, and the draws that it depends on.
 
-    `fault` is the first error in a scene, such as a division by zero there; that scene is invalid. `Program.sample`
-    raises it.
+    An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
     """
 
     def __init__(self, frame: Frame, node: ast.AST, columns: tuple[Column, ...]) -> None:
         self.frame, self.node, self.columns = frame, node, columns
         self.bindings = Bindings(frame)
-        self.fault: ScenicError | None = None
+        self._faults: list[ScenicError | None] = []  # one for each scene of the last call
 
     def __call__(self, *arrays: Any) -> Any:
         """The operation on arrays [N]."""
         raise NotImplementedError
+
+    def scenes(self, arrays: Iterable[Iterable[Value]]) -> Iterator[tuple[Value, ...]]:
+        """The rows of some arrays [N], one scene after the other."""
+        self._faults = []
+        for row in zip(*arrays, strict=True):
+            self._faults.append(None)
+            yield row
+
+    def fails(self, *_inputs: Any) -> Any:
+        return np.array([fault is not None for fault in self._faults], dtype=bool)
+
+    def error(self, row: int) -> ScenicError:
+        fault = self._faults[min(row, len(self._faults) - 1)]
+        assert fault is not None, "a scene without a fault"
+        return fault
 
     def in_scene(self, draws: Iterable[Value], decide: Callable[[], Value], otherwise: Value) -> Value:
         """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
@@ -54,7 +69,7 @@ class ByRow:
         except ScenicError as error:
             if error.kind != "value":
                 raise
-            self.fault = self.fault or error
+            self._faults[-1] = error
             return otherwise
         finally:
             spent, session.row, session.budget = session.budget, row, budget
@@ -75,7 +90,7 @@ class RowByRow(ByRow):
 
     def __call__(self, *arrays: Any) -> Any:
         with self.bindings.restored():
-            return np.array([self.in_scene(draws, self._holds, False) for draws in zip(*arrays, strict=True)], bool)
+            return np.array([self.in_scene(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
 
     def _holds(self) -> bool:
         return bool(self.frame.value(self.node))

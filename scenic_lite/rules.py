@@ -163,6 +163,16 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
     return Checks(tuple(batched), tuple(nodes))
 
 
+def rules_of_requirements(session: Session, checks: Checks) -> list[int | None]:
+    """Which rule each requirement is; None for one that holds in every scene."""
+    at = len(checks.rules) - sum(each.condition is not True for each in session.requirements)
+    places: list[int | None] = []
+    for each in session.requirements:
+        places.append(None if each.condition is True else at)
+        at += each.condition is not True
+    return places
+
+
 def containers(session: Session, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
     """The objects that each container must hold: its own region if it has one, else the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
