@@ -53,5 +53,16 @@ MINIGAMES: dict[str, Minigame] = {
             ),
             "the way to goal is closed, one of two mates is free",
         ),
+        Minigame(
+            "3v2FourBehaviors",
+            HERE / "three_v_two" / "train.scenic",
+            (
+                ("A: chases the ball", HERE / "three_v_two" / "test_a.scenic"),
+                ("B: marks the owner", HERE / "three_v_two" / "test_b.scenic"),
+                ("C: cuts a lane", HERE / "three_v_two" / "test_c.scenic"),
+                ("D: guards the goal", HERE / "three_v_two" / "test_d.scenic"),
+            ),
+            "three attackers against a keeper and a defender with one of four strategies",
+        ),
     )
 }

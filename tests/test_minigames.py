@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from envs.football.casting import Casting
+from envs.football.constants import METRES_PER_X, METRES_PER_Y
 from envs.football.domain import FOOTBALL
+from envs.football.vector_env import FootballVectorEnv
 from minigames import MINIGAMES
 from scenic_lite import load
 
@@ -12,12 +14,16 @@ OBJECTS = {
     "1v1Restricted": ["LeftCM", "RightGK", "LeftGK", "Ball"],
     "1v1Free": ["LeftCM", "RightGK", "LeftGK", "Ball"],
     "ChoosePassing": ["LeftCM", "LeftCF", "LeftCF", "RightGK", "RightCB", "LeftGK", "Ball"],
+    "3v2FourBehaviors": ["LeftCM", "LeftLM", "LeftRM", "RightCB", "RightGK", "LeftGK", "Ball"],
 }
 RANGES = {  # of the columns that matter, in the program's units
     "1v1Restricted": [(40, 60), (-10, 10), (60, 80), (-25, 25)],
     "1v1Free": [(0, 80), (-25, 25), (0, 80), (-25, 25)],
     "ChoosePassing": [(58, 62), (-3, 3), (70, 76), (-3, 3), (78, 90), (-15, 15)],
+    "3v2FourBehaviors": [(72, 78), (-6, 6), (76, 86), (8, 20), (76, 86), (-20, -8), (84, 92), (-8, 8)],
 }
+DIMENSIONS = {"3v2FourBehaviors": 9}  # the last column is the selector of the strategy; 6 where nothing is said
+PLACED = {"ChoosePassing": [0, 3, 4], "3v2FourBehaviors": [0, 1, 2, 3]}  # objects in the order of the columns
 AREAS = {"1v1Restricted": 400_000, "1v1Free": 16_000_000}  # thesis, section 4.3: "0.4M" and "16M"
 
 
@@ -29,7 +35,7 @@ def program_of(path):
 def test_the_training_program_has_the_columns_of_the_game(name):
     program = program_of(MINIGAMES[name].program)
     assert [info.class_name for info in program.objects] == OBJECTS[name]
-    assert program.dim == 6
+    assert program.dim == DIMENSIONS.get(name, 6)
     found = [(draw.low, draw.high) for draw in program.draws]
     assert found[: len(RANGES[name])] == RANGES[name]
     if name in AREAS:
@@ -38,8 +44,9 @@ def test_the_training_program_has_the_columns_of_the_game(name):
 
 @pytest.mark.parametrize("name", MINIGAMES)
 def test_nearly_every_draw_is_valid(name):
-    theta = np.random.default_rng(0).uniform(-1, 1, (2000, 6))
-    assert program_of(MINIGAMES[name].program).valid(theta).mean() > 0.97
+    program = program_of(MINIGAMES[name].program)
+    theta = np.random.default_rng(0).uniform(-1, 1, (2000, program.dim))
+    assert program.valid(theta).mean() > 0.97
 
 
 @pytest.mark.parametrize("name", MINIGAMES)
@@ -55,10 +62,79 @@ def test_every_program_is_the_same_match_of_400_steps(name):
 @pytest.mark.parametrize("name", MINIGAMES)
 def test_the_test_scenes_lie_within_the_training_distribution(name):
     low, high = np.array(RANGES[name]).T
-    movable = [0, 1] if name != "ChoosePassing" else [0, 3, 4]  # objects in the order of the columns
+    movable = PLACED.get(name, [0, 1])
     for label, path in MINIGAMES[name].tests:
         program = program_of(path)
         if program.dim:
             continue  # the training distribution of a smaller game
         places = program.instantiate(np.zeros((1, 0))).positions[0, movable].ravel()
         assert ((low <= places) & (places <= high)).all(), label
+
+
+# ---------------------------------------------------------------- the four strategies of the 3v2
+
+
+STRATEGIES = {"A": 0.125, "B": 0.375, "C": 0.625, "D": 0.875}
+
+
+def courses_of(label, steps=40, count=32):
+    """Where the defender (its match index 5) and the ball are in the test scene of a strategy: [T, count, 2] each.
+
+    The learner stands still; matches that have ended give nan.
+    """
+    path = next(path for name, path in MINIGAMES["3v2FourBehaviors"].tests if name.startswith(label))
+    env = FootballVectorEnv(path, count)
+    env.reset(seed=0)
+    defender = env.casting.cast[[info.name for info in env.program.objects].index("defender")]
+    over = np.zeros(count, bool)
+    places, balls, pressed = [], [], []
+    for _ in range(steps):
+        matches = env.matches
+        unit = np.array([METRES_PER_X, METRES_PER_Y])
+        player = matches["players"][:, defender]
+        places.append(np.where(over[:, None], np.nan, np.stack([player["x"], player["y"]], 1) / unit))
+        balls.append(np.where(over[:, None], np.nan, np.stack([matches["ball"]["x"], matches["ball"]["y"]], 1) / unit))
+        _, _, terminated, truncated, _ = env.step(np.full(count, 14))
+        over |= terminated | truncated
+        pressed.append(np.where(over, -1, env.matches["players"]["action"][:, defender]))
+    return np.array(places), np.array(balls), np.array(pressed)
+
+
+def test_the_selector_of_a_test_scene_is_its_strategy():
+    for label, selector in STRATEGIES.items():
+        path = next(path for name, path in MINIGAMES["3v2FourBehaviors"].tests if name.startswith(label))
+        assert program_of(path).instantiate(np.zeros((1, 0))).behavior_arguments[3] == {"selector": selector}
+
+
+def test_the_chaser_runs_at_the_ball():
+    places, balls, _ = courses_of("A")
+    gap = np.linalg.norm(places - balls, axis=2)
+    assert (np.nanmean(gap[12]) < np.nanmean(gap[0]) - 5) and np.nanmin(gap, axis=0).max() < 4
+
+
+def test_the_marker_runs_at_the_ball_until_somebody_owns_it():
+    places, _, _ = courses_of("B")
+    assert np.nanmean(places[10, :, 0]) < 84
+
+
+def test_the_lane_cutter_leaves_the_middle_for_a_lane_and_then_chases():
+    places, balls, _ = courses_of("C", steps=60)
+    assert np.nanmax(np.abs(places[15, :, 1])) > 1.5  # the lane between two attackers does not go through y = 0
+    gap = np.linalg.norm(places - balls, axis=2)
+    assert np.nanmin(gap[30:], initial=np.inf) < np.nanmin(gap[0])
+
+
+def test_the_goal_guard_stays_before_his_goal_while_the_ball_is_far():
+    places, balls, pressed = courses_of("D")
+    far = np.linalg.norm(places - balls, axis=2) > 12
+    assert np.nanmin(np.where(far, places[:, :, 0], np.nan)) > 84
+    assert np.abs(np.where(far, places[:, :, 1], 0)).max() < 6
+    assert (pressed[25:] == 14).any()  # he has arrived and stands
+
+
+def test_every_strategy_comes_up_in_training():
+    env = FootballVectorEnv(MINIGAMES["3v2FourBehaviors"].program, 64)
+    env.reset(seed=0)
+    selectors = (env.levels["theta"][:, 8] + 1) / 2
+    counts = np.histogram(selectors, bins=4, range=(0, 1))[0]
+    assert (counts > 5).all()

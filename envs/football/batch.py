@@ -11,11 +11,23 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
+from envs.football.constants import NO_FAULT
 from envs.football.observation import write_features
 from envs.football.reward import reward
+from envs.football.script import step_scripted
 from envs.football.simulator import step_match
 from envs.football.state import MATCH
 from scenic_lite.jit import kernel
+
+
+class Batch(NamedTuple):
+    """N matches with all that they remember, and what each starts from when its episode begins."""
+
+    matches: np.ndarray  # MATCH [N]
+    starts: np.ndarray  # MATCH [N]
+    registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
+    start_registers: np.ndarray  # [N, R] float64
+    commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
 
 
 class Outcome(NamedTuple):
@@ -26,21 +38,25 @@ class Outcome(NamedTuple):
     rewards: np.ndarray  # [N] float64
     terminated: np.ndarray  # [N] bool
     truncated: np.ndarray  # [N] bool
-    ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `DURATION`
+    ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `REJECTED`
     faults: np.ndarray  # [N] int64
 
 
 class Rules(NamedTuple):
-    """How rewards and restarts work, the same for all matches."""
+    """What is the same for all matches."""
 
     checkpoints: bool  # checkpoints count
     deterministic: bool  # every episode repeats the same stream of random numbers
     restart: bool  # an ended match starts again at once; if not, the caller sees to it
+    scripted: bool  # the program has behaviors or monitors; one without costs nothing
+    cast: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
 
 
-def empty_matches(count: int) -> np.ndarray:
-    """Room for `count` matches: MATCH `[count]`, as records whose fields are attributes even when not compiled."""
-    return np.zeros(count, MATCH).view(np.recarray)
+def empty_batch(count: int, registers: int, objects: int) -> Batch:
+    """Room for `count` matches; records whose fields are attributes even when not compiled."""
+    matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
+    memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
+    return Batch(matches, starts, memory, start_memory, np.zeros((count, objects)))
 
 
 def empty_outcome(count: int, size: int) -> Outcome:
@@ -57,19 +73,22 @@ def empty_outcome(count: int, size: int) -> Outcome:
 
 
 @kernel(parallel=True)
-def step_batch(matches, starts, actions, outcome, rules):
-    """Step MATCH `[N]` with actions `[N]`; an ended match starts again from its row of `starts` `[N]`."""
-    for index in prange(len(matches)):
+def step_batch(batch, actions, outcome, rules, code):
+    """Step N matches of a program with actions `[N]`; an ended one starts again from its row of `batch.starts`."""
+    for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
-        _step_row(matches, starts, actions, outcome, rules, index)
+        _step_row(batch, actions, outcome, rules, code, index)
 
 
 @kernel
-def _step_row(matches, starts, actions, outcome, rules, index):
+def _step_row(batch, actions, outcome, rules, code, index):
     """Step, reward, observe and if need be restart one match."""
-    match = matches[index]
-    step_match(match, actions[index])
+    match = batch.matches[index]
+    if rules.scripted:
+        step_scripted(match, actions[index], code, rules.cast, batch.registers[index], batch.commands[index])
+    else:
+        step_match(match, actions[index])
     outcome.rewards[index] = reward(match, rules.checkpoints)
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
@@ -77,18 +96,19 @@ def _step_row(matches, starts, actions, outcome, rules, index):
     outcome.faults[index] = match.fault
     if match.terminated or match.truncated:
         write_features(match, outcome.final_observations[index])
-        if rules.restart:
-            _restart(matches, starts, index, rules.deterministic)
-    write_features(matches[index], outcome.observations[index])
+        if rules.restart and match.fault == NO_FAULT:  # a fault is reported first
+            restart(batch, rules, index)
+    write_features(batch.matches[index], outcome.observations[index])
 
 
 @kernel
-def _restart(matches, starts, index, deterministic):
+def restart(batch, rules, index):
     """Start the next episode on the same level; its random stream goes on where the last one stopped."""
-    stream = matches[index].random
-    matches[index] = starts[index]
-    if not deterministic:
-        matches[index].random = stream
+    stream = batch.matches[index].random
+    batch.matches[index] = batch.starts[index]
+    batch.registers[index] = batch.start_registers[index]
+    if not rules.deterministic:
+        batch.matches[index].random = stream
 
 
 @kernel

@@ -13,7 +13,7 @@ from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_
 from envs.football.domain import SETTINGS
 from envs.football.state import Lineup, MatchConfig, kick_off
 from envs.football.world_table import THE_BALL
-from scenic_lite import Place, Program, Scenes, ScenicError
+from scenic_lite import Place, Program, Scenes
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
 TEAMS = {"left": LEFT, "right": RIGHT}
@@ -25,9 +25,6 @@ WANTED = {
     int: f"a whole number of steps, 1 to {LONGEST:,}",
     float: "a number from 0 to 1",
 }
-
-AI_INSTEAD = "leave it out, and the learner or the built-in AI moves this player"
-ENDS_INSTEAD = "leave it out; episodes end by game_duration and the end_episode_on_... parameters"
 
 
 class CastingError(ValueError):
@@ -41,38 +38,9 @@ class CastingError(ValueError):
 
 def refusal(program: Program, message: str, place: Place, hint: str = "") -> CastingError:
     """The error for one place of a program, its line underlined."""
-    return raised_from([program.error("unsupported", message, place, hint)])
-
-
-def raised_from(findings: list[ScenicError]) -> CastingError:
-    """One error that shows all findings."""
-    error = CastingError("\n".join(map(str, findings)))
-    error.place = findings[0].place
+    error = CastingError(str(program.error("unsupported", message, place, hint)))
+    error.place = place
     return error
-
-
-def refuse_dynamics(program: Program) -> None:
-    """Raise CastingError for behaviors, monitors and terminations: they would silently do nothing."""
-    found = [
-        (
-            info.behavior_place,
-            f"{info.name or info.class_name} has the behavior {info.behavior}, but behaviors",
-            AI_INSTEAD,
-        )
-        for info in program.objects
-        if info.behavior_place is not None
-    ]
-    found += [
-        (call.place, f"{call.behavior.name} is a monitor, but monitors", ENDS_INSTEAD) for call in program.monitors
-    ]
-    found += [(each.place, "conditions that end an episode", ENDS_INSTEAD) for each in program.terminations]
-    if found:
-        raise raised_from(
-            [
-                program.error("unsupported", f"{what} are not played yet", place, hint)
-                for place, what, hint in sorted(found)
-            ]
-        )
 
 
 class Casting:

@@ -1,4 +1,4 @@
-"""What a step is worth to the learner: goals, and the checkpoints on the way to the opponents' goal.
+"""What a step is worth to the learner: goals, checkpoints on the way to the opponents' goal, what the program pays.
 
 Read next: `batch`.
 """
@@ -10,7 +10,10 @@ from scenic_lite.jit import kernel
 
 @kernel
 def reward(match, checkpoints):
-    """Reward of the left team for the last step: +1 or -1 for a goal, and if asked 0.1 per checkpoint newly passed."""
+    """Reward of the left team for the last step: +1 or -1 for a goal, and if asked 0.1 per checkpoint newly passed.
+
+    To that is added what the program's monitors have set `scenic_reward` to in this step.
+    """
     if checkpoints:
-        return match.goal + match.checkpoint_reward
-    return float(match.goal)
+        return match.goal + match.checkpoint_reward + match.program_reward
+    return match.goal + match.program_reward

@@ -45,6 +45,7 @@ def begin_step(match):
     """Forget the events of the step before."""
     match.goal = 0
     match.checkpoint_reward = 0.0
+    match.program_reward = 0.0
     match.possession_changed = False
 
 

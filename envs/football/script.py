@@ -1,22 +1,61 @@
 """What a program's behaviors and monitors do in a match: they read the world, press players' keys, pay and end it.
 
-Scalar code on one match, like the simulator. Read next: `simulator`, for the rest of a step; `batch`.
+Scalar code on one match, like the simulator. One step is: behaviors act, the match is played, monitors watch (spec
+section 11.1, its last paragraph). Read next: `simulator`, for the middle; `batch`.
 """
 
 from __future__ import annotations
 
-from envs.football.constants import BAD_ACTION, BUILTIN_AI, RUNNING
+from envs.football.constants import BAD_ACTION, BUILTIN_AI, NO_FAULT, PROGRAM_FAULT, REJECTED, RUNNING, TERMINATED
 from envs.football.rules import begin_step
 from envs.football.simulator import assign_actions, play
-from envs.football.world_table import THE_BALL, seen_by
+from envs.football.world_table import THE_BALL, seen_by, write_world
+from scenic_lite.dynamics import bytecode
+from scenic_lite.dynamics.bytecode import NO_COMMAND
+from scenic_lite.dynamics.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.jit import kernel
+
+_FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TERMINATED
+
+
+@kernel
+def step_scripted(match, action, code, cast, registers, commands):
+    """Move a match on by a step with its program: `registers` [R] is what that remembers, `commands` [O] its wishes.
+
+    An episode that a behavior ends, ends at once; a fault leaves the match as it was before the step.
+    """
+    begin_step(match)
+    if match.ended != RUNNING:
+        return
+    write_world(match, cast, registers, code.world_base)
+    run_behaviors(code, registers, commands, match)
+    heed(match, registers)
+    if match.ended != RUNNING or match.fault != NO_FAULT:
+        return
+    step_commanded(match, action, cast, commands)
+    write_world(match, cast, registers, code.world_base)
+    match.program_reward = run_watchers(code, registers, match)
+    if match.ended != RUNNING and not over(registers):
+        end(code, registers, commands, match)  # which may leave a requirement unsatisfied
+    heed(match, registers)
+
+
+@kernel
+def heed(match, registers):
+    """Let the program end the episode: a broken requirement before all else, `terminate` unless it is over anyway."""
+    if registers[_FAULT] != 0.0:
+        match.fault = PROGRAM_FAULT
+    elif registers[_REJECTED] != 0.0:
+        match.ended, match.terminated, match.truncated = REJECTED, False, True
+    elif registers[_TERMINATED] != 0.0 and not match.terminated:
+        match.ended, match.terminated, match.truncated = TERMINATED, True, False
 
 
 @kernel
 def step_commanded(match, action, cast, commands):
-    """Move a match on by a step: the learner takes `action`, objects of the program `commands` [O], negative for none.
+    """Move a match on by a step: the learner takes `action`, objects of the program `commands` [O].
 
-    `cast` [O]: the player that each object is, or THE_BALL.
+    A command is an action or NO_COMMAND; `cast` [O] says which player each object is, or THE_BALL.
     """
     begin_step(match)
     if match.ended != RUNNING:
@@ -31,7 +70,7 @@ def command_players(match, cast, commands):
     """Give players the commands of their behaviors; whom the learner moves in this step obeys the learner."""
     for o in range(len(cast)):
         i = cast[o]
-        if i == THE_BALL or i == match.controlled or commands[o] < 0.0:
+        if i == THE_BALL or i == match.controlled or commands[o] == NO_COMMAND:
             continue
         if not 0.0 <= commands[o] <= BUILTIN_AI or commands[o] != int(commands[o]):
             match.fault = BAD_ACTION

@@ -99,6 +99,7 @@ MATCH_FIELDS = (
     ("goal", "i8", (), "", "+1 the left team scored in this step, -1 the right one"),
     ("checkpoint_reward", "f8", (), "", "0.1 per checkpoint newly passed in this step"),
     ("checkpoints", "i8", (), "", "of the 10, passed in this episode"),
+    ("program_reward", "f8", (), "", "what monitors of the program paid for this step"),
     ("possession_changed", "?", (), "", "the other team than the last owner's came into possession"),
     ("ended", "i8", (), "", "0 running, 1 goal, 2 out of play, 3 possession change, 4 duration, 5 program, 6 rejected"),
     ("terminated", "?", (), "", "ended by an event"),

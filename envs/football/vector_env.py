@@ -11,19 +11,22 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
 
-from envs.football.batch import Rules, empty_matches, empty_outcome, observe_batch, step_batch
-from envs.football.casting import Casting, refuse_dynamics
+from envs.football.batch import Rules, empty_batch, empty_outcome, observe_batch, restart, step_batch
+from envs.football.casting import Casting
 from envs.football.config import FootballConfig
 from envs.football.constants import LEFT, NO_FAULT, NUM_ACTIONS
 from envs.football.domain import FOOTBALL
 from envs.football.observation import LIMIT, features_size
 from envs.football.raw import raw_observation, raw_space
+from envs.football.staging import Staging
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta
 
 
 class FootballVectorEnv(UPOMDP):
     """N football matches in which the learner moves the left player closest to the ball.
+
+    The program's behaviors move theirs, except whom the learner moves in that step; the built-in AI moves the rest.
 
     Args:
         program: a compiled program, the path of one, or its text.
@@ -32,8 +35,13 @@ class FootballVectorEnv(UPOMDP):
 
     Actions are Google Research Football's 19. Observations are `features` `[N, F]` float32 (see `observation`), or
     the `raw` dict of Google Research Football. A match that ends by a goal, a lost ball or out of play is terminated;
-    one that reaches `game_duration` is truncated. `info["ended"]` `[N]` gives the reason, `constants.RUNNING` to
-    `DURATION`. Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match.
+    one that reaches `game_duration` is truncated. A `terminate` of the program terminates a match; one that breaks a
+    requirement of the program is truncated. `info["ended"]` `[N]` gives the reason, `constants.RUNNING` to `REJECTED`.
+    What monitors set `scenic_reward` to is part of the reward.
+
+    Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
+    raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
+    played their step.
     """
 
     def __init__(
@@ -45,8 +53,8 @@ class FootballVectorEnv(UPOMDP):
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
-        refuse_dynamics(self.program)
         self.casting = Casting(self.program)
+        self.staging = Staging(self.program)
         self.num_players = self.casting.num_players
         size = features_size(self.num_players)
         space: Space = Box(-LIMIT, LIMIT, (size,), np.float32)
@@ -56,16 +64,20 @@ class FootballVectorEnv(UPOMDP):
             space = raw_space(self._num_left, self.num_players - self._num_left)
         super().__init__(num_envs, space, Discrete(NUM_ACTIONS), self.program.draws)
         self._rules = Rules(
-            config.rewards == "scoring,checkpoints", bool(self.casting.config.deterministic), not self._is_raw
+            config.rewards == "scoring,checkpoints",
+            bool(self.casting.config.deterministic),
+            not self._is_raw,
+            self.staging.live,
+            self.casting.cast,
         )
         self._outcome = empty_outcome(num_envs, size)
-        self._matches, self._starts = empty_matches(num_envs), empty_matches(num_envs)
+        self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects))
         self._started = False
 
     @property
     def matches(self) -> np.ndarray:
         """The matches as they are, MATCH `[N]`; a copy, for looking at."""
-        return self._matches.copy()
+        return self._batch.matches.copy()
 
     def valid(self, theta: Any) -> np.ndarray:
         return self.program.valid(check_theta(theta, self.theta_dim))
@@ -78,9 +90,12 @@ class FootballVectorEnv(UPOMDP):
         return self.program.sample(count, self.np_random)[0]
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        self._starts[where] = self.casting.starts(levels["theta"], levels["seed"])
-        self._matches[where] = self._starts[where]
-        observe_batch(self._matches, where, self._outcome.observations)
+        batch = self._batch
+        batch.starts[where] = self.casting.starts(levels["theta"], levels["seed"])
+        batch.matches[where] = batch.starts[where]
+        batch.start_registers[where] = self.staging.registers(levels["theta"])
+        batch.registers[where] = batch.start_registers[where]
+        observe_batch(batch.matches, where, self._outcome.observations)
         self._started = True
         return self._observations()
 
@@ -88,9 +103,9 @@ class FootballVectorEnv(UPOMDP):
         if not self._started:
             raise RuntimeError("call reset() before step()")
         out = self._outcome
-        step_batch(self._matches, self._starts, self._checked(actions), out, self._rules)
+        step_batch(self._batch, self._checked(actions), out, self._rules, self.staging.code)
         if out.faults.any():
-            self._report_fault()
+            self._report_faults()
         ended = out.terminated | out.truncated
         final = out.final_observations.copy()
         if self._is_raw:
@@ -102,15 +117,13 @@ class FootballVectorEnv(UPOMDP):
     def _observations(self) -> Any:
         """The present observations, a copy: `[N, F]`, or a dict of arrays for `raw`."""
         if self._is_raw:
-            return raw_observation(self._matches[:], self._num_left, self.num_players)
+            return raw_observation(self._batch.matches[:], self._num_left, self.num_players)
         return self._outcome.observations.copy()
 
     def _restart(self, ended: np.ndarray) -> None:
         """Do for `raw` what the kernel does otherwise: it must not restart before the last observation is taken."""
-        streams = self._matches["random"][ended]
-        self._matches[ended] = self._starts[ended]
-        if not self._rules.deterministic:
-            self._matches["random"][ended] = streams
+        for index in np.flatnonzero(ended):
+            restart(self._batch, self._rules, index)
 
     def _checked(self, actions: Any) -> np.ndarray:
         array = np.asarray(actions)
@@ -121,26 +134,30 @@ class FootballVectorEnv(UPOMDP):
             raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
         return array.astype(np.int64, copy=False)
 
-    def _report_fault(self) -> None:
-        index = int(np.flatnonzero(self._outcome.faults != NO_FAULT)[0])
-        raise FloatingPointError(
-            f"match {index} of {self.num_envs} reached an impossible state (fault {self._outcome.faults[index]}); "
-            f"its level: {self.levels[index]}"
-        )
+    def _report_faults(self) -> None:
+        """Put the matches that cannot go on back to their start, and raise the error of the first of them."""
+        faulted = self._outcome.faults != NO_FAULT
+        error = self.staging.error(self._batch, int(np.flatnonzero(faulted)[0]), self.levels)
+        self._restart(faulted)
+        observe_batch(self._batch.matches, np.flatnonzero(faulted), self._outcome.observations)
+        raise error
 
     def get_state(self) -> dict[str, Any]:
         return {
-            "matches": np.asarray(self._matches).copy(),
-            "starts": np.asarray(self._starts).copy(),
+            "matches": np.asarray(self._batch.matches).copy(),
+            "starts": np.asarray(self._batch.starts).copy(),
+            "registers": self._batch.registers.copy(),
+            "start_registers": self._batch.start_registers.copy(),
             "levels": self.levels.copy(),
             "np_random": self.np_random.bit_generator.state,
         }
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        self._matches[:], self._starts[:] = state["matches"], state["starts"]
+        self._batch.matches[:], self._batch.starts[:] = state["matches"], state["starts"]
+        self._batch.registers[:], self._batch.start_registers[:] = state["registers"], state["start_registers"]
         self.levels[:] = state["levels"]
         self.np_random.bit_generator.state = state["np_random"]
-        observe_batch(self._matches, np.arange(self.num_envs), self._outcome.observations)
+        observe_batch(self._batch.matches, np.arange(self.num_envs), self._outcome.observations)
         self._started = True
         return self._observations()
 

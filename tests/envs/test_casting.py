@@ -117,58 +117,6 @@ def test_a_misspelt_setting_is_warned_of(line, expected):
     assert heads == ([expected] if expected else [])
 
 
-# ---------------------------------------------------------------- what is not played yet
-
-
-def test_a_behavior_is_refused_where_it_is_attached_and_the_language_still_loads_it():
-    text = "from football.behaviors import *\n" + PAIR + "LeftGK with behavior HoldPosition()\nRightGK\n"
-    assert load(text, FOOTBALL).objects[2].behavior == "HoldPosition"
-    with pytest.raises(CastingError) as error:
-        FootballVectorEnv(text)
-    assert str(error.value).splitlines() == [
-        "<program>:4:22: LeftGK has the behavior HoldPosition, but behaviors are not played yet "
-        "(leave it out, and the learner or the built-in AI moves this player)",
-        "    LeftGK with behavior HoldPosition()",
-        "                         ^^^^^^^^^^^^^^",
-    ]
-    assert error.value.place is not None and error.value.place.line == 4
-
-
-def test_all_behaviors_are_shown_at_once():
-    program = load(PROGRAMS / "figure_2_1.scenic", FOOTBALL)
-    with pytest.raises(CastingError) as error:
-        FootballVectorEnv(program)
-    heads = [line for line in str(error.value).splitlines() if line.startswith("figure_2_1.scenic:")]
-    assert [head.split(":")[1] for head in heads] == ["36", "38", "40", "43"]
-
-
-@pytest.mark.parametrize(
-    ("text", "dialect", "message"),
-    [
-        ("monitor Watch:\n    while True:\n        wait", 2, ":3:1: Watch is a monitor, but monitors are not played"),
-        (
-            "monitor Watch():\n    while True:\n        wait\nrequire monitor Watch()",
-            3,
-            ":6:17: Watch is a monitor, but monitors are not played",
-        ),
-        ("terminate when ego.x > 5", 2, ":3:1: conditions that end an episode are not played"),
-        ("terminate simulation when ego.x > 5", 2, ":3:1: conditions that end an episode are not played"),
-        ("terminate after 5 seconds", 2, ":3:1: conditions that end an episode are not played"),
-    ],
-)
-def test_monitors_and_terminations_are_refused(text, dialect, message):
-    pair = PAIR if dialect == 2 else PAIR.replace("LeftCM", "new LeftCM").replace("Ball", "new Ball")
-    program = load(pair + text, FOOTBALL, dialect)
-    with pytest.raises(CastingError) as error:
-        FootballVectorEnv(program)
-    assert str(error.value).startswith("<program>" + message)
-    assert "(leave it out; episodes end by game_duration and the end_episode_on_... parameters)" in str(error.value)
-
-
-def test_a_behavior_that_nobody_follows_is_no_matter():
-    assert FootballVectorEnv("behavior Stand():\n    while True:\n        wait\n" + PAIR).num_players == 1
-
-
 # ---------------------------------------------------------------- the thesis's striker keeps his ball
 
 

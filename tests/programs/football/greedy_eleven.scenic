@@ -1,5 +1,5 @@
 """Eleven against a keeper: everybody runs at the goal and shoots from before it."""
-# expect always: abs(keeper.x - 98) < 25
+# expect by 30: cf.owns_ball == 1
 # expect by 120: cf.x > 40
 
 from scenic.simulators.gfootball.model import *

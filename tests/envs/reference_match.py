@@ -1,0 +1,62 @@
+"""A football match whose behaviors the reference interpreter plays: what the compiled path must agree with.
+
+Python stands between the kernels: the world table goes to the reference, its commands to `step_commanded`. Draws come
+from the match's own stream, as in the batch.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from envs.football.casting import Casting
+from envs.football.constants import RUNNING
+from envs.football.script import step_commanded
+from envs.football.world import FACTS, FOOTBALL_WORLD
+from envs.football.world_table import NUM_FIELDS, write_world
+from scenic_lite import Program
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.world import Commands, Verdict
+
+
+class Moment(NamedTuple):
+    """What a step brought."""
+
+    commands: Commands
+    verdict: Verdict
+    goal: int
+    ended: int
+
+
+class ReferenceMatch:
+    """One episode on one level; `match` is the record."""
+
+    def __init__(self, program: Program, theta: np.ndarray, seed: int) -> None:
+        self.casting = Casting(program)
+        self.matches = self.casting.starts(theta[None], np.array([seed], np.uint64)).view(np.recarray)
+        self.reference = Reference(program, theta, FOOTBALL_WORLD)
+        self.size = len(self.casting.cast)
+
+    def tables(self) -> tuple[np.ndarray, np.ndarray]:
+        row = np.zeros(self.size * NUM_FIELDS + len(FACTS))
+        write_world(self.matches[0], self.casting.cast, row, 0)
+        return row[: self.size * NUM_FIELDS].reshape(self.size, NUM_FIELDS), row[self.size * NUM_FIELDS :]
+
+    def step(self, action: int) -> Moment:
+        """Act, play, watch; an episode that its behaviors end is not played on."""
+        commands = self._ask(self.reference.act)
+        if commands.terminated or commands.rejected:
+            return Moment(commands, Verdict(0.0, commands.terminated, commands.rejected), 0, RUNNING)
+        numbers = np.array([actions[0] if actions else -1.0 for actions in commands.actions], float)
+        step_commanded(self.matches[0], action, self.casting.cast, numbers)
+        verdict = self._ask(self.reference.watch)
+        return Moment(commands, verdict, int(self.matches["goal"][0]), int(self.matches["ended"][0]))
+
+    def _ask(self, question):
+        """Ask the reference about the present world; it draws from the match's stream."""
+        draws = self.reference.episode.draws
+        draws.state = int(self.matches["random"][0])
+        answer = question(*self.tables())
+        self.matches["random"][0] = draws.state
+        return answer

@@ -1,0 +1,76 @@
+"""The listings of the thesis's chapter 2 in the simulator: behaviors, a monitor that pays, one that ends episodes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.football.constants import BUILTIN_AI, HIGH_PASS, METRES_PER_X, TERMINATED
+from envs.football.domain import FOOTBALL
+from envs.football.vector_env import FootballVectorEnv
+from scenic_lite import ScenicError, load
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+RIGHT = 5  # the direction key
+
+
+def text_of(figure):
+    return (PROGRAMS / f"{figure}.scenic").read_text()
+
+
+def started(text, count, seed=0):
+    env = FootballVectorEnv(text, count)
+    env.reset(seed=seed)
+    return env
+
+
+def player(env, name):
+    return int(env.casting.cast[[info.name for info in env.program.objects].index(name)])
+
+
+def test_figure_2_1_the_cross_from_the_side():
+    """The left mid crosses high once he has arrived; the others run to their points and wait for the ball."""
+    env = started(text_of("figure_2_1"), 64)
+    crosser, receiver = player(env, "right_LeftMid"), player(env, "ego")
+    crossed, waited, over = np.zeros(64, bool), np.zeros(64, bool), np.zeros(64, bool)
+    for _ in range(120):
+        _, _, terminated, truncated, _ = env.step(np.zeros(64, int))
+        over |= terminated | truncated
+        actions = env.matches["players"]["action"]
+        assert BUILTIN_AI not in actions[~over][:, [crosser, receiver]]
+        crossed |= ~over & (actions[:, crosser] == HIGH_PASS)
+        waited |= ~over & np.isin(actions[:, receiver], (14, 15))
+    assert crossed.mean() > 0.5 and waited.mean() > 0.5
+
+
+def test_figure_2_3_pays_for_a_ball_near_the_goal():
+    """As printed the condition asks for y where x is meant, so that nothing is ever paid; with x it is."""
+    printed, meant = text_of("figure_2_3"), text_of("figure_2_3").replace("ball_y > 70", "ball_x > 70")
+    for text, pays in ((printed, False), (meant, True)):
+        env = started(text, 8)
+        for _ in range(60):
+            _, rewards, terminated, truncated, _ = env.step(np.full(8, RIGHT))
+            going = ~(terminated | truncated)
+            near = pays & (env.matches["ball"]["x"] / METRES_PER_X > 70)
+            assert rewards[going] == pytest.approx(np.where(near, 0.1, 0.0)[going])
+
+
+def test_figure_2_4_ends_when_the_ball_is_in_the_right_half():
+    env = started(text_of("figure_2_4"), 8)
+    ends = 0
+    for _ in range(100):
+        _, _, terminated, _, info = env.step(np.full(8, RIGHT))
+        ended = info["ended"] == TERMINATED
+        assert terminated[ended].all()
+        going = info["ended"] == 0
+        assert (env.matches["ball"]["x"][going] <= 0).all()
+        ends += ended.sum()
+    assert ends >= 8
+
+
+@pytest.mark.parametrize("figure", ["figure_2_3", "figure_2_4"])
+def test_as_printed_the_wait_stands_outside_the_loop_and_is_never_reached(figure):
+    with pytest.raises(ScenicError) as error:
+        load(text_of(figure).replace("\n        wait\n", "\n    wait\n"), FOOTBALL)
+    assert error.value.line == 6
+    assert 'this loop never lets time pass: there is no "wait" in it' in str(error.value)

@@ -1,0 +1,82 @@
+"""On every football program of the repository the compiled path and the reference interpreter play the same match."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference_match import ReferenceMatch
+
+from envs.football.constants import DURATION, NUM_ACTIONS, REJECTED, RUNNING, TERMINATED
+from envs.football.domain import FOOTBALL
+from envs.football.state import MATCH
+from envs.football.vector_env import FootballVectorEnv
+from scenic_lite import load
+from scenic_lite.dynamics.bytecode import NO_COMMAND
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = ("minigames", "tests/programs", "experiments/programs")
+
+
+def is_football(path: Path) -> bool:
+    return "= Ball " in path.read_text()
+
+
+PROGRAMS = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.scenic") if is_football(path))
+
+
+def dynamic(path: Path) -> bool:
+    """Whether anything happens in a program's episodes: the others are equal without a test."""
+    program = load(path, FOOTBALL)
+    attached = any(info.behavior for info in program.objects)
+    return bool(attached or program.monitors or program.terminations or program.temporal)
+
+
+SCRIPTED = [path for path in PROGRAMS if dynamic(path)]
+
+
+def test_there_are_programs_with_behaviors() -> None:
+    assert len(SCRIPTED) >= 15
+
+
+def both_play(path: Path, count: int, steps: int) -> None:
+    """Play `count` levels both ways with random actions of the learner, until their first episode is over."""
+    env = FootballVectorEnv(path, count)
+    env.reset(seed=7)
+    references = [ReferenceMatch(env.program, level["theta"], int(level["seed"])) for level in env.levels]
+    going = set(range(count))
+    actions = np.random.default_rng(2).integers(0, NUM_ACTIONS, (steps, count))
+    for step, row in enumerate(actions):
+        _, rewards, terminated, truncated, info = env.step(row)
+        after = np.asarray(env.matches).view(MATCH)
+        for k in sorted(going):
+            moment = references[k].step(int(row[k]))
+            where = f"{path.name}, level {k}, step {step}"
+            wanted = [actions[0] if actions else NO_COMMAND for actions in moment.commands.actions]
+            assert env._batch.commands[k].tolist() == wanted, where
+            assert rewards[k] == moment.goal + moment.verdict.reward, where
+            assert info["ended"][k] == ending(moment), where
+            if terminated[k] or truncated[k]:
+                going.remove(k)
+            else:
+                assert (after[k] == np.asarray(references[k].matches).view(MATCH)[0]).all(), where
+
+
+def ending(moment) -> int:
+    if moment.verdict.rejected:
+        return REJECTED
+    if moment.ended in (RUNNING, DURATION) and moment.verdict.terminated:
+        return TERMINATED
+    return moment.ended
+
+
+@pytest.mark.parametrize("path", SCRIPTED, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_compiled_behaviors_play_as_the_reference_does(path: Path) -> None:
+    both_play(path, 1, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", SCRIPTED, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_compiled_behaviors_play_whole_episodes_as_the_reference_does(path: Path) -> None:
+    both_play(path, 3, 300)
