@@ -21,6 +21,7 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments import arguments, build
+from experiments.benchmark_behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmark_language import language_suite, render_language
 from experiments.config import TrainConfig
 from experiments.measuring import STRETCHES, Measurement, rate
@@ -39,7 +40,7 @@ class BenchmarkConfig:
     """What is typed after `regista benchmark`."""
 
     suite: Literal["sim", "train", "language", "all"] = setting(
-        "all", "sim: the simulator alone; train: domain randomisation; language: programs and their scenes; all"
+        "all", "sim: the simulator alone; train: domain randomisation; language: programs, scenes, behaviors; all"
     )
     minigame: str = setting("1v1Free", "what is played")
     num_envs: int = setting(256, "environments of the simulator's batch")
@@ -62,6 +63,7 @@ def main(argv: Sequence[str]) -> int:
         found["training"] = training_suite(config)
     if config.suite in ("language", "all"):
         found["language"] = language_suite(config.seconds)
+        found["behaviors"] = behaviors_suite(config.seconds)
     if config.json:
         results = {suite: [row._asdict() for row in rows] for suite, rows in found.items()}
         print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
@@ -201,6 +203,9 @@ def render(suite: str, rows: Sequence[Any]) -> str:
     if suite == "simulator":
         low, high = REFERENCE
         lines.append(["for comparison: Google Research Football", f"{low}–{high}".rjust(11), "academies, one core"])
+    if suite == "behaviors":
+        low, high = ORIGINAL
+        lines.append(["for comparison: Scenic alone, without a simulator", f"{low}–{high}".rjust(11), "one core"])
     return align(lines)
 
 

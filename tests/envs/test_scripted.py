@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
 import numpy as np
 import pytest
 
+from envs.football.batch import step_batch
 from envs.football.config import FootballConfig
 from envs.football.constants import BUILTIN_AI, DURATION, METRES_PER_X, REJECTED, TERMINATED
 from envs.football.gym_env import FootballEnv
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
+ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = """
 from football.behaviors import *
 param game_duration = 60
@@ -243,3 +251,97 @@ def test_the_ball_takes_no_actions() -> None:
     text = SETTINGS + "ego = LeftCM at 0 @ 0\nBall at 5 @ 5, with behavior RunRight()\n"
     with pytest.raises(ScenicError, match="only players take actions"):
         started(text).step(np.zeros(1, int))
+
+
+# ---------------------------------------------------------------- the same numbers, the same kernels
+
+
+def test_a_new_program_compiles_no_kernel() -> None:
+    steps(started(program(PAYING)), 1)
+    if not hasattr(step_batch, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    before = len(step_batch.signatures)
+    steps(started(program(FAILING, "Divide(3)", more=PAYING)), 1)
+    steps(started(program()), 1)
+    assert len(step_batch.signatures) == before == 1
+
+
+DRAWING = """
+behavior Wander():
+    while True:
+        for i in range(DiscreteRange(1, 4)):
+            take SetDirection(DiscreteRange(1, 8))
+        take Uniform(13, 15)
+"""
+
+
+def wandering(count: int) -> FootballVectorEnv:
+    return started(program(DRAWING, "Wander()", "LeftGK with behavior Wander()\n" + PAYING), count)
+
+
+def course(env: FootballVectorEnv, count: int = 80) -> list[np.ndarray]:
+    seen = [step[:4] for step in steps(env, count, action=5)]
+    return [np.stack([step[i] for step in seen]) for i in range(4)]
+
+
+def equal(first: list[np.ndarray], second: list[np.ndarray]) -> bool:
+    return all((a == b).all() for a, b in zip(first, second, strict=True))
+
+
+def test_runs_repeat_themselves_and_threads_change_nothing() -> None:
+    courses = [course(wandering(16)) for _ in range(2)]
+    assert equal(*courses)
+    if numba.config.NUMBA_NUM_THREADS > 1:
+        threads = numba.get_num_threads()
+        try:
+            numba.set_num_threads(1)
+            assert equal(courses[0], course(wandering(16)))
+        finally:
+            numba.set_num_threads(threads)
+
+
+def test_a_batch_of_one_is_a_row_of_a_batch() -> None:
+    many = wandering(4)
+    ones = [wandering(1) for _ in range(4)]
+    for row, one in enumerate(ones):
+        one.reset_to_levels(many.levels[row : row + 1])
+    whole = course(many)
+    for row, one in enumerate(ones):
+        assert equal([part[:, row : row + 1] for part in whole], course(one))
+
+
+def test_a_copy_goes_on_in_the_middle_of_its_behaviors() -> None:
+    env = wandering(6)
+    course(env, 33)
+    twin = env.copy()
+    assert equal(course(env), course(twin))
+
+
+def test_each_episode_of_a_deterministic_match_is_the_same() -> None:
+    text = program(DRAWING, "Wander()") + "param deterministic = True\nparam game_duration = 20\n"
+    seen = [step[0] for step in steps(started(text), 60)]
+    for t in range(20):
+        assert (seen[t] == seen[t + 20]).all() and (seen[t] == seen[t + 40]).all()
+
+
+UNCOMPILED = """
+import sys
+import numpy as np
+from envs.football.vector_env import FootballVectorEnv
+env = FootballVectorEnv(sys.argv[1], 2)
+env.reset(seed=5)
+seen = [np.column_stack([*env.step(np.full(2, 5))[:2]]) for _ in range(40)]
+np.save(sys.argv[2], np.stack(seen))
+"""
+
+
+def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
+    file = tmp_path / "wander.scenic"
+    file.write_text(program(DRAWING, "Wander()", "LeftGK with behavior Wander()\n" + PAYING))
+    results = []
+    for disable in "01":
+        saved = tmp_path / f"{disable}.npy"
+        command = [sys.executable, "-c", UNCOMPILED, str(file), str(saved)]
+        subprocess.run(command, check=True, cwd=ROOT, env={**os.environ, "NUMBA_DISABLE_JIT": disable})
+        results.append(np.load(saved))
+    np.testing.assert_allclose(results[0], results[1], atol=1e-6)
