@@ -6,14 +6,16 @@ at every step with how often they occurred; `records`, `per_step`. Read next: `s
 
 import collections
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from scenic_lite import Domain, Program, load
 from scenic_lite.dynamics.reference import Reference
-from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
+from scenic_lite.dynamics.toy import Trace, first_table, properties, run, toy_world
 from scenic_lite.geometry import Vector
+from scenic_lite.values import Instance
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 
@@ -45,9 +47,18 @@ def dynamic(path: Path, entries: dict[str, str], world: Domain, dialect: int) ->
 
 def play(program: Program, theta: np.ndarray, entries: dict[str, str], seed: int) -> tuple[Reference, Trace]:
     """One episode as a header says."""
-    reference = Reference(program, theta, toy_world(float(entries.get("timestep", 1))), seed)
+    world = toy_world(float(entries.get("timestep", 1)))
+    reference = Reference(program, theta, replace(world, properties=as_written), seed)
     drift = float(entries.get("drift", 0))
     return reference, run(first_table(program, theta), reference, int(entries.get("steps", 3)), drift)
+
+
+def as_written(instance: Instance, fields: dict) -> dict:
+    """Live properties in which a height is the integer of the program while it is true: texts show the difference."""
+    live = properties(instance, fields)
+    before, now = instance.properties["position"], live["position"]
+    same = isinstance(before.y, int) and before.y == now.y
+    return live | {"position": Vector(now.x, before.y if same else now.y)}
 
 
 def written(trace: Trace) -> list[dict[str, list[str]]]:
@@ -56,7 +67,10 @@ def written(trace: Trace) -> list[dict[str, list[str]]]:
 
 
 def text(action: object) -> str:
-    return f"({action.x}, {action.y}, 0.0)" if isinstance(action, Vector) else str(action)
+    """As Scenic's `str`: objects of programs have no names there."""
+    if isinstance(action, Vector):
+        return f"({action.x}, {action.y}, 0.0)"
+    return f"unnamed {action.cls.name}2D" if isinstance(action, Instance) else str(action)
 
 
 def by_step(traces: collections.Counter) -> dict[str, dict[str, int]]:
