@@ -41,7 +41,7 @@ class ScenicError(Exception):
         source_line: str = "",
         notes: Iterable[str] = (),
     ) -> None:
-        super().__init__(message)
+        super().__init__(kind, message)  # what it takes to make it again: errors of other processes arrive pickled
         self.kind = kind
         self.message = message
         self.place = place

@@ -136,7 +136,8 @@ class Faults:
         return [self._of(each, registers) for each in watch.node.inputs]
 
     def _of(self, value: Value, registers: list[Any]) -> Any:
-        return registers[self._tape.find(value)] if isinstance(value, Random) else value
+        slot = self._tape.find(value) if isinstance(value, Random) else None
+        return value if slot is None else registers[slot]
 
     def _mask(self, watch: Watch, registers: list[Any]) -> Any:
         inputs = self._inputs(watch, registers)

@@ -60,6 +60,9 @@ class Program:
         session: what the trees are evaluated in, by `scenic_lite.dynamics`.
         warnings: what looks like a slip but is legal.
         source, file: the text and where it came from.
+
+    It does not change once it is loaded: copies are the program itself. It is for one thread at a time, and is not
+    pickled: another process loads the same text, and maps the same θ to the same scenes.
     """
 
     def __init__(self, session: Session, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
@@ -147,6 +150,15 @@ class Program:
             plan = planner.plan(behavior.arguments)
             if plan is not None:
                 self._argument_plans.append((i, plan))
+
+    def __copy__(self) -> Program:
+        return self
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Program:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError(f"a Program is not pickled: give the other process the text of {self.file}, and load it there")
 
     # ------------------------------------------------------------ from θ to scenes
 
@@ -269,8 +281,8 @@ class Program:
             broken = scenes.failed & in_force
             good = (scenes.ok & ~broken.any(axis=1)).reshape(len(pending), each)
             if found_faults.any:
-                earlier = np.cumsum(good, axis=1) - good  # of the scenes that one by one would have found
-                found_faults.raise_first(broken, (earlier == 0).ravel())
+                drawn = good.cumsum(axis=1) <= good  # one by one, up to the first that is good
+                found_faults.raise_first(broken, drawn.ravel())
             accepted += int(good.sum())
             found = good.any(axis=1)
             chosen = (np.arange(len(pending)) * each + good.argmax(axis=1))[found]

@@ -1,6 +1,8 @@
 """Program: batches, rules, sampling, reports."""
 
+import copy
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -325,3 +327,19 @@ def test_no_scenes_are_no_scenes():
         program.sample(-1, RNG(0))
     with pytest.raises(ValueError, match="a report needs at least one draw, not 0"):
         program.report(0, RNG(0))
+
+
+def test_copies_of_a_program_are_the_program_and_pickling_says_what_to_do_instead():
+    program = load("ego = new Object at Range(0, 1) @ 2", dialect=3)
+    assert copy.copy(program) is program
+    assert copy.deepcopy({"it": program})["it"] is program
+    with pytest.raises(TypeError, match="load it there"):
+        pickle.dumps(program)
+
+
+def test_errors_survive_pickling():
+    with pytest.raises(ScenicError) as caught:
+        load("ego = new Object at 1 @ oops", dialect=3)
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value)
+    assert (again.kind, again.place) == (caught.value.kind, caught.value.place)
