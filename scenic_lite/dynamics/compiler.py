@@ -19,9 +19,10 @@ from scenic_lite.calls import meaning
 from scenic_lite.classes import OBJECT
 from scenic_lite.dynamics.bytecode import REWARD, Op
 from scenic_lite.dynamics.compiled import Compiled
+from scenic_lite.dynamics.compiler_attributes import forget, reveal, show_shared
 from scenic_lite.dynamics.compiler_behaviors import DYNAMIC, run_behavior
 from scenic_lite.dynamics.compiler_calls import call_node, call_value
-from scenic_lite.dynamics.compiler_choices import attribute_of, binary, scenic_operator, subscript, unary
+from scenic_lite.dynamics.compiler_choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
 from scenic_lite.dynamics.compiler_code import Assembler, DrawnNow, Label, Live
 from scenic_lite.dynamics.compiler_comprehensions import comprehension, dictionary_comprehension
 from scenic_lite.dynamics.compiler_conditions import boolean, comparison, conditional
@@ -45,6 +46,7 @@ EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
     ast.BinOp: binary,
     ast.UnaryOp: unary,
     ast.Subscript: subscript,
+    ast.FormattedValue: formatted,
     ast.BoolOp: boolean,
     ast.IfExp: conditional,
     ast.Compare: comparison,
@@ -62,11 +64,10 @@ def compile_program(program: Program, world: World) -> Compiled:
         message = "modular scenarios with a compose block run in the reference interpreter only"
         raise program.error("unsupported", message, program.main.place)
     shapes: dict[tuple, Shape] = {}
-    shared: dict[tuple, tuple[dict[str, Value], str]] = {}
     for _ in range(MOST_WALKS):
         compilation = Compilation(program, world, program.session, Assembler(), shapes)
         with lent(compilation):
-            threads = walk(compilation, shared)
+            threads = walk(compilation)
         if not compilation.code.widened:
             return finished(compilation, threads)
     raise ScenicError("budget", "the variables of the program's behaviors can be too many things")
@@ -141,14 +142,16 @@ def new(frame: Frame, node: nodes.New) -> Value:
 # ------------------------------------------------------------ one walk
 
 
-def walk(c: Compilation, shared: dict) -> list[tuple[int, int, Label, str]]:
+def walk(c: Compilation) -> list[tuple[int, int, Label, str]]:
     """Compile everything once; the threads: slot, object, entry, title."""
     code = c.code
     code.row(Op.END, code.fixed.take())  # row 0: where a thread stands that has ended
     code.reachable = False
     show_world(c)
     threads: list[tuple[int, int, Label, str]] = []
+    show_shared(c)
     agents, monitors = calls_of(c)
+    movers = [agent for _, agent, _ in agents]
     guards = [(agent, call) for _, agent, call in agents] + [(None, call) for call in monitors]
     if any(has_guards(call) for _, call in guards):
         every(c, threads, "guards", lambda: start(c, guards), once=True)
@@ -157,11 +160,16 @@ def walk(c: Compilation, shared: dict) -> list[tuple[int, int, Label, str]]:
         every(c, threads, "temporal requirements", lambda: made.extend(temporal(c)))
     if c.program.terminations:
         every(c, threads, "terminate when", lambda: (time_limit(c), conditions(c, "scenario")))
-    c.counts = (len(threads), len(agents), len(monitors))
+    scenarios = len(threads)
+    if c.remembering and c.program.dialect == 3:
+        every(c, threads, "lastActions", lambda: forget(c, movers))
     for number, agent, call in agents:
         c.agent = agent
         body(c, threads, number, call, f"{agent.title()}: {call.behavior.name}")
     c.agent = None
+    if c.remembering and c.program.dialect == 2:
+        every(c, threads, "lastActions", lambda: reveal(c, movers))
+    c.counts = (scenarios, len(threads) - scenarios, len(monitors))
     for call in monitors:
         body(c, threads, -1, call, f"monitor {call.behavior.name}")
     every(c, threads, "terminate simulation when", lambda: conditions(c, "simulation"))
@@ -186,6 +194,7 @@ def has_guards(call: BehaviorCall) -> bool:
 def show_world(c: Compilation) -> None:
     """Give the objects their live properties and `simulation()` its meaning."""
     world, program, code = c.world, c.program, c.code
+    c.remembering = any("lastActions" in line for source in program._sources.values() for line in source.lines)
     c.world_base = code.fixed.take(len(program.instances) * len(world.fields))
     c.fact_base = code.fixed.take(len(world.facts))
     facts = {name: Live(c.fact_base + i, whole=name == "time") for i, name in enumerate(world.facts)}
@@ -200,6 +209,7 @@ def show_world(c: Compilation) -> None:
         live = world.properties(instance, fields)
         names |= set(live)
         instance.properties.update(live)
+        instance.properties["lastActions"] = ()
     for i, name in enumerate(world.facts):
         code.notes[c.fact_base + i] = name
     c.live_names = frozenset(names)

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import ast
 
+from scenic_lite.classes import checked
 from scenic_lite.dynamics.bytecode import REWARD
-from scenic_lite.dynamics.compiler_code import Live
 from scenic_lite.dynamics.compiler_emit import register_of
 from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame
 from scenic_lite.dynamics.compiler_slots import Slot, pairs
 from scenic_lite.errors import ScenicError
 from scenic_lite.graph import Value, kind_of
-from scenic_lite.values import Choice, Instance, Namespace, describe_kind
+from scenic_lite.values import Choice, Instance, describe_kind
+
+Key = tuple[str, str, str]  # "object" and its label or "simulation" and "", then the attribute
 
 
 def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner: Value, value: Value) -> None:
@@ -24,12 +26,12 @@ def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner
         if kind_of(value) not in ("number", "truth"):
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
-    elif isinstance(owner, Namespace) and owner.open:
-        keep(c, owner.names, ("namespace", owner.name, name), name, value)
-    elif isinstance(owner, Instance):
+    elif owner is c.simulation:
+        keep(c, ("simulation", "", name), value)
+    elif isinstance(owner, Instance) and owner.label:
         refuse_live(c, owner, name)
-        table = owner.properties if name in owner.properties else owner.attributes
-        keep(c, table, ("object", owner.label, name), name, value)
+        checked_value = checked(name, value, c.program.dialect) if name in owner.properties else value
+        keep(c, ("object", owner.label, name), checked_value)
     elif isinstance(owner, Choice):
         raise ScenicError("unsupported", "attributes are set of one object, not of whichever a match finds")
     else:
@@ -38,24 +40,33 @@ def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner
 
 def refuse_live(c: Compilation, owner: Instance, name: str) -> None:
     """What the world says of an object is the world's."""
-    value = owner.properties.get(name)
-    if name in ("x", "y", "position", "heading") or (isinstance(value, Live) and name in c.live_names):
+    if name in ("x", "y") or name in c.live_names:
         hint = "players move by what they do: take an action"
         raise ScenicError("type", f"the {name} of {owner.title()} belongs to the world", hint=hint)
 
 
-def keep(c: Compilation, table: dict[str, Value], key: tuple, name: str, value: Value) -> None:
+def keep(c: Compilation, key: Key, value: Value) -> None:
     """Assign an attribute that lasts as long as the match."""
-    shared(c, table, key, name).store(value)
-    table[name] = c.shared[key].value
+    slot = shared(c, key)
+    slot.store(value)
+    table_of(c, key)[key[2]] = slot.value
 
 
-def shared(c: Compilation, table: dict[str, Value], key: tuple, name: str) -> Slot:
+def table_of(c: Compilation, key: Key) -> dict[str, Value]:
+    """Where an attribute is looked up."""
+    kind, label, name = key
+    if kind == "simulation":
+        assert c.simulation is not None
+        return c.simulation.names
+    owner = next(each for each in c.program.instances if each.label == label)
+    return owner.properties if name in owner.properties else owner.attributes
+
+
+def shared(c: Compilation, key: Key) -> Slot:
     """The slot of an attribute; at the start of a match it holds what the program gave it."""
     if key not in c.shared:
-        slot = Slot(c.code, c.shapes, key, shared=True)
-        c.shared[key] = slot
-        c.owners[key] = (table, name)
+        slot = c.shared[key] = Slot(c.code, c.shapes, key, shared=True)
+        table, name = table_of(c, key), key[2]
         if name in table:
             slot.widen(table[name])
             assert slot.shape is not None
@@ -64,5 +75,35 @@ def shared(c: Compilation, table: dict[str, Value], key: tuple, name: str) -> Sl
     return c.shared[key]
 
 
-def reward_value() -> Live:
-    return Live(REWARD)
+def show_shared(c: Compilation) -> None:
+    """Let the attributes that a program is known to set be read from their registers."""
+    for key in [key for key in c.shapes if key[:1] in (("object",), ("simulation",))]:
+        slot = shared(c, key)  # type: ignore[arg-type]
+        table_of(c, key)[key[2]] = slot.value  # type: ignore[arg-type]
+
+
+# ------------------------------------------------------------ what objects did last
+
+
+def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
+    """Note the actions of the present object, for whoever asks for its `lastActions`."""
+    if c.remembering:
+        assert c.agent is not None
+        keep(c, ("object", c.agent.label, LATELY[c.program.dialect]), actions)
+
+
+def forget(c: Compilation, agents: list[Instance]) -> None:
+    """At the start of a step, in dialect 3: nobody has done anything yet."""
+    for each in agents:
+        keep(c, ("object", each.label, "lastActions"), ())
+
+
+def reveal(c: Compilation, agents: list[Instance]) -> None:
+    """At the end of a step, in dialect 2: only now others see what was done."""
+    for each in agents:
+        lately = ("object", each.label, LATELY[2])
+        keep(c, ("object", each.label, "lastActions"), shared(c, lately).value or ())
+        keep(c, lately, ())
+
+
+LATELY = {2: "(actions of this step)", 3: "lastActions"}

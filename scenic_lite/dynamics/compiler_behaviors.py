@@ -11,6 +11,7 @@ from typing import Any
 
 from scenic_lite import nodes
 from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler_attributes import remember
 from scenic_lite.dynamics.compiler_choices import over_options
 from scenic_lite.dynamics.compiler_code import Label
 from scenic_lite.dynamics.compiler_conditions import jump_on, needs_number
@@ -35,6 +36,7 @@ def take(c: Compilation, frame: LiveFrame, node: nodes.Take) -> None:
         actions = list(actions[0])
     assert c.agent is not None, "the checker lets only behaviors take actions"
     actions = [checked(c, each, node) for each in actions]
+    remember(c, tuple(actions))
     on = Label()
     c.code.row(Op.TAKE, command(c, actions, node), c.slot, on)
     c.code.reachable = False

@@ -13,8 +13,8 @@ from scenic_lite.dynamics.compiler_choices import over_options
 from scenic_lite.dynamics.compiler_code import Assembler, Label
 from scenic_lite.dynamics.compiler_frame import MUTATORS, Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler_functions import FUNCTIONS, mutated
-from scenic_lite.dynamics.compiler_shapes import LiveList, loaded, shape_of, varies
-from scenic_lite.dynamics.compiler_slots import pairs, registers_in, settled, store
+from scenic_lite.dynamics.compiler_shapes import LiveList, shape_of, varies
+from scenic_lite.dynamics.compiler_slots import copied, pairs, registers_in, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.frame import Frame
 from scenic_lite.graph import Value
@@ -105,14 +105,10 @@ def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
     """A function's value, copied out of the registers of its variables, which are free again."""
     if not varies(value):
         return value
-    shape = shape_of(value)
-    start = code.temporaries.take(shape.size)
-    moves = list(pairs(shape, iter(range(start, start + shape.size)), value))
     freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
-    if not any(register in freed for _, part in moves for register in registers_in(part)):
-        return value
-    store(code, moves)
-    return loaded(shape, iter(range(start, start + shape.size)))
+    shape = shape_of(value)
+    parts = [part for _, part in pairs(shape, iter(range(shape.size)), value)]
+    return copied(code, value) if any(each in freed for part in parts for each in registers_in(part)) else value
 
 
 def value_of(c: Compilation, inner: LiveFrame, function: Function, scope: Scope) -> Value:

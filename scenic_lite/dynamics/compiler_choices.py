@@ -19,9 +19,10 @@ from scenic_lite.dynamics.compiler_shapes import LiveList, taken_apart
 from scenic_lite.dynamics.compiler_slots import Slot
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import combined, item_of, signed
-from scenic_lite.frame import Frame
+from scenic_lite.frame import PYTHON_FAULTS, Frame, from_python
 from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
 from scenic_lite.operators import OPERATORS
+from scenic_lite.texts import text_of
 from scenic_lite.values import Choice, Function, choose
 
 MADE = Callable[[Value], Value]
@@ -36,9 +37,9 @@ def over_options(c: Compilation, choice: Choice, of_one: MADE, key: object) -> V
             try:
                 results.append((rows, of_one(option)))
                 errors.append(None)
-            except ScenicError as error:
+            except (ScenicError, *PYTHON_FAULTS) as error:
                 results.append(([], None))
-                errors.append(error)
+                errors.append(error if isinstance(error, ScenicError) else from_python(error))
     if all(errors):
         assert errors[0] is not None
         raise errors[0]
@@ -162,6 +163,20 @@ def item(c: Compilation, frame: Frame, node: ast.Subscript, container: Value, in
     if isinstance(container, LiveList) or isinstance(index, Random):
         return item_at(c, frame, container, index)
     return item_of(frame, container, index)
+
+
+def formatted(c: Compilation, frame: Frame, node: ast.FormattedValue) -> Value:
+    """A value in an f-string."""
+    spec = "" if node.format_spec is None else frame.value(node.format_spec)
+    return text_with(c, frame, node, frame.value(node.value), spec)
+
+
+def text_with(c: Compilation, frame: Frame, node: ast.FormattedValue, value: Value, spec: str) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: text_with(c, frame, node, option, spec), id(node))
+    if node.conversion != -1:
+        raise ScenicError("unsupported", "conversions such as !r in a behavior", hint="leave it out")
+    return text_of(frame, value, spec)
 
 
 def scenic_operator(c: Compilation, frame: Frame, node) -> Value:

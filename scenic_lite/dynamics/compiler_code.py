@@ -150,7 +150,7 @@ class Assembler:
         self.rows = inside
         try:
             yield inside
-        except ScenicError:
+        except BaseException:
             self.reachable = reachable
             raise
         finally:

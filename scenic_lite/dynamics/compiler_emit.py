@@ -77,6 +77,7 @@ LISTED: dict[Any, Op] = {
     sector_and_rectangle: Op.SECTOR_MEETS,
 }
 WHOLE = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.FLOOR_DIVIDE, Op.MODULO, Op.NEGATE, Op.ABSOLUTE, Op.MINIMUM, Op.MAXIMUM)
+SIGNED_ZEROS = (Op.MULTIPLY, Op.MODULO, Op.NEGATE)
 ALWAYS_WHOLE = (Op.TRUNCATE, Op.ROUND, Op.FLOOR, Op.CEILING)
 
 
@@ -140,7 +141,10 @@ def compute(code: Assembler, node: Random, out: int) -> None:
     operation = node.operation
     if _hashable(operation) and operation in SIMPLE:
         operands = [register_of(code, each) for each in node.inputs]
-        code.row(SIMPLE[operation], out, *operands)
+        op = SIMPLE[operation]
+        code.row(op, out, *operands)
+        if op in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
+            code.row(Op.ADD, out, out, code.constant(0))
     elif _hashable(operation) and operation in SWAPPED:
         left, right = (register_of(code, each) for each in node.inputs)
         code.row(SWAPPED[operation], out, right, left)

@@ -128,7 +128,7 @@ class Compilation:
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     broken: list[str] = field(default_factory=list)  # requirements that reject a match
     simulation: Namespace | None = None
-    owners: dict[tuple, tuple[dict[str, Value], str]] = field(default_factory=dict)  # of shared attributes
+    remembering: bool = False  # the program reads `lastActions`
     guarding: int = 0  # statements with a scan around the present one: their variables all last
     clock: Any = None  # steps since the start
     counts: tuple[int, int, int] = (0, 0, 0)  # threads of the scenario, of behaviors, of monitors

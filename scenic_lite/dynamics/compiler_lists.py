@@ -20,7 +20,7 @@ from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import item_of
 from scenic_lite.frame import Frame
-from scenic_lite.graph import ADD, EQUAL, LESS, OR, Random, Value, apply
+from scenic_lite.graph import ADD, EQUAL, LESS, OR, Random, Value, apply, as_number
 from scenic_lite.regions import Region
 from scenic_lite.values import Choice, choose, describe_kind
 
@@ -119,7 +119,7 @@ def from_start(c: Compilation, index: Value, length: Value) -> Value:
         return index if index >= 0 else apply(ADD, length, index)
     index = settled(c.code, index)
     negative = apply(LESS, index, 0, kind="truth")
-    return settled(c.code, choose(negative, [index, apply(ADD, index, length)]))
+    return settled(c.code, choose(as_number(negative), [index, apply(ADD, index, length)]))
 
 
 def dictionary_item(c: Compilation, table: dict, key: Value) -> Value:
@@ -128,7 +128,9 @@ def dictionary_item(c: Compilation, table: dict, key: Value) -> Value:
     found: Value = len(places)
     for i, each in reversed(list(enumerate(places))):
         same = compared_keys(each, key)
-        found = choose(settled(c.code, same), [found, i]) if isinstance(same, Random) else (i if same else found)
+        found = (
+            choose(as_number(settled(c.code, same)), [found, i]) if isinstance(same, Random) else (i if same else found)
+        )
     found = settled(c.code, found)
     inside = apply(LESS, found, len(places), kind="truth")
     c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
@@ -213,7 +215,9 @@ def changed_item(c: Compilation, frame: Frame, container: Value, index: Value, v
         place = settled(c.code, from_start(c, index, len(container)))
         register_of(c.code, choose(place, list(range(len(container)))))
         same = [apply(EQUAL, place, i, kind="truth") for i in range(len(container))]
-        return [choose(settled(c.code, is_it), [old, value]) for is_it, old in zip(same, container, strict=True)]
+        return [
+            choose(as_number(settled(c.code, is_it)), [old, value]) for is_it, old in zip(same, container, strict=True)
+        ]
     raise ScenicError("unsupported", f"elements of {describe_kind(container)} cannot be assigned in a match")
 
 

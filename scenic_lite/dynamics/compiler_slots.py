@@ -141,6 +141,16 @@ def kept(code: Assembler, value: Value) -> Value:
     return loaded(shape, iter(registers))
 
 
+def copied(code: Assembler, value: Value) -> Value:
+    """A value as it is now, whatever is assigned before the statement ends."""
+    if not varies(value):
+        return value
+    shape = shape_of(value)
+    start = code.temporaries.take(shape.size)
+    store(code, list(pairs(shape, iter(range(start, start + shape.size)), value)))
+    return loaded(shape, iter(range(start, start + shape.size)))
+
+
 def settled(code: Assembler, value: Value) -> Value:
     """A value with everything in it computed now, so that it is not computed again wherever it is read."""
     if isinstance(value, Live) or not varies(value):

@@ -20,7 +20,7 @@ from scenic_lite.dynamics.compiler_emit import register_of
 from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame, Loop, assigned_names, suspends
 from scenic_lite.dynamics.compiler_lists import LiveRange, changed_item, element_at, elements
 from scenic_lite.dynamics.compiler_shapes import LiveList
-from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
+from scenic_lite.dynamics.compiler_slots import Slot, copied, kept, settled
 from scenic_lite.dynamics.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.graph import Value
@@ -66,8 +66,7 @@ def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> No
         parts = elements(c, frame, value, target)
         if any(isinstance(each, ast.Starred) for each in target.elts) or len(parts) != len(target.elts):
             raise frame.error("value", f"{len(parts)} values for {len(target.elts)} names", target)
-        if any(isinstance(each, Live) for each in parts):  # `a, b = b, a`
-            parts = [settled_copy(c, each) for each in parts]
+        parts = [copied(c.code, each) for each in parts]  # `a, b = b, a`
         for each, part in zip(target.elts, parts, strict=True):
             bind(c, frame, each, part)
     elif isinstance(target, ast.Attribute):
@@ -77,15 +76,6 @@ def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> No
         bind_item(c, frame, target, changed_item(c, frame, container, index, value))
     else:
         raise frame.error("syntax", "this cannot be assigned to", target)
-
-
-def settled_copy(c: Compilation, value: Value) -> Value:
-    """A value that later assignments do not change."""
-    if not isinstance(value, Live):
-        return settled(c.code, value)
-    copy = c.code.temporaries.take()
-    register_of(c.code, value, copy)
-    return Live(copy, value.kind, value.whole, lasting=False)
 
 
 def bind_item(c: Compilation, frame: LiveFrame, target: ast.Subscript, container: Value) -> None:

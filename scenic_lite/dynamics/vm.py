@@ -287,26 +287,28 @@ def divided(op, x, y):
     if op == _MODULO:
         return rest if rest != 0 else math.copysign(0.0, y)
     quotient = (x - rest) / y
+    if quotient == 0:
+        return math.copysign(0.0, x / y)
     floor = math.floor(quotient)
     return floor + 1.0 if quotient - floor > 0.5 else float(floor)
 
 
 @kernel
 def computed(code, registers, op, b, c):
-    """The rarer functions: the result, and whether there is one."""
+    """The rarer functions: the result, and whether there is one. Integers have no -0, hence `+ 0.0`."""
     x = registers[b]
     if op == _POWER:
         return power(x, registers[c])
     if op == _SQUARE_ROOT:
         return math.sqrt(max(x, 0.0)), x >= 0
     if op == _FLOOR:
-        return np.floor(x), np.isfinite(x)
+        return np.floor(x) + 0.0, np.isfinite(x)
     if op == _CEILING:
-        return np.ceil(x), np.isfinite(x)
+        return np.ceil(x) + 0.0, np.isfinite(x)
     if op == _TRUNCATE:
-        return np.trunc(x), np.isfinite(x)
+        return np.trunc(x) + 0.0, np.isfinite(x)
     if op == _ROUND:
-        return np.rint(x), np.isfinite(x)
+        return np.rint(x) + 0.0, np.isfinite(x)
     if op == _ROUND_DIGITS:
         scale = 10.0 ** registers[c]
         return np.rint(x * scale) / scale, True

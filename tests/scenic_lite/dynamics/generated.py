@@ -62,7 +62,7 @@ class Generator:
             f"sin({a})",
             f"({a} deg)",
             f"([o for o in things if o.position.y > {a}] + [ego])[0].position.x",
-            f"max([o.position.y for o in things])",
+            "max([o.position.y for o in things])",
         ]
         return self.pick(*forms)
 

@@ -1,0 +1,57 @@
+"""Playing one match twice, by the reference and by the machine, and telling what differs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from scenic_lite import Program, ScenicError, load
+from scenic_lite.dynamics.compiled import Compiled, CompiledController
+from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.toy import Controller, first_table, run, toy_world
+
+CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions
+
+
+def differences(
+    text: str, seeds: range = range(3), steps: int = 12, dialect: int = 3, drift: float = 1.0, timestep: float = 1.0
+) -> tuple[list[str], Compiled]:
+    """What differs between the two in matches of a program in the toy world, and the code."""
+    program = load(text, dialect=dialect)
+    world = toy_world(timestep)
+    compiled = compile_program(program, world)
+    found = []
+    for seed in seeds:
+        theta = program.sample(1, np.random.default_rng(seed))[0][0]
+        table = first_table(program, theta)
+        expected = outcome(Reference(program, theta, world, seed), table, steps, drift)
+        actual = outcome(CompiledController(compiled, theta, seed), table, steps, drift)
+        if not alike(expected, actual):
+            found.append(f"seed {seed}: {expected} but {actual}")
+    return found, compiled
+
+
+def outcome(controller: Controller, table: np.ndarray, steps: int, drift: float) -> tuple:
+    """A trace as plain values; a fault by its line, but a loop without an action has no line of its own."""
+    try:
+        trace = run(table, controller, steps, drift)
+    except ScenicError as error:
+        assert error.place is not None, error
+        return ("fault", "endless" if error.kind == "budget" else error.place.line)
+    commands = tuple((each.actions, each.agents) for each in trace.commands)
+    return (commands, trace.rewards, trace.ending, trace.rejected)
+
+
+def alike(a: Any, b: Any) -> bool:
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(alike, a, b))
+    if isinstance(a, float) and isinstance(b, int | float):
+        return abs(a - b) <= CLOSE * max(1.0, abs(a))
+    return a == b
+
+
+def programs_with_draws(program: Program, count: int) -> np.ndarray:
+    """Rows of theta [count, D]."""
+    return program.sample(count, np.random.default_rng(0))[0]

@@ -1,0 +1,219 @@
+"""The machine gives the commands of the reference: on small programs, on those of the repository, on generated ones."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.football.domain import FOOTBALL
+from envs.football.world import FOOTBALL_WORLD
+from scenic_lite import ScenicError, load
+from scenic_lite.dynamics import vm
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiled import CompiledController
+from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.toy import toy_world
+from tests.scenic_lite.dynamics import feature_programs
+from tests.scenic_lite.dynamics.compare import alike, differences
+from tests.scenic_lite.dynamics.generated import program as generated
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+OPEN = Path("/work/shared/language/oracle/open")
+FOOTBALL_PROGRAMS = sorted(
+    path
+    for folder in ("tests/programs", "minigames", "experiments/programs")
+    for path in (REPOSITORY / folder).rglob("*.scenic")
+    if re.search(r"behavior |monitor ", path.read_text()) and "ego" in path.read_text()
+)
+
+
+@pytest.mark.parametrize("name", sorted(feature_programs.BODIES))
+def test_a_feature_gives_the_same_commands(name):
+    found, _ = differences(feature_programs.program(name), range(4), steps=26)
+    assert found == []
+
+
+def test_watchers_give_the_same_verdicts():
+    found, _ = differences(feature_programs.watched_program(), range(40), steps=34)
+    assert found == []
+
+
+def test_every_opcode_is_used():
+    texts = [*map(feature_programs.program, feature_programs.BODIES), feature_programs.watched_program(), FAULTY]
+    used = {op for text in texts for op in differences(text, range(1), steps=3)[1].code.rows[:, 0].tolist()}
+    assert {op.name for op in Op} - {Op(each).name for each in used} == set()
+
+
+FAULTY = feature_programs.DEFINITIONS + "behavior Main():\n    assert self.position.y < 2\n    take 'a'\n"
+FAULTY += feature_programs.OBJECTS
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_generated_programs_give_the_same_commands(seed):
+    text = generated(seed)
+    found, _ = differences(text, range(seed, seed + 1), steps=14)
+    assert found == [], text
+
+
+@pytest.mark.skipif(not OPEN.exists(), reason="the open oracle programs are not here")
+@pytest.mark.parametrize("path", sorted(OPEN.glob("dyn_*.scenic")), ids=lambda path: path.stem)
+def test_open_oracle_programs_give_the_same_commands(path):
+    text = path.read_text()
+    settings = dict(re.findall(r"(\w+): ([^;\n]+)", "\n".join(text.splitlines()[:5])))
+    if "compose:" in text:
+        pytest.skip("modular scenarios run in the reference")
+    drift, steps = float(settings.get("drift", 0)), int(settings["steps"])
+    found, _ = differences(text, range(20), steps, drift=drift, timestep=float(settings["timestep"]))
+    assert found == []
+
+
+# ------------------------------------------------------------ football
+
+
+def random_worlds(rng: np.random.Generator, objects: int, steps: int):
+    """Tables [O, F] and facts [G] of matches that nobody has played."""
+    fields, facts = FOOTBALL_WORLD.fields, FOOTBALL_WORLD.facts
+    low, high = np.array([-100.0, -42.0]), np.array([100.0, 42.0])
+    places = rng.uniform(low, high, (objects, 2))
+    for step in range(steps):
+        places += rng.normal(0, 2, places.shape)
+        if rng.random() < 0.1:
+            places = rng.uniform(low, high, (objects, 2))
+        table = rng.integers(0, 2, (objects, len(fields))).astype(float)
+        table[:, :2] = places
+        table[:, fields.index("heading")] = rng.uniform(0, 2 * np.pi, objects)
+        table[:, fields.index("owns_ball")] = np.arange(objects) == rng.integers(-3, objects)
+        table[:, fields.index("owned_team")] = rng.integers(-1, 2)
+        known = {"time": float(step), "steps_left": 400.0 - step}
+        yield table, np.array([known.get(name, float(rng.integers(0, 2))) for name in facts])
+
+
+@pytest.mark.parametrize("path", FOOTBALL_PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_football_programs_give_the_same_commands(path):
+    program = load(path, FOOTBALL)
+    compiled = compile_program(program, FOOTBALL_WORLD)
+    rng = np.random.default_rng(3)
+    theta = program.sample(1, rng)[0][0]
+    players = [Reference(program, theta, FOOTBALL_WORLD, 5), CompiledController(compiled, theta, 5)]
+    for table, facts in random_worlds(rng, len(program.objects), 40):
+        commands = [each.act(table, facts) for each in players]
+        firsts = [tuple(tuple(map(float, actions[:1])) for actions in each.actions) for each in commands]
+        assert firsts[0] == firsts[1]
+        verdicts = [each.watch(table, facts) for each in players]
+        assert alike(tuple(verdicts[0]), tuple(verdicts[1]))
+        if verdicts[0].terminated or verdicts[0].rejected:
+            break
+
+
+def test_figure_2_1_compiles_in_a_moment():
+    program = load(REPOSITORY / "tests/programs/figure_2_1.scenic", FOOTBALL)
+    compile_program(program, FOOTBALL_WORLD)
+    start = time.process_time()
+    compile_program(program, FOOTBALL_WORLD)
+    assert time.process_time() - start < 0.5  # a tenth of that on a machine that does nothing else
+
+
+# ------------------------------------------------------------ the machine
+
+
+def test_a_new_program_compiles_no_kernel():
+    differences(feature_programs.program("draws"), range(1))
+    kernels = [vm.run_behaviors, vm.run_watchers, vm.run_thread]
+    if not hasattr(vm.run_behaviors, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    before = [list(kernel.signatures) for kernel in kernels]
+    for name in ("lists", "interrupts", "regions"):
+        differences(feature_programs.program(name), range(1))
+    differences(feature_programs.watched_program(), range(1))
+    assert [list(kernel.signatures) for kernel in kernels] == before
+    assert all(len(each) <= 1 for each in before)
+
+
+def test_disassembly_shows_the_lines_of_the_program():
+    _, compiled = differences(feature_programs.program("interrupts"), range(1))
+    text = compiled.disassembly()
+    assert "ego: Main" in text
+    assert "interrupt when self.position.y % 5 == 2:" in text
+    assert re.search(r"\d+  take +\S+, \S+, -> \d+", text)
+    assert "ego.y" in text
+
+
+def test_every_opcode_says_what_it_does():
+    assert all(op.meaning and len(op.form) == 3 for op in Op)
+
+
+# ------------------------------------------------------------ faults
+
+FAULTS = {
+    "never takes an action": ("    n = 1\n    while n > 0:\n        n += 1\n    take n\n", 3, "without an action"),
+    "division": ("    take 1 / (self.position.y - 2)\n    take 2\n" * 3, 4, "division by zero"),
+    "index": ("    for i in range(9):\n        take things[i].position.x\n", 3, "out of range"),
+    "list index": (
+        "    near = [o for o in things if o.position.y > 0]\n    for i in range(9):\n        take near[i].position.x\n",
+        4,
+        "out of range",
+    ),
+    "domain": ("    while True:\n        take sqrt(3.5 - self.position.y)\n", 3, "math domain"),
+    "none": (
+        "    best = None\n    for i in range(5):\n        if i == 2:\n            best = None\n        elif i < 2:\n"
+        "            best = mate\n        take best.position.x\n",
+        8,
+        "None",
+    ),
+    "assertion": ("    while True:\n        assert self.position.y < 3\n        take 1\n", 3, "assertion"),
+    "key": ("    while True:\n        take {0: 1, 1: 2}[int(self.position.y)]\n", 3, "key"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(FAULTS))
+def test_a_fault_stops_at_its_line(name):
+    body, line, words = FAULTS[name]
+    text = "behavior Main():\n" + body + feature_programs.OBJECTS
+    program = load(text, dialect=3)
+    compiled = compile_program(program, toy_world())
+    theta = program.sample(1, np.random.default_rng(0))[0][0]
+    controller = CompiledController(compiled, theta)
+    with pytest.raises(ScenicError, match=words) as caught:
+        for step in range(12):
+            table = np.array([[0.0, step, 0.0], [4.0, step + 1.0, 0.0], [-4.0, step + 1.0, 0.0]])
+            controller.act(table, np.array([float(step)]))
+    assert caught.value.place is not None
+    assert caught.value.place.line == line
+
+
+def test_other_matches_go_on():
+    text = "behavior Main():\n    while True:\n        take 1 / self.position.y\n" + feature_programs.OBJECTS
+    program = load(text, dialect=3)
+    compiled = compile_program(program, toy_world())
+    rows = compiled.registers(program.sample(2, np.random.default_rng(0))[0])
+    commands, holder = np.zeros((2, 3)), np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
+    for match, y in enumerate((0.0, 2.0)):
+        rows[match, compiled.world_base + 1] = y
+        vm.run_behaviors(compiled.code, rows[match], commands[match], holder)
+    assert compiled.fault(rows[0]) is not None
+    assert compiled.fault(rows[1]) is None
+    assert commands[1, 0] >= 0 > commands[0, 0]
+
+
+REFUSED = {
+    "recursion": ("behavior Main():\n    take 1\n    do Main()\n", "calls itself"),
+    "an object": ("behavior Main():\n    take 1\n    x = new Object at 1 @ 1\n", "no object can be made"),
+    "except": ("behavior Main():\n    try:\n        take 1\n    except ValueError:\n        take 2\n", "`except`"),
+    "a global": ("n = 0\nbehavior Main():\n    global n\n    take 1\n", "`global`"),
+    "the world's": ("behavior Main():\n    take 1\n    self.position = 1 @ 2\n", "belongs to the world"),
+    "a monitor": ("monitor M():\n    wait\nbehavior Main():\n    take 1\n    do M()\n", "`do` needs a behavior"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_what_cannot_be_compiled_says_so(name):
+    text, words = REFUSED[name]
+    program = load(text + feature_programs.OBJECTS, dialect=3)
+    with pytest.raises(ScenicError, match=words) as caught:
+        compile_program(program, toy_world())
+    assert caught.value.place is not None
