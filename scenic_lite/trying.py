@@ -10,6 +10,7 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
+from scenic_lite import nodes
 from scenic_lite.errors import ScenicError
 from scenic_lite.exceptions import EXCEPTIONS, ExceptionClass, Fault, fault_of, named_fault, raised
 from scenic_lite.frame import Frame
@@ -46,7 +47,7 @@ def decides_by_row(frame: Frame, error: ScenicError) -> bool:
     return error.kind == "random-control-flow" and bool(session.in_requirement) and session.row is None
 
 
-def handler_for(frame: Frame, node: ast.Try, fault: Fault) -> ast.ExceptHandler | None:
+def handler_for(frame: Frame, node: ast.Try | nodes.TryInterrupt, fault: Fault) -> ast.ExceptHandler | None:
     """The first `except` that holds the exception."""
     for handler in node.handlers:
         if handler.type is None:

@@ -59,9 +59,19 @@ def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
 
 
 def attempt(thread: Thread, node: ast.Try) -> Iterator[Step]:
-    """`try` with `except`, `else`, `finally`; a block that is given up for good does not run its `finally`."""
+    """`try` with any of `except`, `else`, `finally`."""
+    return guarded(thread, node, thread.block(node.body))
+
+
+def interruptible(thread: Thread, node: nodes.TryInterrupt) -> Iterator[Step]:
+    """`try` with `interrupt when`, and with whatever else it has."""
+    return guarded(thread, node, try_interrupt(thread, node))
+
+
+def guarded(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[Step]) -> Iterator[Step]:
+    """The body and what stands around it; a statement that is given up for good does not run its `finally`."""
     try:
-        yield from guarded(thread, node, thread.block(node.body))
+        yield from excepting(thread, node, body)
     except GeneratorExit:
         raise
     except BaseException:
@@ -70,35 +80,36 @@ def attempt(thread: Thread, node: ast.Try) -> Iterator[Step]:
     yield from thread.block(node.finalbody)
 
 
-def guarded(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[Step]) -> Iterator[Step]:
+def excepting(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[Step]) -> Iterator[Step]:
     """The body with the `except` and `else` blocks of its statement."""
     frame = thread.frame
     try:
         yield from body
     except ScenicError as error:
         fault = fault_of(error)
-        handler = None if fault is None else handler_for(frame, node, fault)  # type: ignore[arg-type]
+        handler = None if fault is None else handler_for(frame, node, fault)
         if fault is None or handler is None:
             raise
         if handler.name is not None:
             frame.assign(handler.name, fault)
-        caught = handler.body
+        rest = handling(thread, error, thread.block(handler.body))
     else:
-        caught = node.orelse
-    yield from thread.block(caught)
+        rest = thread.block(node.orelse)
+    yield from rest
 
 
-def interruptible(thread: Thread, node: nodes.TryInterrupt) -> Iterator[Step]:
-    """`try` with `interrupt when`, and with whatever else it has."""
-    plain = ast.copy_location(ast.Try([], node.handlers, node.orelse, node.finalbody), node)
-    try:
-        yield from guarded(thread, plain, try_interrupt(thread, node))
-    except GeneratorExit:
-        raise
-    except BaseException:
-        yield from thread.block(node.finalbody)
-        raise
-    yield from thread.block(node.finalbody)
+def handling(thread: Thread, error: ScenicError, block: Iterator[Step]) -> Iterator[Step]:
+    """The block of an `except`, in which `raise` alone raises the error again."""
+    handled = thread.frame.session.handled
+    while True:
+        handled.append(error)
+        try:
+            step = next(block)
+        except StopIteration:
+            return
+        finally:
+            handled.pop()
+        yield step
 
 
 def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:

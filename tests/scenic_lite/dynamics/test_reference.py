@@ -283,6 +283,26 @@ def test_a_fault_at_run_time_has_its_place(body, line, words):
     assert caught.value.line in (line, line + 1 if "without an action" in words else line)
 
 
+def test_an_error_is_raised_again_steps_later():
+    text = """
+behavior Inner():
+    try:
+        take [][0]
+    except IndexError as error:
+        take str(error)
+        raise
+behavior Outer():
+    try:
+        do Inner()
+    except IndexError:
+        take 'outer'
+    finally:
+        take 'finally'
+ego = new Object with behavior Outer()
+"""
+    assert actions(text, 4) == "list index out of range outer finally -"
+
+
 def test_behaviors_that_call_each_other_for_ever():
     with pytest.raises(ScenicError, match="more than 40 deep"):
         played("behavior B():\n    do B()\nego = new Object with behavior B()")
