@@ -1,6 +1,7 @@
 """A compact interpreter of Scenic: programs that describe distributions of scenes, evaluated for N samples at once.
 
-`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes. Read next: `evaluate`, then `program`.
+`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. The language itself
+is described in README.md. Read next: `evaluate`, `frame`, `graph`, `program`; then `dynamics.reference`.
 """
 
 from scenic_lite.domain import Domain
