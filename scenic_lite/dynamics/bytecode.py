@@ -23,7 +23,7 @@ class Op(IntEnum):
     meaning: str
     form: str  # of the operands: t target, l list, k number, a..c registers; what is not there is unused
 
-    def __new__(cls, value: int, form: str, meaning: str) -> Op:
+    def __new__(cls, value: int, form: str = "...", meaning: str = "") -> Op:
         op = int.__new__(cls, value)
         op._value_ = value
         op.form, op.meaning = form, meaning
@@ -115,7 +115,7 @@ class Fault(IntEnum):
 
     words: str
 
-    def __new__(cls, value: int, words: str) -> Fault:
+    def __new__(cls, value: int, words: str = "") -> Fault:
         fault = int.__new__(cls, value)
         fault._value_ = value
         fault.words = words

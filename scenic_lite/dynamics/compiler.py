@@ -30,7 +30,7 @@ from scenic_lite.dynamics.compiler_frame import Compilation, guarded
 from scenic_lite.dynamics.compiler_layout import finished
 from scenic_lite.dynamics.compiler_shapes import Shape
 from scenic_lite.dynamics.compiler_statements import STATEMENTS
-from scenic_lite.dynamics.compiler_watchers import conditions, start, temporal, time_limit, unsatisfied
+from scenic_lite.dynamics.compiler_watchers import conditions, ends_of_scenario, start, temporal, unsatisfied
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.frame import Frame
@@ -152,14 +152,15 @@ def walk(c: Compilation) -> list[tuple[int, int, Label, str]]:
     show_shared(c)
     agents, monitors = calls_of(c)
     movers = [agent for _, agent, _ in agents]
-    guards = [(agent, call) for _, agent, call in agents] + [(None, call) for call in monitors]
+    guards: list[tuple[Instance | None, BehaviorCall]] = [(agent, call) for _, agent, call in agents]
+    guards += [(None, call) for call in monitors]
     if any(has_guards(call) for _, call in guards):
         every(c, threads, "guards", lambda: start(c, guards), once=True)
     made: list = []
     if c.program.temporal:
         every(c, threads, "temporal requirements", lambda: made.extend(temporal(c)))
     if c.program.terminations:
-        every(c, threads, "terminate when", lambda: (time_limit(c), conditions(c, "scenario")))
+        every(c, threads, "terminate when", lambda: ends_of_scenario(c))
     scenarios = len(threads)
     if c.remembering and c.program.dialect == 3:
         every(c, threads, "lastActions", lambda: forget(c, movers))

@@ -78,8 +78,8 @@ def shared(c: Compilation, key: Key) -> Slot:
 def show_shared(c: Compilation) -> None:
     """Let the attributes that a program is known to set be read from their registers."""
     for key in [key for key in c.shapes if key[:1] in (("object",), ("simulation",))]:
-        slot = shared(c, key)  # type: ignore[arg-type]
-        table_of(c, key)[key[2]] = slot.value  # type: ignore[arg-type]
+        slot = shared(c, key)
+        table_of(c, key)[key[2]] = slot.value
 
 
 # ------------------------------------------------------------ what objects did last

@@ -123,7 +123,7 @@ def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool
         frame = frame_of(c, call)
         if guards:
             check_guards(c, frame)
-        frame.run(call.behavior.node.body)
+        frame.run(frame.scope.body)
         c.code.put(frame.scope.end)
 
 
@@ -131,6 +131,7 @@ def frame_of(c: Compilation, call: BehaviorCall) -> LiveFrame:
     """The variables of a behavior that begins."""
     behavior = call.behavior
     names = {name: kept(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
+    assert isinstance(behavior.node, nodes.Behavior), "scenarios are refused before"
     scope = Scope(c.path, behavior.node.body, Label(), behavior)
     frame = LiveFrame(c, behavior.frame.source, names, behavior.frame, scope)
     frame.assigned = behavior.assigned

@@ -192,6 +192,7 @@ def scenic_operator(c: Compilation, frame: Frame, node) -> Value:
         if at is None:
             raise
     choice, before, after = operands[at], operands[:at], operands[at + 1 :]
+    assert isinstance(choice, Choice)
     return over_options(c, choice, lambda each: operation(frame, *before, each, *after), (id(node), at))
 
 

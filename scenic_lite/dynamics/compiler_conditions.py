@@ -12,7 +12,7 @@ from collections.abc import Callable
 from scenic_lite.comparisons import compared
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler_choices import over_options, same_thing
-from scenic_lite.dynamics.compiler_code import Label
+from scenic_lite.dynamics.compiler_code import Label, Row
 from scenic_lite.dynamics.compiler_emit import jump
 from scenic_lite.dynamics.compiler_frame import Compilation, LiveFrame, assigned_names
 from scenic_lite.dynamics.compiler_lists import contains
@@ -74,8 +74,9 @@ def boolean(c: Compilation, frame: Frame, node: ast.BoolOp) -> Value:
         if not rows and is_condition(value) and is_condition(other):
             value = apply(AND if is_and else OR, value, other, kind="truth")
         else:
-            first, second = (([], value), (rows, other))
-            value = either(c, known, *((second, first) if is_and else (first, second)), (id(node), i))
+            decided: Way = ([], value)
+            yes, no = ((rows, other), decided) if is_and else (decided, (rows, other))
+            value = either(c, known, yes, no, (id(node), i))
     return value
 
 
@@ -104,7 +105,10 @@ def conditional(c: Compilation, frame: Frame, node: ast.IfExp) -> Value:
     return joined(c, no, (yes_rows, yes), (no_rows, other), id(node))
 
 
-def either(c: Compilation, test: Value, yes: tuple[list, Value], no: tuple[list, Value], key: object) -> Value:
+Way = tuple[list[Row], Value]  # a value, and the rows that compute it
+
+
+def either(c: Compilation, test: Value, yes: Way, no: Way, key: object) -> Value:
     """yes if the test holds, else no; each with the rows that compute it."""
     otherwise = Label()
     test = settled(c.code, test)
@@ -112,7 +116,7 @@ def either(c: Compilation, test: Value, yes: tuple[list, Value], no: tuple[list,
     return joined(c, otherwise, yes, no, key)
 
 
-def joined(c: Compilation, otherwise: Label, yes: tuple[list, Value], no: tuple[list, Value], key: object) -> Value:
+def joined(c: Compilation, otherwise: Label, yes: Way, no: Way, key: object) -> Value:
     """The value after two ways: one that follows, one that begins at a label."""
     slot = Slot(c.code, c.shapes, (*c.path, "either", key))
     slot.widen(yes[1])

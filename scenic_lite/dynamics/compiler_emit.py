@@ -96,7 +96,7 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
     if isinstance(value, Random):
         found = _register(code, value, into)
     elif isinstance(value, bool | int | float | str | np.number | np.bool_):
-        found = code.constant(value)
+        found = code.constant(value)  # type: ignore[arg-type]
     else:
         raise TypeError(f"no register holds {value!r}")
     if into is not None and found != into:
@@ -140,9 +140,9 @@ def compute(code: Assembler, node: Random, out: int) -> None:
     """Rows for one operation, operands first."""
     operation = node.operation
     if _hashable(operation) and operation in SIMPLE:
-        operands = [register_of(code, each) for each in node.inputs]
         op = SIMPLE[operation]
-        code.row(op, out, *operands)
+        first, *others = [register_of(code, each) for each in node.inputs]
+        code.row(op, out, first, others[0] if others else 0)
         if op in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
             code.row(Op.ADD, out, out, code.constant(0))
     elif _hashable(operation) and operation in SWAPPED:
@@ -171,6 +171,7 @@ def describe(operation: Any) -> str:
 
 def choose_constant(code: Assembler, node: Random, out: int) -> None:
     """One of some constants, by a live index."""
+    assert isinstance(node.operation, Table)
     options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
     pick(code, out, node.inputs[0], options)
 
@@ -185,12 +186,14 @@ def pick(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
 
 
 def cut(code: Assembler, node: Random, out: int) -> None:
+    assert isinstance(node.operation, distributions.Cut)
     bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
     code.row(Op.CUT, out, register_of(code, node.inputs[0]), Operands(bounds))
 
 
 def integers(code: Assembler, node: Random, out: int) -> None:
     """first + min(int(u · count), count - 1)."""
+    assert isinstance(node.operation, distributions.Integers)
     first, count = node.operation.first, node.operation.count
     code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
     code.row(Op.TRUNCATE, out, out)
@@ -225,6 +228,7 @@ def in_shape(code: Assembler, node: Random, out: int) -> None:
     """Whether a point lies in a fixed polygon: its edges stand in the operands."""
     import shapely
 
+    assert isinstance(node.operation, Holds)
     x, y = node.inputs
     edges: list[float] = []
     for ring in shapely.get_rings(shapely.get_parts(node.operation.shape)):
@@ -234,10 +238,6 @@ def in_shape(code: Assembler, node: Random, out: int) -> None:
         raise Unsupported("a region of more than 1000 edges cannot be asked for points")
     registers = (register_of(code, x), register_of(code, y), *(code.constant(each) for each in edges))
     code.row(Op.IN_RINGS, out, 0, Operands(registers))
-
-
-def first_of(code: Assembler, node: Random, out: int) -> None:
-    raise Unsupported("a point of this region cannot be drawn")
 
 
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, Random, int], None]], ...] = (

@@ -131,9 +131,10 @@ def shortened(rows: list[Row]) -> list[Row]:
     kept: list[Row] = []
     for i, row in enumerate(rows):
         if isinstance(row.c, Label) and row.op != LABEL:
-            row = row._replace(c=final(row.c, rows, first))
-            if row.op in SKIPPING and first[i + 1] == first[row.c.row]:
+            target = final(row.c, rows, first)
+            if row.op in SKIPPING and first[i + 1] == first[target.row]:
                 continue
+            row = row._replace(c=target)
         kept.append(row)
     return kept
 
@@ -144,11 +145,11 @@ SKIPPING = frozenset({Op.JUMP, Op.JUMP_IF, Op.JUMP_UNLESS, Op.JUMP_EQUAL, Op.JUM
 def following(rows: list[Row]) -> list[int]:
     """For each position the first real row at it or behind; labels note where they stand."""
     first = [len(rows)] * (len(rows) + 1)
-    for i in reversed(range(len(rows))):
-        first[i] = first[i + 1] if rows[i].op == LABEL else i
-        if rows[i].op == LABEL:
-            assert isinstance(rows[i].c, Label)
-            rows[i].c.row = i
+    for i, row in reversed(list(enumerate(rows))):
+        first[i] = first[i + 1] if row.op == LABEL else i
+        if row.op == LABEL:
+            assert isinstance(row.c, Label)
+            row.c.row = i
     return first
 
 

@@ -62,6 +62,12 @@ def time_limit(c: Compilation) -> None:
         c.code.put(going)
 
 
+def ends_of_scenario(c: Compilation) -> None:
+    """Its time limit, then its conditions."""
+    time_limit(c)
+    conditions(c, "scenario")
+
+
 def conditions(c: Compilation, scope: str) -> None:
     """`terminate when`, `terminate simulation when`: the first that is true."""
     end = Label()
@@ -107,8 +113,8 @@ class Automaton:
             raise ScenicError("unsupported", f"a temporal requirement of more than {MOST_ATOMS} conditions at once")
         following = []
         for truths in product((False, True), repeat=len(atoms)):
-            known = dict(zip(map(id, atoms), truths, strict=True))
-            following.append(self._number(state.after(lambda each, known=known: known[id(each)])))
+            known = dict(zip(atoms, truths, strict=True))
+            following.append(self._number(state.after(known.__getitem__)))
         self.atoms.append(atoms)
         self.next.append(following)
 

@@ -263,7 +263,7 @@ def run_thread(code, registers, commands, thread, holder):
                 return
         elif op == _SORT:
             sort_order(registers, a, b, int(registers[c]))
-        elif op == _FLOOR_DIVIDE or op == _MODULO or op == _REMAINDER:
+        elif op in (_FLOOR_DIVIDE, _MODULO, _REMAINDER):
             if registers[c] == 0:
                 stop(registers, ZERO if op != _REMAINDER else DOMAIN, at - 1)
                 return
