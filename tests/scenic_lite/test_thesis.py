@@ -75,7 +75,13 @@ opponent = RightGK at (X2 @ Y2)
 new MyGK
 ball = Ball ahead of ego by 2
 """
-CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=6)))
+
+
+def corners(dim):
+    return np.array(list(itertools.product((-1.0, 1.0), repeat=dim)))
+
+
+CORNERS = corners(6)
 
 
 def edges(sides):
@@ -86,12 +92,13 @@ def edges(sides):
 @pytest.mark.parametrize("game", minigames.MINIGAMES)
 def test_the_edges_of_theta_belong_to_it(game):
     program = load(minigames.MINIGAMES[game].program, FOOTBALL)
-    scenes = program.instantiate(CORNERS)
+    ends = corners(program.dim)
+    scenes = program.instantiate(ends)
     inside = [i for i, rule in enumerate(program.requirements) if rule.kind == "containment"]
     assert inside and not scenes.failed[:, inside].any()
     limits = np.array([[draw.low, draw.high] for draw in program.draws])
-    values = np.array([list(program.describe(corner).values()) for corner in CORNERS])
-    np.testing.assert_array_equal(values, np.where(CORNERS < 0, limits[:, 0], limits[:, 1]))
+    values = np.array([list(program.describe(corner).values()) for corner in ends])
+    np.testing.assert_array_equal(values, np.where(ends < 0, limits[:, 0], limits[:, 1]))
 
 
 def test_theta_of_single_precision_means_the_same(by_region):
