@@ -10,6 +10,7 @@ from reference_match import ReferenceMatch
 
 from envs.football.constants import DURATION, NUM_ACTIONS, REJECTED, RUNNING, TERMINATED
 from envs.football.domain import FOOTBALL
+from envs.football.gym_env import FootballEnv
 from envs.football.state import MATCH
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
@@ -80,3 +81,20 @@ def test_compiled_behaviors_play_as_the_reference_does(path: Path) -> None:
 @pytest.mark.parametrize("path", SCRIPTED, ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_compiled_behaviors_play_whole_episodes_as_the_reference_does(path: Path) -> None:
     both_play(path, 3, 300)
+
+
+@pytest.mark.parametrize("path", SCRIPTED, ids=lambda path: f"{path.parent.name}-{path.stem}")
+def test_the_single_environment_plays_as_the_batch_does(path: Path) -> None:
+    single, batch = FootballEnv(path), FootballVectorEnv(path, 3)
+    first, _ = single.reset(seed=3)
+    batch.reset(seed=0)
+    rows, _ = batch.reset_to_levels(np.repeat(single.batch.levels, 3))
+    assert (rows == first).all()
+    for action in np.random.default_rng(5).integers(0, NUM_ACTIONS, 150):
+        one = single.step(int(action))
+        observations, rewards, terminated, truncated, info = batch.step(np.full(3, action))
+        over = one[2] or one[3]
+        assert (rewards == one[1]).all() and (terminated == one[2]).all() and (truncated == one[3]).all()
+        assert ((info["final_obs"] if over else observations) == one[0]).all()
+        if over:
+            break
