@@ -47,6 +47,8 @@ def span_between(low: float, high: float) -> float:
 
 def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:
     """`Uniform(a, b, ...)`: one of the values, cut evenly."""
+    if len(options) == 1 and isinstance(options[0], list | tuple | set) and frame.session.drawn is None:
+        frame.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
     return weighted(frame, node, list(options), [1.0] * len(options))
 
 

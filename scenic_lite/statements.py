@@ -137,6 +137,9 @@ def define_class(frame: Frame, node: ast.ClassDef) -> None:
                 raise frame.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
             cls.defaults[statement.name] = default_of(frame, statement)
         elif isinstance(statement, ast.FunctionDef):
+            if statement.name == "__init__":
+                hint = "write `name: default` for each property"
+                raise frame.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
             body.locals[statement.name] = decorated(body, statement, cls)
         elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
             body.run([statement])
