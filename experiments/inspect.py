@@ -1,4 +1,4 @@
-"""`regista inspect`: look into a program: its free parameters, its rules, its scenes, its text as tokens or nodes.
+"""`regista inspect`: look into a program: its free parameters, rules and scenes, its text as tokens, nodes or code.
 
     regista inspect 1v1Free
     regista inspect mine.scenic --show nodes
@@ -37,8 +37,10 @@ class InspectConfig:
     """What is typed after `regista inspect`."""
 
     program: str = positional("a minigame's name, or the path of a .scenic program", default="")
-    show: Literal["theta", "scenes", "tokens", "nodes"] = setting(
-        "theta", "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text"
+    show: Literal["theta", "scenes", "tokens", "nodes", "code"] = setting(
+        "theta",
+        "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text; "
+        "code: what its behaviors are compiled to",
     )
     png: Path | None = setting(None, "draw --n scenes to this picture")
     rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
@@ -63,7 +65,9 @@ def main(argv: Sequence[str]) -> int:
         print_text(path, config)
         return 0
     program, football = build.load_any_program(path, config.dialect)
-    if config.show == "scenes":
+    if config.show == "code":
+        print(render_code(program, football))
+    elif config.show == "scenes":
         print(render_scenes(program, choose_theta(program, config)))
     else:
         print(render_theta(program, choose_theta(program, config) if config.theta else None))
@@ -207,6 +211,20 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
     broken = [rule.label for rule, failed in zip(program.requirements, scene.failed[0], strict=True) if failed]
     notes = [f"not valid: {', '.join(broken) or 'a place that is no number'}"] if not scene.ok[0] else []
     return card_of(f"{program.file}, scene {index}", rows, notes)
+
+
+# ---------------------------------------------------------------- code
+
+
+def render_code(program: Program, football: bool) -> str:
+    """Give the rows that the behaviors, monitors and conditions of a program become, below the lines they come from."""
+    from envs.football.world import FOOTBALL_WORLD
+    from scenic_lite.dynamics.compiler import compile_program
+    from scenic_lite.dynamics.toy import toy_world
+
+    compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
+    counts = f"{len(compiled.code.rows)} rows, {compiled.code.register_count} numbers for each match"
+    return f"{program.file}: {counts}\n\n{compiled.disassembly()}"
 
 
 # ---------------------------------------------------------------- text

@@ -147,8 +147,8 @@ class Code(NamedTuple):
     whether it leaves a requirement unsatisfied.
     """
 
-    rows: np.ndarray  # [n, 4] int32
-    lists: np.ndarray  # int32: operand lists; each is named by the place of its first element, its length before it
+    rows: np.ndarray  # [n, 4] uint32
+    lists: np.ndarray  # uint32: operand lists; each is named by the place of its first element, its length before it
     threads: np.ndarray  # [T, 2] int32: register of the slot, object (-1: none)
     scenarios: int  # threads of each kind
     behaviors: int

@@ -22,7 +22,7 @@ def finished(c: Compilation, threads: list[tuple[int, int, Label, str]]) -> Comp
     rows = placed(shortened(code.rows))
     layout = Layout(code)
     lists: list[int] = []
-    table = np.zeros((len(rows), 4), dtype=np.int32)
+    table = np.zeros((len(rows), 4), dtype=np.uint32)
     for i, row in enumerate(rows):
         table[i] = (row.op, *layout.operands(row, lists))
     start = np.zeros(layout.count)
@@ -50,7 +50,7 @@ def assembled(
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     whole = Code(
         table,
-        np.array([*lists, 0], dtype=np.int32),
+        np.array([*lists, 0], dtype=np.uint32),
         np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
         *c.counts,
         layout(c.world_base),

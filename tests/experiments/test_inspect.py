@@ -111,3 +111,13 @@ def test_a_stage_without_any_ground_holds_its_objects():
     low_x, high_x, low_y, high_y = stage.bounds
     assert low_x < 5 and high_x > 9 and low_y < -3 < high_y
     assert stage.ground == []
+
+
+def test_behaviors_are_shown_as_code(tmp_path, capsys):
+    program = tmp_path / "walk.scenic"
+    program.write_text("behavior Walk():\n    take 'a'\n    take 'b'\nego = Object at 1 @ 2, with behavior Walk()\n")
+    assert main(["inspect", str(program), "--show", "code"]) == 0
+    text = capsys.readouterr().out
+    assert "ego: Walk\n" in text
+    assert "walk.scenic:2: take 'a'\n" in text
+    assert "take" in text.split("walk.scenic:3")[1]
