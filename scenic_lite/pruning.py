@@ -32,29 +32,25 @@ LARGEST_NODE = 10_000  # random operations behind a width that are looked throug
 class Demand(NamedTuple):
     """What the point of one object must satisfy: `container` has room for the object.
 
-    `right`, `up`: the fixed step from the point to the object.
-    `across`, `along`: half its least extents, if it is known to be upright, else both the radius of its inner circle.
+    `right`, `up`: the fixed step from the point to the object; `radius`: of a circle that the object always holds.
     """
 
     container: Region
     right: float
     up: float
-    across: float
-    along: float
+    radius: float
 
     @property
     def step(self) -> Vector:
         return Vector(self.right, self.up)
 
-    @property
-    def radius(self) -> float:
-        return min(self.across, self.along)
-
 
 def prune(session: Session) -> None:
     """Draw the points of a session's objects from the parts of their regions in which the objects fit.
 
-    Raises ScenicError where an object fits nowhere.
+    What is cut off is what Scenic cuts off, so that shares of valid draws can be compared: the container's rim, as far
+    in as the radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
+    ScenicError where an object fits nowhere.
     """
     points = {id(part): i for i, each in enumerate(session.points) for part in (each.point.x, each.point.y)}
     parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
@@ -64,7 +60,9 @@ def prune(session: Session) -> None:
             if found is None or not is_fixed_area(session.points[found[0]].region):
                 continue
             at, right, up = found
-            base, demand = session.points[at].region, Demand(container, right, up, *half_extents(instance))
+            base, demand = session.points[at].region, Demand(container, right, up, inner_radius(instance))
+            if session.dialect == 3 and base is session.workspace:
+                continue
             known = parts.setdefault(demand, {})
             if base not in known:
                 known[base] = common_part(base, demand)
@@ -106,14 +104,9 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
     return value, step
 
 
-def half_extents(instance: Instance) -> tuple[float, float]:
-    """Across and along: a lower bound of how far an object reaches from its middle in every scene."""
-    properties = instance.properties
-    width, length = (max(0.0, least(properties[name])) / 2 for name in ("width", "length"))
-    heading = properties["heading"]
-    if is_number(heading) and heading == 0:
-        return width, length
-    return min(width, length), min(width, length)
+def inner_radius(instance: Instance) -> float:
+    """A lower bound of the radius of an object's inner circle in every scene."""
+    return min(max(0.0, least(instance.properties[name])) / 2 for name in ("width", "length"))
 
 
 def least(value: Value) -> float:
@@ -167,12 +160,10 @@ def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegi
     """As `common_part`, in the frame of two rectangles of the same heading."""
     container = demand.container
     assert isinstance(container, RectangularRegion)
-    upright = base.heading == 0 and container.heading == 0
-    across, along = (demand.across, demand.along) if upright else (demand.radius, demand.radius)
     middle = base.position.rotated(-base.heading)
     room = (container.position - demand.step).rotated(-base.heading)
-    x = overlap(middle.x, base.width / 2, room.x, container.width / 2 - across)
-    y = overlap(middle.y, base.length / 2, room.y, container.length / 2 - along)
+    x = overlap(middle.x, base.width / 2, room.x, container.width / 2 - demand.radius)
+    y = overlap(middle.y, base.length / 2, room.y, container.length / 2 - demand.radius)
     width, length = x[1] - x[0], y[1] - y[0]
     if (min(width, length) <= 0 and base.width * base.length > 0) or min(width, length) < -CLOSENESS:
         return None

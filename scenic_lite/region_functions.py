@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable
+from copy import copy
 from typing import Any
 
 from scenic_lite.classes import as_heading
@@ -138,11 +139,12 @@ def grid(frame: Frame, node: ast.AST, name: Value, grid: Value, *steps: Value, o
 
 
 def workspace(region: Value = None) -> Region:
+    """A region of its own, though of the same points: objects in a workspace are pruned less (`pruning`)."""
     if region is None:
         return Everywhere()
     if not isinstance(region, Region):
         raise ScenicError("type", f"a workspace is made of a region, not {describe_kind(region)}")
-    return region
+    return copy(region)
 
 
 def vector_field(

@@ -10,15 +10,15 @@ from scenic_lite import ScenicError, evaluate, load
 
 SCENES = 4000
 CLOSE = 2.2 * np.sqrt(2 / SCENES)  # of two samples' distribution functions
-FIELD = "workspace = Workspace(RectangularRegion(0 @ 0, 0, 20, 10))\n"
-DISC = "workspace = Workspace(CircularRegion(0 @ 0, 6))\n"
+FIELD = "field = RectangularRegion(0 @ 0, 0, 20, 10)\nworkspace = Workspace(field)\n"
+DISC = "disc = CircularRegion(0 @ 0, 6)\nworkspace = Workspace(disc)\n"
 STREET = "street = PolygonalRegion([0@0, 60@0, 60@12, 12@12, 12@60, 0@60])\n"
 TURNED = "facing Range(0, 360) deg"
 
 # Program, the least and the greatest share of valid draws.
 PRUNED = {
-    "upright": (FIELD + "ego = new Object in workspace, with width 4, with length 2", 1, 1),
-    "any heading": (FIELD + f"ego = new Object in workspace, with width 4, with length 2, {TURNED}", 0.6, 0.75),
+    "upright": (FIELD + "ego = new Object in field, with width 4, with length 2", 0.85, 0.92),
+    "any heading": (FIELD + f"ego = new Object in field, with width 4, with length 2, {TURNED}", 0.6, 0.75),
     "turned": (
         "yard = RectangularRegion(1@2, 45 deg, 9, 9)\nego = new Object contained in yard, with width 4",
         0.4,
@@ -36,7 +36,7 @@ PRUNED = {
         0.75,
         0.95,
     ),
-    "disc": (DISC + f"ego = new Object in workspace, with width 2, {TURNED}", 0.8, 0.9),
+    "disc": (DISC + f"ego = new Object in disc, with width 2, {TURNED}", 0.8, 0.9),
     "disc in disc": (f"{DISC}ego = new Object in CircularRegion(4@0, 5), {TURNED}", 0.85, 1),
     "wide sector": (
         "workspace = Workspace(SectorRegion(0@0, 9, 30 deg, 300 deg))\nego = new Object in CircularRegion(0@0, 10)",
@@ -62,14 +62,14 @@ PRUNED = {
         1,
     ),
     "sizes": (
-        FIELD + "ego = new Object in workspace, with width Range(1, 4), with length Uniform(2, 5, 3)\n"
-        f"b = new Object in workspace, with width DiscreteRange(1, 4), with allowCollisions True, {TURNED}",
+        FIELD + "ego = new Object in field, with width Range(1, 4), with length Uniform(2, 5, 3)\n"
+        f"b = new Object in field, with width DiscreteRange(1, 4), with allowCollisions True, {TURNED}",
         0.5,
         0.8,
     ),
     "choice": (FIELD + "ego = new Object in Uniform(RectangularRegion(0@0,0,24,2), CircularRegion(0@0,2))", 0.8, 0.99),
     "one with noise": (
-        FIELD + "ego = new Object in workspace\nb = new Object in workspace, with allowCollisions True\nmutate b",
+        FIELD + "ego = new Object in field\nb = new Object in field, with allowCollisions True\nmutate b",
         0.6,
         0.9,
     ),
@@ -132,11 +132,11 @@ def test_the_same_scenes_as_by_rejection(name):
 
 
 def test_draws_say_what_is_left():
-    program = load(FIELD + "ego = new Object in workspace, with width 4, with length 2", dialect=3)
-    assert [(draw.name, draw.low, draw.high) for draw in program.draws] == [("ego.x", -8, 8), ("ego.y", -4, 4)]
-    assert program.describe(np.array([1.0, -1.0])) == {"ego.x": 8, "ego.y": -4}
+    program = load(FIELD + "ego = new Object in field, with width 4, with length 2", dialect=3)
+    assert [(draw.name, draw.low, draw.high) for draw in program.draws] == [("ego.x", -9, 9), ("ego.y", -4, 4)]
+    assert program.describe(np.array([1.0, -1.0])) == {"ego.x": 9, "ego.y": -4}
     with pytest.raises(ScenicError, match="no θ gives ego the position"):
-        program.theta({"ego": (9, 0)})
+        program.theta({"ego": (9.5, 0)})
     disc = load(DISC + "ego = new Object in RectangularRegion(0@0, 0, 20, 20)", dialect=3)
     low, high = disc.draws[0][2:4]
     assert low == pytest.approx(-5.5, abs=0.01) and high == pytest.approx(5.5, abs=0.01)
@@ -156,16 +156,16 @@ def test_noise_and_soft_requirements_prune_nothing(extra):
     [
         ("ego = new Object in RectangularRegion(30 @ 0, 0, 4, 4)", "the workspace"),
         ("ego = new Object in CircularRegion(14 @ 0, 3)", "the workspace"),
-        ("ego = new Object in workspace, with width 21", "the workspace"),
+        ("ego = new Object in field, with width 21, with length 21", "the workspace"),
         (
-            "ego = new Object in workspace, with width Range(30, 40), with length 11, facing Range(0, 3)",
+            "ego = new Object in field, with width Range(30, 40), with length 31, facing Range(0, 3)",
             "the workspace",
         ),
-        ("ego = new Object in workspace, with regionContainedIn CircularRegion(50 @ 0, 3)", "its region"),
+        ("ego = new Object in field, with regionContainedIn CircularRegion(50 @ 0, 3)", "its region"),
     ],
 )
 def test_what_fits_nowhere_is_an_error_of_the_program(text, place):
-    with pytest.raises(ScenicError, match=rf"2:\d+: ego does not fit into {place}"):
+    with pytest.raises(ScenicError, match=rf"3:\d+: ego does not fit into {place}"):
         load(FIELD + text, dialect=3)
 
 
@@ -179,9 +179,9 @@ def test_regions_of_any_size_are_no_crash(size):
 
 
 def test_upright_rectangles_stay_cheap():
-    program = load(FIELD + "ego = new Object in workspace", dialect=3)
+    program = load(FIELD + "ego = new Object in field", dialect=3)
     assert not program._tape.steps
-    code = f"import sys, scenic_lite; scenic_lite.load({FIELD + 'ego = new Object in workspace'!r}, dialect=3)"
+    code = f"import sys, scenic_lite; scenic_lite.load({FIELD + 'ego = new Object in field'!r}, dialect=3)"
     subprocess.run([sys.executable, "-c", code + "; assert 'shapely' not in sys.modules"], check=True)
 
 
