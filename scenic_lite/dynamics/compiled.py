@@ -43,6 +43,7 @@ class Compiled:
         places: of each row its place in the program.
         world_base: the first register of the world table [O, F]; the facts follow it.
         commands: in a world of several actions at once, what each command number stands for: values with registers.
+        doubts: statements that would stop a match that comes to them, and why.
         reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
     """
 
@@ -53,6 +54,7 @@ class Compiled:
     commands: tuple[tuple[Value, ...], ...]
     reasons: tuple[str, ...]
     broken: tuple[str, ...]
+    doubts: tuple[ScenicError, ...]
     listing: Listing
     start: np.ndarray  # [R]: constants, entries of the threads
     inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text

@@ -60,7 +60,7 @@ EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
 
 def compile_program(program: Program, world: World) -> Compiled:
     """The code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
-    if program.main is not None:
+    if program.main is not None and needs_reference(program.main):
         message = "modular scenarios with a compose block run in the reference interpreter only"
         raise program.error("unsupported", message, program.main.place)
     shapes: dict[tuple, Shape] = {}
@@ -71,6 +71,12 @@ def compile_program(program: Program, world: World) -> Compiled:
         if not compilation.code.widened:
             return finished(compilation, threads)
     raise ScenicError("budget", "the variables of the program's behaviors can be too many things")
+
+
+def needs_reference(main: BehaviorCall) -> bool:
+    """Whether a main scenario does anything while a match runs; one that is only a setup was executed when loaded."""
+    node = main.behavior.node
+    return bool(getattr(node, "compose", ()) or node.preconditions or node.invariants)
 
 
 @contextmanager

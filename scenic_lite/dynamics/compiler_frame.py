@@ -20,7 +20,7 @@ from scenic_lite.dynamics.compiler_slots import Slot, kept
 from scenic_lite.dynamics.threads import within
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, Session, Source
+from scenic_lite.frame import PYTHON_FAULTS, Frame, Session, Source, from_python
 from scenic_lite.graph import Value
 from scenic_lite.program import Program
 from scenic_lite.values import Behavior, Function, Instance, Namespace
@@ -124,6 +124,7 @@ class Compilation:
     slot: int = 0  # register of the innermost block: where it goes on
     agent: Instance | None = None
     inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
+    doubts: list[ScenicError] = field(default_factory=list)  # statements that would stop a match
     commands: list[tuple[Value, ...]] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     broken: list[str] = field(default_factory=list)  # requirements that reject a match
@@ -198,18 +199,38 @@ class Compilation:
 def guarded(
     compilation: Compilation, handler: Callable[[Compilation, LiveFrame, Any], None]
 ) -> Callable[[LiveFrame, Any], None]:
-    """A handler of statements that notes the place of the rows it writes."""
+    """A handler of statements that notes the place of the rows it writes.
+
+    A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
+    match that comes to it, as in the reference; what cannot be compiled refuses the program.
+    """
 
     def handle(frame: LiveFrame, node: ast.stmt) -> None:
         code = compilation.code
         before, code.place = code.place, frame.place(node)
+        start = len(code.rows)
         try:
             with code.statement():
                 handler(compilation, frame, node)
+        except (ScenicError, *PYTHON_FAULTS) as fault:
+            error = frame.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
+            if error.kind in REFUSALS:
+                raise
+            del code.rows[start:]
+            code.reachable = True
+            compilation.doubts.append(error)
+            code.row(Op.FAULT, note=said(error), place=error.place)
         finally:
             code.place = before
 
     return handle
+
+
+REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
+
+
+def said(error: ScenicError) -> str:
+    return f"{error.message} ({error.hint})" if error.hint else error.message
 
 
 @lru_cache(maxsize=4096)

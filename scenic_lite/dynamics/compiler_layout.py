@@ -74,6 +74,7 @@ def assembled(
         tuple(c.commands),
         tuple(c.reasons),
         tuple(c.broken),
+        tuple({(each.place, each.message): each for each in c.doubts}.values()),
         Listing(places, names, lines, notes, titles),
         start,
         tuple(inputs),

@@ -202,11 +202,17 @@ def test_other_matches_go_on():
 
 REFUSED = {
     "recursion": ("behavior Main():\n    take 1\n    do Main()\n", "calls itself"),
-    "an object": ("behavior Main():\n    take 1\n    x = new Object at 1 @ 1\n", "no object can be made"),
     "except": ("behavior Main():\n    try:\n        take 1\n    except ValueError:\n        take 2\n", "`except`"),
     "a global": ("n = 0\nbehavior Main():\n    global n\n    take 1\n", "`global`"),
-    "the world's": ("behavior Main():\n    take 1\n    self.position = 1 @ 2\n", "belongs to the world"),
-    "a monitor": ("monitor M():\n    wait\nbehavior Main():\n    take 1\n    do M()\n", "`do` needs a behavior"),
+}
+DOUBTFUL = {
+    "an object": ("x = new Object at 1 @ 1", "no object can be made"),
+    "the world's": ("self.position = 1 @ 2", "belongs to the world"),
+    "a monitor": ("do M()", "`do` needs a behavior"),
+    "arguments": ("do Twice()", "is missing"),
+    "a name": ("take nobody.position", "'nobody' is not defined"),
+    "a property": ("take foe.speedd", "no property 'speedd'"),
+    "kinds": ("take 1 + foe.word", "no property 'word'"),
 }
 
 
@@ -217,3 +223,24 @@ def test_what_cannot_be_compiled_says_so(name):
     with pytest.raises(ScenicError, match=words) as caught:
         compile_program(program, toy_world())
     assert caught.value.place is not None
+
+
+@pytest.mark.parametrize("name", sorted(DOUBTFUL))
+def test_what_cannot_be_executed_stops_only_a_match_that_comes_to_it(name):
+    statement, words = DOUBTFUL[name]
+    text = feature_programs.DEFINITIONS + "monitor M():\n    wait\n"
+    text += f"behavior Main():\n    take 1\n    if self.position.y > 1.5:\n        {statement}\n    take 2\n"
+    line = text.count("\n") - 1
+    program = load(text + feature_programs.OBJECTS, dialect=3)
+    compiled = compile_program(program, toy_world())
+    assert [each.place.line for each in compiled.doubts] == [line]
+    theta = program.sample(1, np.random.default_rng(0))[0][0]
+    table = np.zeros((3, 3))
+    calm = CompiledController(compiled, theta)
+    taken = [calm.act(table, np.array([float(step)])).actions[0] for step in range(2)]
+    assert taken == [(1,), (2,)]
+    stopped = CompiledController(compiled, theta)
+    stopped.act(table, np.array([0.0]))
+    with pytest.raises(ScenicError, match=re.escape(words)) as caught:
+        stopped.act(table + 2, np.array([1.0]))
+    assert caught.value.place.line == line
