@@ -117,6 +117,8 @@ def test_the_nearest_players_leave_out_oneself() -> None:
     assert answer("1 if nearestTeammate(self) is near else 0", scene) == 1
     assert answer("1 if nearestOpponent(self) is keeper else 0", scene) == 1
     assert answer("get_closest_player_info(self, simulation().game_ds.right_players)[1]", scene) == 8
+    of_a_place = "get_closest_player_info(self.position, simulation().game_ds.left_players)[0]"
+    assert answer(f"1 if {of_a_place} is near else 0", scene) == 1
 
 
 @pytest.mark.parametrize(("place", "inside"), [("4 @ 0", 1), ("3 @ 2.9", 1), ("2 @ 3", 0), ("6 @ 0", 0), ("-3 @ 0", 0)])

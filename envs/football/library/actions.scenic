@@ -5,7 +5,7 @@ sees the pitch: the right team sees it turned by half a turn, so that 5 leads ev
 `take A, B` only the first action counts: a player presses one key in a step.
 
 Unlike in Scenic4RL the sectors of `lookup_direction` are 45 degrees wide and centred on the compass points (there due
-west gave top left), an action is its number (it has no `.code`), and `get_closest_player_info` leaves out the player
+west gave top left), an action is its number (it has no `.code`), and `get_closest_player_info` of a player leaves out
 himself and not whoever stands exactly where he does. Read next: behaviors.scenic.
 """
 
@@ -67,13 +67,16 @@ def player_with_ball(ds, ball, team=None):
     return None
 
 def get_closest_player_info(player, players):
-    """Who of some players is closest to this one (himself aside), and how far away: (None, infinity) if nobody is."""
+    """Who of some players is closest to this one (himself aside), and how far away: (None, infinity) if nobody is.
+
+    In place of the player it may be a position; whoever stands exactly there is left out.
+    """
     closest = None
     shortest = math.inf
     for other in players:
         if other is not player:
             gap = distance from player to other
-            if gap < shortest:
+            if gap < shortest and not (isinstance(player, Vector) and gap == 0):
                 shortest = gap
                 closest = other
     return closest, shortest
