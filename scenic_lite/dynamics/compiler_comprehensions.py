@@ -13,7 +13,7 @@ from scenic_lite.dynamics.compiler_code import Label
 from scenic_lite.dynamics.compiler_conditions import jump_on, truth
 from scenic_lite.dynamics.compiler_emit import jump
 from scenic_lite.dynamics.compiler_frame import Compilation
-from scenic_lite.dynamics.compiler_lists import LiveRange, each_of, elements, one_list, put_at_end
+from scenic_lite.dynamics.compiler_lists import LiveRange, each_number, each_of, elements, one_list, put_at_end
 from scenic_lite.dynamics.compiler_shapes import Items, LiveList
 from scenic_lite.dynamics.compiler_slots import Slot, settled
 from scenic_lite.errors import ScenicError
@@ -42,8 +42,6 @@ def rounds(
     items = frame.value(first.iter)
     if isinstance(items, Choice):
         items = one_list(c, items, first.iter)
-    if isinstance(items, LiveRange):
-        raise ScenicError("unsupported", "a comprehension over a range whose ends the match decides")
 
     def one(item: Value, after: Label) -> None:
         inner = frame.inner({})
@@ -62,9 +60,9 @@ def rounds(
 def go_through(
     c: Compilation, frame: Frame, items: Value, node: ast.AST, one: Callable[[Value, Label], None], found: Gathered
 ) -> None:
-    if isinstance(items, LiveList):
+    if isinstance(items, LiveList | LiveRange):
         found.become_live()
-        for item, after in each_of(c, items):
+        for item, after in each_number(c, items) if isinstance(items, LiveRange) else each_of(c, items):
             one(item, after)
         return
     for i, item in enumerate(elements(c, frame, items, node)):

@@ -93,7 +93,7 @@ class LiveFrame(Frame):
         for name in sorted(names):
             if name in self.slots or name in self.globals or name in self.nonlocals:
                 continue
-            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name))
+            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name), varying=True)
             self.slots[name] = slot
             if name in self.locals:
                 slot.store(self.locals[name])

@@ -261,6 +261,22 @@ def some(c: Compilation, items: LiveList, test: Callable[[Value], Value], key: o
     return Live(found, "truth", lasting=False)
 
 
+def each_number(c: Compilation, numbers: LiveRange) -> Iterator[tuple[Value, Label]]:
+    """As `each_of`, of a range."""
+    counter = c.code.variables.take()
+    register_of(c.code, numbers.start, counter)
+    stop = register_of(c.code, numbers.stop)
+    first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
+    again, over, after = Label(), Label(), Label()
+    c.code.put_loop(again)
+    c.code.row(Op.JUMP_NOT_LESS, first, second, over)
+    yield Live(counter, whole=True), after
+    c.code.put(after)
+    c.code.row(Op.ADD, counter, counter, c.code.constant(numbers.step))
+    c.code.row(Op.JUMP, c=again)
+    c.code.put(over)
+
+
 def each_of(c: Compilation, items: LiveList) -> Iterator[tuple[Value, Label]]:
     """Rows of a loop over a list, once; the label is where the next round begins."""
     counter = c.code.variables.take()

@@ -204,6 +204,17 @@ def shape_of(value: Value) -> Shape:
     return Leaf(value.kind, is_whole(value))
 
 
+def varying(shape: Shape) -> Shape:
+    """The same shape with registers for its fixed numbers, truth values and texts."""
+    leaf = leaf_of(shape)
+    if leaf is not None:
+        return leaf
+    parts = parts_of(shape)
+    if parts is None or parts.head[0] not in (tuple, Vector):
+        return shape
+    return Parts(parts.head, tuple(map(varying, parts.parts)))
+
+
 def join(a: Shape | None, b: Shape | None) -> Shape | None:
     """The least shape for the values of both."""
     if a is None or b is None or a == b:

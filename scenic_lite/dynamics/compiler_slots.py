@@ -26,6 +26,7 @@ from scenic_lite.dynamics.compiler_shapes import (
     shape_of,
     taken_apart,
     varies,
+    varying,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.graph import Random, Value
@@ -166,12 +167,16 @@ def settled(code: Assembler, value: Value) -> Value:
 
 
 class Slot:
-    """A variable in registers. Its shape is remembered from one compilation to the next, until nothing widens it."""
+    """A variable in registers. Its shape is remembered from one compilation to the next, until nothing widens it.
 
-    def __init__(self, code: Assembler, shapes: dict[tuple, Shape], key: tuple, shared: bool = False) -> None:
-        self.code, self.shapes, self.key = code, shapes, key
+    `varying`: its numbers will hardly stay the same, so that they are given registers at once.
+    """
+
+    def __init__(
+        self, code: Assembler, shapes: dict[tuple, Shape], key: tuple, shared: bool = False, varying: bool = False
+    ) -> None:
+        self.code, self.shapes, self.key, self.varying = code, shapes, key, varying
         self.area = code.fixed if shared else code.variables
-        self.widened = False
         self._place()
 
     def _place(self) -> None:
@@ -186,19 +191,24 @@ class Slot:
     @property
     def value(self) -> Value:
         shape = self.shape
-        return None if shape is None else loaded(shape, iter(self.registers))
+        if shape is None:
+            return None
+        self.code.relied_on.add(self.key)
+        return loaded(shape, iter(self.registers))
 
     def widen(self, value: Value) -> None:
         """Make room for a value."""
-        shape = join(self.shape, shape_of(value))
+        own = shape_of(value)
+        shape = join(self.shape, varying(own) if self.varying else own)
         if shape != self.shape:
             assert shape is not None
             self.shapes[self.key] = shape
-            self.code.widened = True
+            self.code.widened = self.code.widened or self.key in self.code.relied_on
             self._place()
 
     def store(self, value: Value) -> None:
         self.widen(value)
         shape = self.shape
         assert shape is not None
+        self.code.relied_on.add(self.key)
         store(self.code, list(pairs(shape, iter(self.registers), value)))

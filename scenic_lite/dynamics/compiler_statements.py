@@ -280,7 +280,7 @@ def give_back(c: Compilation, frame: LiveFrame, node: ast.Return) -> None:
         scope.level = c.code.temporaries.used
         raise Return(value)
     if scope.result is None:
-        scope.result = Slot(c.code, c.shapes, (*scope.path, "return"))
+        scope.result = Slot(c.code, c.shapes, (*scope.path, "return"), varying=True)
     scope.result.store(value)
     c.code.row(Op.JUMP, c=scope.end)
 
