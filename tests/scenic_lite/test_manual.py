@@ -6,6 +6,7 @@ import pytest
 from manual import MANUAL, Block, blocks, failures
 
 from experiments.__main__ import main
+from scenic_lite import ScenicError, load
 
 TEXT = MANUAL.read_text()
 BLOCKS = blocks(TEXT)
@@ -34,6 +35,13 @@ def test_there_are_many_examples():
 def test_every_example_is_of_a_language_that_is_run():
     languages = {line[3:].split(" ")[0] for line in TEXT.splitlines() if line.startswith("```")} - {""}
     assert languages <= {"scenic", "python", "sh", "text"}
+
+
+def test_an_error_looks_as_it_is_shown():
+    (shown,) = re.findall(r"^```text\n(.*?)^```", TEXT, re.M | re.S)
+    with pytest.raises(ScenicError) as caught:
+        load("ego = Object at 0 @ 0\nb = Object at 1 @ 2, ahead ego by 3")
+    assert str(caught.value) == shown.rstrip("\n")
 
 
 def test_links_lead_to_headings():
