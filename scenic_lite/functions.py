@@ -21,6 +21,11 @@ from scenic_lite.region_functions import REGIONS, number
 from scenic_lite.values import Builtin, Namespace
 
 
+def no_shapely(frame: Frame, node: ast.AST, *shapes: Value) -> None:
+    """What football's libraries import and programs have no use for: they have no objects of Shapely."""
+    raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
+
+
 def outside_behavior(frame: Frame, node: ast.AST) -> None:
     raise ScenicError("type", "simulation() has a meaning only while a behavior runs", hint="use it inside a behavior")
 
@@ -78,6 +83,8 @@ MODULES: dict[str, Namespace] = {
     "random": Namespace("random", RANDOM),
     "pdb": Namespace("pdb", {}),
     "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),
-    "scenic.core.regions": Namespace("scenic.core.regions", REGIONS),
+    "scenic.core.regions": Namespace(
+        "scenic.core.regions", REGIONS | {"regionFromShapelyObject": sited("regionFromShapelyObject", no_shapely)}
+    ),
     "scenic.core.vectors": Namespace("scenic.core.vectors", {"Vector": SCENIC["Vector"]} | REGIONS),
 }

@@ -11,6 +11,7 @@ from scenic_lite.domain import Domain
 
 LIBRARY = Path(__file__).parent / "library"
 MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator", "constants")}
+PACKAGES = ("football", "scenic.simulators.gfootball")
 ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # what Scenic4RL has in other places
 
 # Parameters of a program that are settings of the match.
@@ -33,12 +34,9 @@ ENGINE = frozenset(
 
 FOOTBALL = Domain(
     name="football",
-    library={
-        f"{package}.{name}": path
-        for package in ("football", "scenic.simulators.gfootball")
-        for name, path in MODULES.items()
-    }
-    | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()},
+    library={f"{package}.{name}": path for package in PACKAGES for name, path in MODULES.items()}
+    | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()}
+    | dict.fromkeys(PACKAGES, LIBRARY / "football.scenic"),
     default_model="football.model",
     params=SETTINGS | ENGINE,
     world=FOOTBALL_WORLD,

@@ -238,7 +238,19 @@ def test_every_name_can_be_imported(name: str) -> None:
         FOOTBALL,
     )
     assert len(program.objects) == 2
-    assert {path.name for path in MODULES.values()} == {path.name for path in LIBRARY.glob("*.scenic")}
+    found = {path.name for path in LIBRARY.glob("*.scenic")}
+    assert found == {path.name for path in MODULES.values()} | {"football.scenic"}
+
+
+def test_imports_of_scenic4rls_own_library_mean_something() -> None:
+    program = load(
+        "from scenic.simulators.gfootball import model\nfrom scenic.simulators.gfootball.behaviors import *\n"
+        "from scenic.core.regions import regionFromShapelyObject, SectorRegion\n"
+        "from scenic.simulators.gfootball.utilities.constants import ActionCode\n"
+        "ego = LeftCM in model.right_penaltyBox\nBall at 5 @ 5\nparam right = ActionCode.right\n",
+        FOOTBALL,
+    )
+    assert program.params["right"] == 5
 
 
 def test_compass_directions_are_headings() -> None:
