@@ -154,8 +154,8 @@ class Generator:
         self.write(
             indent,
             self.pick(
-                f"take f'{word}{shown}'",
-                f"take f'{word}{shown}'",
+                f'take f"{word}{shown}"',
+                f'take f"{word}{shown}"',
                 f"take '{word}', 'x'",
                 f"take word + '{word}'",
                 "wait",
