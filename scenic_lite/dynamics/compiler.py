@@ -76,7 +76,7 @@ def compile_program(program: Program, world: World) -> Compiled:
 def needs_reference(main: BehaviorCall) -> bool:
     """Whether a main scenario does anything while a match runs; one that is only a setup was executed when loaded."""
     node = main.behavior.node
-    return bool(getattr(node, "compose", ()) or node.preconditions or node.invariants)
+    return bool((isinstance(node, nodes.Scenario) and node.compose) or node.preconditions or node.invariants)
 
 
 @contextmanager
