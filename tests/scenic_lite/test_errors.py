@@ -124,7 +124,7 @@ CASES = {
         <program>:1:1: there is no module 'football.modle' (did you mean 'football.model'?)
             model football.modle
             ^^^^^^^^^^^^^^^^^^^^
-            modules that exist: football.model, football.actions, football.behaviors, football.simulator, football.constants, math, random
+            modules that exist: football.model, football.actions, football.behaviors, football.simulator, football.constants, football, math, random
         """,
     ),
     "unknown name of a module": (
