@@ -265,7 +265,8 @@ OF_TWO: tuple[tuple[Callable[[float, float], Any], Callable[[Any, Any], Any]], .
     (math.atan2, np.arctan2), (math.copysign, np.copysign), (math.fmod, np.fmod), (math.pow, np.float_power),
     (math.remainder, lambda x, y: x - y * np.rint(x / y)),
 )  # fmt: skip
-for _scalar, _array in (*OF_ONE, *OF_TWO):
+_PAIRS: tuple[tuple[Callable[..., Any], Callable[..., Any]], ...] = (*OF_ONE, *OF_TWO)
+for _scalar, _array in _PAIRS:
     if _scalar.__name__ not in NEVER_FAILING:
         failing(Operation(_scalar, _array))
 INTEGERS_ONLY = (math.gcd, math.lcm, math.isqrt)
