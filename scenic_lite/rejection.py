@@ -43,4 +43,6 @@ class RejectionReport:
         lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
         if len(self.rejected) > SHOWN:
             lines.append(f"    and {len(self.rejected) - SHOWN} rules more")
+        if any(rule.probability < 1 for rule, _ in self.rejected):
+            lines.append("    (a soft requirement rejects in its share of the scenes only, and makes no draw invalid)")
         return lines

@@ -92,7 +92,19 @@ def declare_global(frame: Frame, node: ast.Global) -> None:
 
 
 def declare_nonlocal(frame: Frame, node: ast.Nonlocal) -> None:
+    for name in node.names:
+        if not has_local(frame.outer, name):
+            raise ScenicError("syntax", f"no function around this one has a variable '{name}'")
     frame.nonlocals.update(node.names)
+
+
+def has_local(frame: Frame | None, name: str) -> bool:
+    """Whether a function, from this one outwards, has a variable; those of the module do not count."""
+    while frame is not None and frame.locals is not frame.module_names:
+        if name in frame.locals or name in frame.assigned:
+            return True
+        frame = frame.outer
+    return False
 
 
 def refuse_with(frame: Frame, node: ast.With) -> None:

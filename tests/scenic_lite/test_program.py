@@ -343,3 +343,10 @@ def test_errors_survive_pickling():
     again = pickle.loads(pickle.dumps(caught.value))
     assert str(again) == str(caught.value)
     assert (again.kind, again.place) == (caught.value.kind, caught.value.place)
+
+
+def test_a_report_says_that_soft_requirements_do_not_count():
+    program = load("ego = new Object at Range(-1, 1) @ 2\nrequire[0.5] ego.x > 0", dialect=3)
+    report = program.report(64, RNG(0))
+    assert report.acceptance == 1
+    assert "soft requirement" in str(report)
