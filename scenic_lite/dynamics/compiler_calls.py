@@ -13,6 +13,7 @@ from scenic_lite.dynamics.compiler_choices import over_options
 from scenic_lite.dynamics.compiler_code import Assembler, Label
 from scenic_lite.dynamics.compiler_frame import MUTATORS, Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler_functions import FUNCTIONS, mutated
+from scenic_lite.dynamics.compiler_lists import put_with_room
 from scenic_lite.dynamics.compiler_shapes import LiveList, shape_of, varies
 from scenic_lite.dynamics.compiler_slots import copied, pairs, registers_in, settled
 from scenic_lite.errors import ScenicError
@@ -143,6 +144,11 @@ def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | Non
         hint = "copy it first: items = list(items)"
         raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be changed in a match", hint=hint)
     arguments = [frame.value(each) for each in node.args]
+    slot = holder.slots.get(name)
+    if function.attr == "append" and isinstance(items, LiveList) and slot is not None and len(arguments) == 1:
+        slot.widen(LiveList(shape_of(arguments[0]), ()))
+        put_with_room(c, slot.value, arguments[0])
+        return (None,)
     changed, result = mutated(c, frame, items, function.attr, arguments)
     holder.assign(name, changed)
     return (result,)

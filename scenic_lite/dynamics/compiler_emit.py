@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -158,7 +159,7 @@ def compute(code: Assembler, node: Random, out: int) -> None:
 
 
 def _hashable(operation: Any) -> bool:
-    return getattr(type(operation), "__hash__", None) is not None
+    return type(operation).__hash__ is not None
 
 
 def _is(operation: Any, kind: Any) -> bool:
@@ -166,7 +167,9 @@ def _is(operation: Any, kind: Any) -> bool:
 
 
 def describe(operation: Any) -> str:
-    return getattr(operation, "__name__", type(operation).__name__).strip("_").replace("_", " ")
+    """What an operation is called, for a message."""
+    name = operation.__name__ if isinstance(operation, np.ufunc | FunctionType) else type(operation).__name__
+    return name.strip("_").replace("_", " ")
 
 
 def choose_constant(code: Assembler, node: Random, out: int) -> None:

@@ -282,6 +282,14 @@ def rounded(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywor
     return Live(out, lasting=False)
 
 
+CHANGES: dict[str, Callable[..., Value]] = {
+    "pop": list.pop,
+    "insert": list.insert,
+    "remove": list.remove,
+    "reverse": list.reverse,
+}
+
+
 def mutated(c: Compilation, frame: Frame, items: Value, name: str, arguments: list) -> tuple[Value, Value]:
     """A list after one of its methods has changed it, and what the method returns."""
     if name == "append":
@@ -294,8 +302,8 @@ def mutated(c: Compilation, frame: Frame, items: Value, name: str, arguments: li
         return [], None
     if not isinstance(items, LiveList) and not any(map(varies, arguments)):
         changed = list(items)
-        if name in ("pop", "insert", "remove", "reverse"):
-            return changed, getattr(list, name)(changed, *arguments)
+        if name in CHANGES:
+            return changed, CHANGES[name](changed, *arguments)
     if name == "pop" and isinstance(items, LiveList) and not arguments:
         last = settled(c.code, kept(c.code, item_at(c, frame, items, -1)))
         rest = kept(c.code, items)

@@ -15,8 +15,8 @@ from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler_code import Label, Live
 from scenic_lite.dynamics.compiler_emit import jump, register_of
 from scenic_lite.dynamics.compiler_frame import Compilation
-from scenic_lite.dynamics.compiler_shapes import CAPACITY, Items, LiveList, element_of, loaded, shape_of
-from scenic_lite.dynamics.compiler_slots import Slot, kept, settled
+from scenic_lite.dynamics.compiler_shapes import CAPACITY, Items, LiveList, element_of, join, loaded, shape_of
+from scenic_lite.dynamics.compiler_slots import Slot, kept, pairs, settled, store
 from scenic_lite.errors import ScenicError
 from scenic_lite.expressions import item_of
 from scenic_lite.frame import Frame
@@ -158,16 +158,20 @@ def appended(c: Compilation, items: Value, item: Value) -> Value:
     if not isinstance(items, LiveList):
         return [*items, item]
     found = as_live_list_of(c, items, item)
-    c.code.row(Op.LESS, (fits := c.code.temporaries.take()), found.registers[0], c.code.constant(CAPACITY))
-    c.code.fault_unless(fits, f"a list grows beyond {CAPACITY} elements")
-    put_at_end(c, found, item)
+    put_with_room(c, found, item)
     return found
+
+
+def put_with_room(c: Compilation, items: LiveList, item: Value) -> None:
+    """Put an element behind the last, in place; a fault if there is no room."""
+    fits = c.code.temporaries.take()
+    c.code.row(Op.LESS, fits, items.registers[0], c.code.constant(CAPACITY))
+    c.code.fault_unless(fits, f"a list grows beyond {CAPACITY} elements")
+    put_at_end(c, items, item)
 
 
 def as_live_list_of(c: Compilation, items: LiveList, item: Value) -> LiveList:
     """A copy of a list with room for elements like `item`."""
-    from scenic_lite.dynamics.compiler_shapes import join
-
     shape = Items(join(items.element, shape_of(item)))
     slot = Slot(c.code, {("list",): shape}, ("list",))
     slot.store(items)
@@ -178,8 +182,6 @@ def as_live_list_of(c: Compilation, items: LiveList, item: Value) -> LiveList:
 
 def put_at_end(c: Compilation, items: LiveList, item: Value) -> None:
     """Put an element behind the last, in place."""
-    from scenic_lite.dynamics.compiler_slots import pairs, store
-
     assert items.element is not None
     start = c.code.temporaries.take(items.element.size)
     registers = range(start, start + items.element.size)
@@ -191,14 +193,23 @@ def put_at_end(c: Compilation, items: LiveList, item: Value) -> None:
 
 def concatenated(c: Compilation, node: ast.AST, left: Value, right: Value) -> Value:
     """`left + right` of lists, at least one of which varies in length."""
-    operation = getattr(node, "op", None)
-    if not isinstance(operation, ast.Add) or not all(isinstance(each, LiveList | list) for each in (left, right)):
+    if (
+        not isinstance(node, ast.BinOp | ast.AugAssign)
+        or not isinstance(node.op, ast.Add)
+        or not all(isinstance(each, LiveList | list) for each in (left, right))
+    ):
         raise ScenicError("unsupported", "lists whose length varies can only be added to each other")
-    found = as_live_list(c, left)
+    shape = Items(join(element_of(shape_of(left)), element_of(shape_of(right))))
+    slot = Slot(c.code, {("list",): shape}, ("list",))
+    slot.store(left)
+    found = slot.value
+    assert isinstance(found, LiveList)
     if isinstance(right, LiveList):
-        raise ScenicError("unsupported", "two lists whose lengths vary cannot be added in a match")
-    for item in right:
-        found = appended(c, found, item)
+        for item, _ in each_of(c, right):
+            put_with_room(c, found, item)
+    else:
+        for item in right:
+            put_with_room(c, found, item)
     return found
 
 

@@ -72,7 +72,8 @@ def conditions(c: Compilation, scope: str) -> None:
     """`terminate when`, `terminate simulation when`: the first that is true."""
     end = Label()
     kind, register = ("scenarioComplete", COMPLETE) if scope == "scenario" else (SIMULATION, TERMINATED)
-    wanted = [each for each in c.program.terminations if getattr(each.tree, "scope", "") == scope]
+    all_ = c.program.terminations
+    wanted = [each for each in all_ if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == scope]
     if wanted:
         c.code.row(Op.JUMP_IF, register, c=end)
     for watched in wanted:
