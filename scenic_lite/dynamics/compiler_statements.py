@@ -64,11 +64,10 @@ def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> No
         frame.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
         parts = elements(c, frame, value, target)
-        if any(isinstance(each, ast.Starred) for each in target.elts) or len(parts) != len(target.elts):
-            raise frame.error("value", f"{len(parts)} values for {len(target.elts)} names", target)
+        parts = spread(frame, target, parts)
         parts = [copied(c.code, each) for each in parts]  # `a, b = b, a`
         for each, part in zip(target.elts, parts, strict=True):
-            bind(c, frame, each, part)
+            bind(c, frame, each.value if isinstance(each, ast.Starred) else each, part)
     elif isinstance(target, ast.Attribute):
         set_attribute(c, frame, target, frame.value(target.value), value)
     elif isinstance(target, ast.Subscript):
@@ -76,6 +75,18 @@ def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> No
         bind_item(c, frame, target, changed_item(c, frame, container, index, value))
     else:
         raise frame.error("syntax", "this cannot be assigned to", target)
+
+
+def spread(frame: LiveFrame, target: ast.Tuple | ast.List, parts: list[Value]) -> list[Value]:
+    """One value for each of several names; what stands behind a star takes those that are left."""
+    count = len(target.elts)
+    star = next((i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)), None)
+    if star is not None and len(parts) >= count - 1:
+        after = len(parts) - (count - star - 1)
+        parts = [*parts[:star], parts[star:after], *parts[after:]]
+    if len(parts) != count:
+        raise frame.error("value", f"{len(parts)} values for {count} names", target)
+    return parts
 
 
 def bind_item(c: Compilation, frame: LiveFrame, target: ast.Subscript, container: Value) -> None:

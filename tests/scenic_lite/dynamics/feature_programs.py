@@ -225,6 +225,48 @@ terminate when ego.position.y > 20
 terminate simulation when ego.position.y > 21
 terminate after 30 steps
 """
+MIXED = """
+import random
+def clamp(v, lo, hi):
+    return max(lo, min(hi, v))
+behavior Zig(points):
+    for p in points:
+        while (distance from self to p) > 3 and simulation().currentTime < 20:
+            take f"go {p.x:.4g}"
+        take 'next'
+behavior Main(n=2):
+    marks = []
+    targets = [1 @ 3, mate, foe.position]
+    scores = {mate: 1, foe: 2}
+    for i, (o, s) in enumerate(scores.items()):
+        take f"{i} {s} {o.position.x:.4g}"
+    a, *rest = [1, 2, 3]
+    words = "x y z".split()
+    for w in words:
+        if w == 'y': continue
+        take w.upper() + str(a)
+    def near(o, d=5):
+        return (distance from self to o) < d + n
+    while len(marks) < 3:
+        if near(mate): marks.append(self.position.y)
+        n += 1
+        take f"{len(marks)}"
+    pick = random.choice([mate, foe])
+    k = random.randint(1, 3)
+    for _ in range(k):
+        take f"{pick.position.x:.4g} {clamp(self.position.y, 0, k):.4g}"
+    best = min([o for o in things if o is not self], key=lambda o: distance from self to o, default=None)
+    take 'none' if best is None else f"{best.position.x:.4g}"
+    x, y = self.position.x, self.position.y
+    z = x if y > 3 else None
+    if z is not None and z < 5: take f"z{z:.4g}"
+    do Zig([1 @ 30, 2 @ 2])
+    take sum(marks) > 3, not marks, marks[-1]
+ego = new Object at 0 @ 0, with behavior Main(), with requireVisible False
+mate = new Object at 4 @ Range(0, 3), with requireVisible False
+foe = new Object at -4 @ 1, with requireVisible False
+things = [ego, mate, foe]
+"""
 
 
 def program(name: str) -> str:

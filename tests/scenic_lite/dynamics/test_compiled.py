@@ -38,6 +38,11 @@ def test_a_feature_gives_the_same_commands(name):
     assert found == []
 
 
+def test_a_mixture_gives_the_same_commands():
+    found, _ = differences(feature_programs.MIXED, range(8), steps=40)
+    assert found == []
+
+
 def test_watchers_give_the_same_verdicts():
     found, _ = differences(feature_programs.watched_program(), range(40), steps=34)
     assert found == []
