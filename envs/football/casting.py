@@ -19,6 +19,12 @@ ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "
 TEAMS = {"left": LEFT, "right": RIGHT}
 METRES = np.array([METRES_PER_X, METRES_PER_Y])
 
+# What ends an episode of a program that does not say so; academy scenarios, and `MatchConfig`, have it otherwise.
+UNLESS_SAID = {
+    "end_episode_on_score": False,
+    "end_episode_on_out_of_play": False,
+    "end_episode_on_possession_change": False,
+}
 LONGEST = 1_000_000  # steps of an episode
 WANTED = {
     bool: "True or False",
@@ -129,7 +135,7 @@ def _settings(program: Program) -> MatchConfig:
         else:
             continue
         raise refusal(program, f"param {name} must be {WANTED[kind]}, not {found}", place)
-    return MatchConfig(**{name: program.params[name] for name in chosen})
+    return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen})
 
 
 def _fits(value: Any, kind: type) -> bool:

@@ -52,7 +52,8 @@ def test_figure_2_3_pays_for_a_ball_near_the_goal():
             _, rewards, terminated, truncated, _ = env.step(np.full(8, RIGHT))
             going = ~(terminated | truncated)
             near = pays & (env.matches["ball"]["x"] / METRES_PER_X > 70)
-            assert rewards[going] == pytest.approx(np.where(near, 0.1, 0.0)[going])
+            expected = env.matches["goal"] + np.where(near, 0.1, 0.0)
+            assert rewards[going] == pytest.approx(expected[going])
 
 
 def test_figure_2_4_ends_when_the_ball_is_in_the_right_half():
