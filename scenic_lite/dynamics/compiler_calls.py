@@ -85,12 +85,8 @@ def inlined(
     try:
         with c.entered(function, node):
             names = {name: settled(code, value) for name, value in bound.items()}
-            scope = Scope(c.path, function.body if isinstance(function.body, list) else [], Label())
-            inner = LiveFrame(c, function.frame.source, names, function.frame, scope)
-            inner.assigned = function.assigned
-            if function.owner is not None and arguments:
-                inner.method = (function.owner, arguments[0])
-            result = value_of(c, inner, function, scope)
+            receiver = arguments[0] if function.owner is not None and arguments else None
+            result, scope = settled_call(c, function, names, receiver)
     except ScenicError as error:
         raise seen_from(frame, function, node, error) from None
     finally:
@@ -100,6 +96,29 @@ def inlined(
     result = out_of_the_way(code, result, used)
     code.scratch.used = used
     return result
+
+
+def settled_call(c: Compilation, function: Function, names: dict[str, Value], receiver: Value) -> tuple[Value, Scope]:
+    """The value of a call; its rows are written again if a shape of its variables has widened meanwhile."""
+    code, path = c.code, c.path
+    rows, doubts, reachable, known = len(code.rows), len(c.doubts), code.reachable, dict(code.known)
+    temporaries, scratch = code.temporaries.used, code.scratch.used
+    while True:
+        scope = Scope(path, function.body if isinstance(function.body, list) else [], Label())
+        inner = LiveFrame(c, function.frame.source, dict(names), function.frame, scope)
+        inner.assigned = function.assigned
+        if receiver is not None:
+            assert function.owner is not None
+            inner.method = (function.owner, receiver)
+        result = value_of(c, inner, function, scope)
+        own = {key for key in code.widened if key[: len(path)] == path}
+        if not own:
+            return result, scope
+        code.widened -= own
+        code.relied_on = {key for key in code.relied_on if key[: len(path)] != path}
+        del code.rows[rows:], c.doubts[doubts:]
+        code.reachable, code.known = reachable, dict(known)
+        code.temporaries.used, code.scratch.used = temporaries, scratch
 
 
 def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:

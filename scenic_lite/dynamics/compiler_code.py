@@ -107,8 +107,8 @@ class Assembler:
     texts: dict[str, int] = field(default_factory=dict)
     notes: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
-    widened: bool = False  # a shape has changed after rows had relied on it: all must be compiled again
     relied_on: set[tuple] = field(default_factory=set)  # slots, by their keys
+    widened: set[tuple] = field(default_factory=set)  # slots whose shape has changed after rows had relied on it
     known: dict[int, tuple[int, Random]] = field(default_factory=dict)  # nodes computed on the way to here, by id
 
     # ------------------------------------------------------------ rows

@@ -203,7 +203,8 @@ class Slot:
         if shape != self.shape:
             assert shape is not None
             self.shapes[self.key] = shape
-            self.code.widened = self.code.widened or self.key in self.code.relied_on
+            if self.key in self.code.relied_on:
+                self.code.widened.add(self.key)
             self._place()
 
     def store(self, value: Value) -> None:
