@@ -180,7 +180,7 @@ def do(c: Compilation, frame: LiveFrame, node: nodes.Do) -> None:
     else:
         run()
     if not frame.scope.live and not c.guarding:
-        c.code.variables.used = max(used, 0)
+        c.code.variables.used = used
     check_invariants(c, frame)
 
 
@@ -325,7 +325,7 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
         code.row(Op.MULTIPLY, share, register_of(code, weight), able + i)
         code.row(Op.ADD, total, total, share)
         code.row(Op.ADD, count, count, able + i)
-    some, one, pick = Label(), Label(), Label()
+    some, one = Label(), Label()
     code.row(Op.JUMP_IF, count, c=some)
     c.reject('deadlock in "do choose/shuffle"')
     code.put(some)
@@ -343,7 +343,6 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
     code.put(one)
     for i in range(len(weights)):
         code.row(Op.JUMP_IF, able + i, c=ways[i])
-    code.put(pick)
     code.reachable = False
     return ways
 

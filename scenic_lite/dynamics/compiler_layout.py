@@ -15,40 +15,42 @@ from scenic_lite.errors import Place
 from scenic_lite.graph import Tape, Value
 from scenic_lite.program import Program
 
+Thread = tuple[int, int, Label, str]  # slot, object or -1, first row, title
 
-def finished(c: Compilation, threads: list[tuple[int, int, Label, str]]) -> Compiled:
+
+def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     """Lay out the rows and registers of one walk."""
-    code: Assembler = c.code
+    code, program = c.code, c.program
     rows = placed(shortened(code.rows))
     layout = Layout(code)
+    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
+    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
+    listing = listing_of(c, rows, threads, layout)
+    relocate(c.commands, layout)
+    return Compiled(
+        code_of(c, rows, threads, layout),
+        program,
+        tuple(thing for _, thing, _, _ in threads),
+        listing.places,
+        tuple(c.commands),
+        tuple(c.reasons),
+        tuple(c.broken),
+        tuple({(each.place, each.message): each for each in c.doubts}.values()),
+        listing,
+        start_of(code, threads, layout),
+        tuple(inputs),
+        tape,
+        code.texts,
+    )
+
+
+def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
+    """What the kernels read."""
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
     for i, row in enumerate(rows):
         table[i] = (row.op, *layout.operands(row, lists))
-    start = np.zeros(layout.count)
-    for value, register in code.constants.items():
-        start[layout(register)] = value
-    for register, value in code.initial.items():
-        start[layout(register)] = value
-    for slot, _, entry, _ in threads:
-        start[layout(slot)] = entry.row
-    start[SEEN] = -1.0
-    return assembled(c, layout, table, lists, start, threads, rows)
-
-
-def assembled(
-    c: Compilation,
-    layout: Layout,
-    table: np.ndarray,
-    lists: list[int],
-    start: np.ndarray,
-    threads: list,
-    rows: list[Row],
-) -> Compiled:
-    code, program = c.code, c.program
-    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
-    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
-    whole = Code(
+    return Code(
         table,
         np.array([*lists, 0], dtype=np.uint32),
         np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
@@ -58,29 +60,30 @@ def assembled(
         layout(c.clock.register) if c.clock is not None else 0,
         layout.count,
     )
-    nowhere = Place(program.file, 1, 0, 1, 1)
+
+
+def start_of(code: Assembler, threads: list[Thread], layout: Layout) -> np.ndarray:
+    """The registers [R] with which a match starts, but for what its scene gives."""
+    start = np.zeros(layout.count)
+    for value, register in code.constants.items():
+        start[layout(register)] = value
+    for register, value in code.initial.items():
+        start[layout(register)] = value
+    for slot, _, entry, _ in threads:
+        start[layout(slot)] = entry.row
+    start[SEEN] = -1.0
+    return start
+
+
+def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
+    """What a person reads beside the rows."""
+    nowhere = Place(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
+    names = {layout(register): note for register, note in c.code.notes.items()}
+    names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
+    lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
-    names = {layout(register): note for register, note in code.notes.items()}
-    names |= {layout(register): f"{value:g}" for value, register in code.constants.items()}
-    lines = {(place.file, place.line): line_of(program, place) for place in set(places)}
-    titles = {entry.row: title for _, _, entry, title in threads}
-    relocate(c.commands, layout)
-    return Compiled(
-        whole,
-        program,
-        tuple(thing for _, thing, _, _ in threads),
-        places,
-        tuple(c.commands),
-        tuple(c.reasons),
-        tuple(c.broken),
-        tuple({(each.place, each.message): each for each in c.doubts}.values()),
-        Listing(places, names, lines, notes, titles),
-        start,
-        tuple(inputs),
-        tape,
-        code.texts,
-    )
+    return Listing(places, names, lines, notes, {entry.row: title for _, _, entry, title in threads})
 
 
 def line_of(program: Program, place: Place) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from contextlib import nullcontext
 from typing import Any
 
 from scenic_lite.calls import Return
@@ -101,7 +102,7 @@ def bind_item(c: Compilation, frame: LiveFrame, target: ast.Subscript, container
 def branch(c: Compilation, frame: LiveFrame, node: ast.If) -> None:
     def run(no: Label, live: bool) -> None:
         end = Label()
-        with frame.living() if live else nothing_more():
+        with frame.living() if live else nullcontext():
             frame.run(node.body)
             c.code.row(Op.JUMP, c=end)
             c.code.put(no)
@@ -109,16 +110,6 @@ def branch(c: Compilation, frame: LiveFrame, node: ast.If) -> None:
         c.code.put(end)
 
     live_branch(c, frame, node.test, [node.body, node.orelse], run)
-
-
-class nothing_more:
-    """A context in which nothing is different."""
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, *_: object) -> None:
-        pass
 
 
 def repeat_while(c: Compilation, frame: LiveFrame, node: ast.While) -> None:
