@@ -48,7 +48,7 @@ def compile_ms(env: object, seconds: float) -> float:
     """Milliseconds from a program that is read to its code."""
     from envs.football.vector_env import FootballVectorEnv
     from envs.football.world import FOOTBALL_WORLD
-    from scenic_lite.dynamics.compiler import compile_program
+    from scenic_lite.dynamics.compiler.compiler import compile_program
 
     assert isinstance(env, FootballVectorEnv)
 

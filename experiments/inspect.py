@@ -219,7 +219,7 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 def render_code(program: Program, football: bool) -> str:
     """Give the rows that the behaviors, monitors and conditions of a program become, below the lines they come from."""
     from envs.football.world import FOOTBALL_WORLD
-    from scenic_lite.dynamics.compiler import compile_program
+    from scenic_lite.dynamics.compiler.compiler import compile_program
     from scenic_lite.dynamics.toy import toy_world
 
     compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
@@ -232,9 +232,9 @@ def render_code(program: Program, football: bool) -> str:
 
 def print_text(path: Path, config: InspectConfig) -> None:
     """Print the tokens or the tree of a program's text."""
-    from scenic_lite.dialect import dialect_of
-    from scenic_lite.lexer import tokens
-    from scenic_lite.parser import parse
+    from scenic_lite.syntax.dialect import dialect_of
+    from scenic_lite.syntax.lexer import tokens
+    from scenic_lite.syntax.parser import parse
 
     text = path.read_text()
     if config.show == "tokens":

@@ -1,12 +1,21 @@
 """A compact interpreter of Scenic: programs that describe distributions of scenes, evaluated for N samples at once.
 
-`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. The language itself
-is described in README.md. Read next: `evaluate`, `frame`, `graph`, `program`; then `dynamics.reference`.
+`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. README.md is the
+manual of the language. The packages, in the order in which a program passes them:
+
+    syntax      text → tokens → checked tree
+    evaluation  the tree walked once, on numbers and on random values alike
+    space       vectors, regions, vector fields
+    inverse     from a scene back to θ
+    dynamics    behaviors and monitors: the reference, the compiler, the machine
+
+and here the chapters of the language: `distributions`, `classes`, `specifiers`, `placement`, `operators`,
+`requirements`, `rules`. Read next: `evaluation.evaluate`, `graph`, `program`; then `dynamics.reference`.
 """
 
 from scenic_lite.domain import Domain
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.evaluate import load
+from scenic_lite.evaluation.evaluate import load
 from scenic_lite.program import Draw, Program
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule

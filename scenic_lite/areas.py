@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import DrawnPoint
-from scenic_lite.regions import Region
+from scenic_lite.evaluation.frame import DrawnPoint
+from scenic_lite.space.regions import Region
 
 
 class Area(NamedTuple):

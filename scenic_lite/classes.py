@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
 from scenic_lite.graph import OR, Random, Value, apply, is_number
-from scenic_lite.regions import SectorRegion, truth_of
+from scenic_lite.space.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
+from scenic_lite.space.regions import SectorRegion, truth_of
 from scenic_lite.values import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
 
 

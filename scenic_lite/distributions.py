@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import DrawnPoint, Frame, Requirement
-from scenic_lite.geometry import Vector, is_scalar
+from scenic_lite.evaluation.frame import DrawnPoint, Frame, Requirement
 from scenic_lite.graph import LESS_EQUAL, Column, Operation, Random, Value, apply, is_number
-from scenic_lite.regions import Filtered, Region
+from scenic_lite.space.geometry import Vector, is_scalar
+from scenic_lite.space.regions import Filtered, Region
 from scenic_lite.values import Choice, choose, describe_kind
 
 # A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.

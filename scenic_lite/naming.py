@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from scenic_lite.geometry import Vector, as_vector
 from scenic_lite.graph import Column, Value, columns_of
+from scenic_lite.space.geometry import Vector, as_vector
 from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
 
 

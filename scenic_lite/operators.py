@@ -20,9 +20,11 @@ from scenic_lite.classes import (
     view_of,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.fields import follow
-from scenic_lite.frame import Frame
-from scenic_lite.geometry import (
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.graph import Random, Value
+from scenic_lite.placement import ego_of, vector_of, viewer_of
+from scenic_lite.space.fields import follow
+from scenic_lite.space.geometry import (
     angle_between,
     as_vector,
     distance_between,
@@ -30,9 +32,7 @@ from scenic_lite.geometry import (
     normalised,
     rectangles_meet,
 )
-from scenic_lite.graph import Random, Value
-from scenic_lite.placement import ego_of, vector_of, viewer_of
-from scenic_lite.regions import Region, VectorField, truth_of
+from scenic_lite.space.regions import Region, VectorField, truth_of
 from scenic_lite.values import Choice, Delayed, Instance, describe_kind
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
@@ -198,13 +198,13 @@ def visible_part(frame: Frame, region: Value) -> Region:
 
 
 def visible_from(frame: Frame, region: Value, viewer: Value) -> Region:
-    from scenic_lite import algebra
+    from scenic_lite.space import algebra
 
     return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)), frame.session.dialect)
 
 
 def hidden_part(frame: Frame, region: Value) -> Region:
-    from scenic_lite import algebra
+    from scenic_lite.space import algebra
 
     return algebra.remainder(region_of("not visible", region), view_of(ego_of(frame)))
 

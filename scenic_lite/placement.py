@@ -12,11 +12,11 @@ from typing import Any
 from scenic_lite.classes import as_heading, is_object, view_of
 from scenic_lite.distributions import point_in
 from scenic_lite.errors import ScenicError
-from scenic_lite.fields import follow
-from scenic_lite.frame import Frame, Sight
-from scenic_lite.geometry import Vector, angle_between, as_vector, is_scalar, normalised
+from scenic_lite.evaluation.frame import Frame, Sight
 from scenic_lite.graph import NOT, Value, apply
-from scenic_lite.regions import Filtered, RectangularRegion, Region, VectorField
+from scenic_lite.space.fields import follow
+from scenic_lite.space.geometry import Vector, angle_between, as_vector, is_scalar, normalised
+from scenic_lite.space.regions import Filtered, RectangularRegion, Region, VectorField
 from scenic_lite.specifiers import FIRM, LOOSE, Meaning
 from scenic_lite.values import Choice, Delayed, Instance, describe_kind
 

@@ -16,17 +16,17 @@ import numpy as np
 from scenic_lite.areas import Area, areas_of
 from scenic_lite.dynamics.mentions import read_in_episodes
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.faults import Faults, Found
-from scenic_lite.frame import Session, Source
+from scenic_lite.evaluation.faults import Faults, Found
+from scenic_lite.evaluation.frame import Session, Source
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of
-from scenic_lite.levels import Inverse
+from scenic_lite.inverse.levels import Inverse
+from scenic_lite.inverse.refusals import Refusals
+from scenic_lite.inverse.wishes import Subjects, wishes_of_description, wishes_of_scenes
 from scenic_lite.naming import column_names, name_arguments, name_objects, title_of, title_of_option
-from scenic_lite.refusals import Refusals
 from scenic_lite.rejection import RejectionReport
 from scenic_lite.rules import Rule, checks_of, rules_of_requirements
 from scenic_lite.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
 from scenic_lite.values import BehaviorCall, Instance
-from scenic_lite.wishes import Subjects, wishes_of_description, wishes_of_scenes
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends

@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.bounds import bounds_of
 from scenic_lite.distributions import show_coordinates, span_between
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import DrawnPoint, Session
-from scenic_lite.geometry import TURN, Vector
+from scenic_lite.evaluation.frame import DrawnPoint, Session
 from scenic_lite.graph import Column, Random, Tape, Value, columns_of, is_number
-from scenic_lite.polygons import PolygonalRegion
-from scenic_lite.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
+from scenic_lite.inverse.bounds import bounds_of
 from scenic_lite.rules import containers
+from scenic_lite.space.geometry import TURN, Vector
+from scenic_lite.space.polygons import PolygonalRegion
+from scenic_lite.space.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
 from scenic_lite.values import Instance
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
@@ -191,7 +191,10 @@ def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
 
 def common_shape(base: Region, demand: Demand) -> Region | None:
     """As `common_part`, for regions of any shape."""
-    from scenic_lite import algebra, shapes  # slow to import, and only needed by programs with such regions
+    from scenic_lite.space import (
+        algebra,
+        shapes,  # slow to import, and only needed by programs with such regions
+    )
 
     room = circumscribed(demand.container).shape()
     if demand.radius > 0:

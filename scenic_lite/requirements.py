@@ -10,16 +10,16 @@ from __future__ import annotations
 import ast
 import math
 
-from scenic_lite import nodes
-from scenic_lite.bindings import Bindings
 from scenic_lite.classes import is_object
 from scenic_lite.distributions import normal_quantile
 from scenic_lite.dynamics.temporal import formula_of, is_temporal, possible
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, Requirement, Session, Watched
-from scenic_lite.geometry import Vector, normalised
+from scenic_lite.evaluation.bindings import Bindings
+from scenic_lite.evaluation.frame import Frame, Requirement, Session, Watched
+from scenic_lite.evaluation.rows import row_by_row
 from scenic_lite.graph import Random, Value, columns_of, is_number
-from scenic_lite.rows import row_by_row
+from scenic_lite.space.geometry import Vector, normalised
+from scenic_lite.syntax import nodes
 from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
 
 

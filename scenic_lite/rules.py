@@ -14,10 +14,10 @@ import numpy as np
 
 from scenic_lite.classes import can_see, is_object, outline, rectangle_of
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.frame import Session
-from scenic_lite.geometry import rectangles_meet
+from scenic_lite.evaluation.frame import Session
 from scenic_lite.graph import NOT, OR, Random, Value, apply
-from scenic_lite.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
+from scenic_lite.space.geometry import rectangles_meet
+from scenic_lite.space.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
 from scenic_lite.values import Instance
 
 BLOCK = 8192  # numbers in one array while rules are tested

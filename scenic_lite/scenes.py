@@ -13,10 +13,10 @@ import numpy as np
 
 from scenic_lite.budget import exceeded
 from scenic_lite.errors import Place
-from scenic_lite.geometry import Vector
 from scenic_lite.graph import Random, Tape, Value, is_number
-from scenic_lite.regions import Region
 from scenic_lite.rules import Outlines
+from scenic_lite.space.geometry import Vector
+from scenic_lite.space.regions import Region
 from scenic_lite.values import BehaviorCall, Choice, Instance
 
 LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20

@@ -10,12 +10,12 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from scenic_lite.alternatives import one_behavior
 from scenic_lite.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, near
-from scenic_lite.geometry import normalised
+from scenic_lite.evaluation.alternatives import one_behavior
+from scenic_lite.evaluation.frame import Frame, near
 from scenic_lite.graph import Value
+from scenic_lite.space.geometry import normalised
 from scenic_lite.values import Behavior, BehaviorCall, Delayed, Instance, ScenicClass
 
 FIRM, LOOSE = 1, 3  # priorities: a firm specification beats a loose one

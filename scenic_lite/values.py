@@ -10,15 +10,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from scenic_lite import nodes
 from scenic_lite.errors import Place
-from scenic_lite.exceptions import ExceptionClass, Fault
-from scenic_lite.geometry import Located, Vector, as_vector
+from scenic_lite.evaluation.exceptions import ExceptionClass, Fault
 from scenic_lite.graph import Random, Value, select
-from scenic_lite.regions import Region, VectorField
+from scenic_lite.space.geometry import Located, Vector, as_vector
+from scenic_lite.space.regions import Region, VectorField
+from scenic_lite.syntax import nodes
 
 if TYPE_CHECKING:
-    from scenic_lite.frame import Frame
+    from scenic_lite.evaluation.frame import Frame
 
 
 @dataclass(frozen=True, eq=False)

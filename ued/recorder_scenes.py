@@ -1,7 +1,7 @@
 """Scenes as a Rerun recording: one after the other on the timeline `scene`, each with what its θ means.
 
-Entities: `/scene/ground`, the lines that never change; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`, what
-θ means. Read next: `recorder`, the recording of a whole curriculum.
+Entities: `/scene/ground`, the lines that never change; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`,
+what θ means. Read next: `recorder`, the recording of a whole curriculum.
 """
 
 from __future__ import annotations

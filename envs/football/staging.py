@@ -1,6 +1,6 @@
 """A program's behaviors, compiled for its matches: what they start from, and what is said where they fail.
 
-Read next: `script`, how a match is played with them; `scenic_lite.dynamics.compiler`.
+Read next: `script`, how a match is played with them; `scenic_lite.dynamics.compiler.compiler`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from envs.football.constants import BAD_ACTION, BUILTIN_AI, PROGRAM_FAULT
 from envs.football.world import FOOTBALL_WORLD
 from scenic_lite import Program, ScenicError
 from scenic_lite.dynamics.bytecode import NO_COMMAND
-from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.compiler.compiler import compile_program
 
 
 class Staging:

@@ -9,8 +9,8 @@ from __future__ import annotations
 from envs.football.constants import BUILTIN_AI, STEP
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
-from scenic_lite.geometry import Vector
 from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+from scenic_lite.space.geometry import Vector
 from scenic_lite.values import Instance, Namespace, describe_kind
 
 FIELDS = (

@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
+from scenic_lite.evaluation.rows import body_of
 from scenic_lite.graph import Value
 from scenic_lite.program import Program
-from scenic_lite.rows import body_of
 from scenic_lite.values import Behavior, BehaviorCall, Choice, Function, Instance, Namespace
 
 

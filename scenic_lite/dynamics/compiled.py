@@ -21,11 +21,11 @@ from scenic_lite.dynamics.bytecode import (
     Listing,
     disassemble,
 )
-from scenic_lite.dynamics.compiler_code import Live
+from scenic_lite.dynamics.compiler.code import Live
 from scenic_lite.dynamics.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.dynamics.world import Commands, Verdict
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.frame import in_row
+from scenic_lite.evaluation.frame import in_row
 from scenic_lite.graph import Random, Tape, Value
 from scenic_lite.program import Program
 from scenic_lite.stream import streams

@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from scenic_lite.dynamics.threads import End, Guarded, Step, Thread
-from scenic_lite.frame import Frame
-from scenic_lite.modular import scenario_frame
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.evaluation.modular import scenario_frame
 from scenic_lite.values import BehaviorCall
 
 if TYPE_CHECKING:

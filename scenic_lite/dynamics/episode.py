@@ -20,7 +20,7 @@ from scenic_lite.dynamics.belongings import Belongings
 from scenic_lite.dynamics.draws import Draws
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import in_row
+from scenic_lite.evaluation.frame import in_row
 from scenic_lite.graph import Column, Random, Value
 from scenic_lite.program import Program
 from scenic_lite.values import Builtin, Instance, Namespace

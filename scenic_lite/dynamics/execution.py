@@ -11,17 +11,17 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from scenic_lite import nodes
-from scenic_lite.assignments import unpack
 from scenic_lite.dynamics.episode import settled
 from scenic_lite.dynamics.interrupts import abort, try_interrupt
 from scenic_lite.dynamics.invoking import do, wait
 from scenic_lite.dynamics.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
-from scenic_lite.exceptions import fault_of
-from scenic_lite.matching import chosen_case
-from scenic_lite.statements import Break, Continue
-from scenic_lite.trying import handler_for
+from scenic_lite.evaluation.assignments import unpack
+from scenic_lite.evaluation.exceptions import fault_of
+from scenic_lite.evaluation.matching import chosen_case
+from scenic_lite.evaluation.statements import Break, Continue
+from scenic_lite.evaluation.trying import handler_for
+from scenic_lite.syntax import nodes
 
 
 def branch(thread: Thread, node: ast.If) -> Iterator[Step]:

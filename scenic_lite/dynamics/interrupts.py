@@ -20,9 +20,9 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from typing import NamedTuple
 
-from scenic_lite import nodes
 from scenic_lite.dynamics.threads import Step, Thread
 from scenic_lite.errors import ScenicError
+from scenic_lite.syntax import nodes
 from scenic_lite.values import BehaviorCall
 
 Steps = Iterator[Step]

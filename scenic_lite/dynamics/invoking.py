@@ -14,12 +14,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 
-from scenic_lite import nodes
 from scenic_lite.dynamics.episode import Rejected
 from scenic_lite.dynamics.interrupts import Aborted, Handler, interruptible
 from scenic_lite.dynamics.threads import Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.graph import Value, is_number
+from scenic_lite.syntax import nodes
 from scenic_lite.values import Behavior, BehaviorCall, describe_kind
 
 Weighted = list[tuple[BehaviorCall, float]]

@@ -1,7 +1,7 @@
 """What an episode may read: the values that behaviors, monitors and conditions mention; what is random in them is in θ.
 
 Spec section 3: random values that a behavior names are sampled with the scene, those that it draws itself are not. Read
-next: `scenic_lite.rows`, which follows names.
+next: `scenic_lite.evaluation.rows`, which follows names.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING
 
-from scenic_lite.frame import Frame
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.evaluation.rows import body_of, reached
 from scenic_lite.graph import Value
-from scenic_lite.rows import body_of, reached
 from scenic_lite.values import BehaviorCall
 
 if TYPE_CHECKING:

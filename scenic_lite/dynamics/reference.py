@@ -27,7 +27,6 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite import nodes
 from scenic_lite.dynamics.agents import Agents
 from scenic_lite.dynamics.episode import Episode, Rejected
 from scenic_lite.dynamics.execution import SUSPENDING
@@ -37,6 +36,7 @@ from scenic_lite.dynamics.threads import End
 from scenic_lite.dynamics.world import Commands, Verdict, World
 from scenic_lite.errors import ScenicError
 from scenic_lite.program import Program
+from scenic_lite.syntax import nodes
 from scenic_lite.values import Instance
 
 

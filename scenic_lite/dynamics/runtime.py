@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite import nodes
-from scenic_lite.bindings import Bindings
 from scenic_lite.classes import checked, is_object
 from scenic_lite.dynamics.episode import Episode, Rejected
 from scenic_lite.dynamics.temporal import is_temporal
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame, Watched
+from scenic_lite.evaluation.bindings import Bindings
+from scenic_lite.evaluation.frame import Frame, Watched
 from scenic_lite.graph import Value, is_number
 from scenic_lite.requirements import source_text
+from scenic_lite.syntax import nodes
 from scenic_lite.values import Behavior, BehaviorCall, Instance, describe_kind
 
 

@@ -22,14 +22,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from scenic_lite import nodes
 from scenic_lite.dynamics.agents import Agents
 from scenic_lite.dynamics.composing import ComposeThread
 from scenic_lite.dynamics.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.temporal import Truth, Watch, formula_of
 from scenic_lite.dynamics.threads import End, Thread
-from scenic_lite.frame import Watched
+from scenic_lite.evaluation.frame import Watched
 from scenic_lite.graph import Value, is_number
+from scenic_lite.syntax import nodes
 from scenic_lite.values import BehaviorCall, Instance, describe_kind
 
 KEPT = ("monitors", "terminations", "records", "temporal")

@@ -20,8 +20,8 @@ from enum import Enum
 from functools import reduce
 from typing import Any
 
-from scenic_lite import nodes
 from scenic_lite.graph import AND, NOT, OR, Value, apply
+from scenic_lite.syntax import nodes
 
 OPERATORS = frozenset({"always", "eventually", "next", "until", "implies"})
 Step = Callable[[ast.expr], bool]  # the truth of an expression in the present step

@@ -15,12 +15,12 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from scenic_lite import nodes
-from scenic_lite.calls import Return
 from scenic_lite.dynamics.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
-from scenic_lite.frame import Frame
+from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.frame import Frame
 from scenic_lite.graph import Value
+from scenic_lite.syntax import nodes
 from scenic_lite.values import BehaviorCall, Instance
 
 if TYPE_CHECKING:

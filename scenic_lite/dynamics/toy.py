@@ -12,9 +12,9 @@ import numpy as np
 
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.world import Commands, Verdict, World
-from scenic_lite.geometry import Vector
 from scenic_lite.graph import Value
 from scenic_lite.program import Program
+from scenic_lite.space.geometry import Vector
 from scenic_lite.values import Instance, Namespace
 
 FIELDS = ("x", "y", "heading")

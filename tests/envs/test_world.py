@@ -15,7 +15,7 @@ from envs.football.script import command_players
 from envs.football.world import FACTS, FIELDS, FOOTBALL_WORLD
 from envs.football.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
-from scenic_lite.geometry import Vector
+from scenic_lite.space.geometry import Vector
 from scenic_lite.values import Instance, ScenicClass
 
 NORTH, WEST, SOUTH, EAST = 0.0, math.pi / 2, math.pi, 3 * math.pi / 2

@@ -18,7 +18,7 @@ import numpy as np
 
 from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiled import CompiledController
-from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from scenic_lite.check import check
-from scenic_lite.parser import parse
+from scenic_lite.syntax.check import check
+from scenic_lite.syntax.parser import parse
 
 
 def findings(text):

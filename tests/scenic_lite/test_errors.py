@@ -125,7 +125,7 @@ CASES = {
             model football.modle
             ^^^^^^^^^^^^^^^^^^^^
             modules that exist: football.model, football.actions, football.behaviors, football.simulator, football.constants, football, math, random
-        """,
+        """,  # noqa: E501
     ),
     "unknown name of a module": (
         "from football.model import LeftGC",

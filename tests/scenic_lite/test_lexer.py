@@ -7,7 +7,7 @@ import tokenize
 import pytest
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.lexer import MAX_CHARACTERS, tokens
+from scenic_lite.syntax.lexer import MAX_CHARACTERS, tokens
 
 KINDS = {
     tokenize.NAME: "name",

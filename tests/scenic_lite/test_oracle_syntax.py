@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from scenic_lite.check import check
 from scenic_lite.errors import ScenicError
-from scenic_lite.parser import parse
+from scenic_lite.syntax.check import check
+from scenic_lite.syntax.parser import parse
 
 ORACLE = Path(__file__).parents[2].parent / "shared" / "language" / "oracle"
 PROGRAMS = sorted(ORACLE.glob("*/*.scenic"))

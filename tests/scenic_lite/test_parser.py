@@ -5,9 +5,9 @@ import ast
 import pytest
 from tree_sketch import sketch, statements, value
 
-from scenic_lite import nodes
 from scenic_lite.errors import ScenicError
-from scenic_lite.parser import parse
+from scenic_lite.syntax import nodes
+from scenic_lite.syntax.parser import parse
 
 # Expression, tree in dialect 3. Brackets mark Scenic's operators, operations with one of them inside, and instances.
 PRECEDENCE = [

@@ -3,7 +3,7 @@
 import pytest
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.parser import parse
+from scenic_lite.syntax.parser import parse
 
 # ruff: noqa: E501 (the messages stand as they are printed)
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from scenic_lite import nodes
 from scenic_lite.errors import ScenicError
-from scenic_lite.parser import parse
+from scenic_lite.syntax import nodes
+from scenic_lite.syntax.parser import parse
 
 LIBRARY = Path(os.__file__).parent
 NAMES = """

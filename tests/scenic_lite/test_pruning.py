@@ -6,7 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from scenic_lite import ScenicError, evaluate, load
+from scenic_lite import ScenicError, load
+from scenic_lite.evaluation import evaluate
 
 SCENES = 4000
 CLOSE = 2.2 * np.sqrt(2 / SCENES)  # of two samples' distribution functions

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from scenic_lite import nodes
-from scenic_lite.parser import parse
+from scenic_lite.syntax import nodes
+from scenic_lite.syntax.parser import parse
 
 
 def sketch(node: object) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiled import Compiled, CompiledController
-from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import Controller, first_table, run, toy_world
 

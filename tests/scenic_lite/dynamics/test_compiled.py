@@ -15,7 +15,7 @@ from scenic_lite import ScenicError, load
 from scenic_lite.dynamics import vm
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiled import CompiledController
-from scenic_lite.dynamics.compiler import compile_program
+from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import toy_world
 from tests.scenic_lite.dynamics import feature_programs

@@ -7,7 +7,7 @@ import pytest
 
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.temporal import Truth, Watch, formula_of
-from scenic_lite.parser import parse
+from scenic_lite.syntax.parser import parse
 
 FORMULAS = {
     # formula over p, q: what is known after each step of (p, q) = 10, 10, 01, 00

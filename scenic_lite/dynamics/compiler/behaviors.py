@@ -1,0 +1,358 @@
+"""Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors inlined into the thread that runs them.
+
+What each means, and in which order its parts are evaluated, is `reference`'s to say. Read next: `compiler_interrupts`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.attributes import remember
+from scenic_lite.dynamics.compiler.choices import over_options
+from scenic_lite.dynamics.compiler.code import Label
+from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
+from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
+from scenic_lite.dynamics.compiler.slots import kept
+from scenic_lite.dynamics.temporal import is_temporal
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.graph import Random, Value, is_number
+from scenic_lite.requirements import source_text
+from scenic_lite.syntax import nodes
+from scenic_lite.values import Behavior, BehaviorCall, Choice, describe_kind
+
+Called = tuple[BehaviorCall, Value]  # with its weight
+
+
+def take(c: Compilation, frame: LiveFrame, node: nodes.Take) -> None:
+    """`take a, b`; a single tuple or list stands for its elements."""
+    actions = [frame.value(each) for each in node.actions]
+    if len(actions) == 1 and isinstance(actions[0], list | tuple):
+        actions = list(actions[0])
+    assert c.agent is not None, "the checker lets only behaviors take actions"
+    actions = [checked(c, each, node) for each in actions]
+    remember(c, tuple(actions))
+    on = Label()
+    c.code.row(Op.TAKE, command(c, actions, node), c.slot, on)
+    c.code.reachable = False
+    c.code.put(on)
+    check_invariants(c, frame)
+
+
+def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
+    """An action as the world wants it."""
+    if isinstance(action, Choice):
+        return over_options(c, action, lambda each: checked(c, each, node), id(node))
+    assert c.agent is not None
+    return c.world.command(action, c.agent)
+
+
+def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
+    """The register of a command's number: the action itself where actions are numbers, else its place in a list."""
+    if not actions:
+        return c.code.constant(-1)
+    if not c.world.several:
+        if not isinstance(actions[0], int | float | Random):
+            raise ScenicError("type", f"an action is a number here, not {describe_kind(actions[0])}")
+        return register_of(c.code, actions[0])
+    c.commands.append(tuple(kept(c.code, each) for each in actions))
+    return c.code.constant(len(c.commands) - 1)
+
+
+def wait(c: Compilation, frame: LiveFrame, node: nodes.Wait) -> None:
+    if node.duration is None and node.until is None:
+        pause(c)
+    else:
+        limited(c, frame, limit_of(c, frame, node), lambda: idle(c))
+    check_invariants(c, frame)
+
+
+def pause(c: Compilation) -> None:
+    on = Label()
+    c.code.row(Op.WAIT, 0, c.slot, on)
+    c.code.reachable = False
+    c.code.put(on)
+
+
+def idle(c: Compilation) -> None:
+    again = Label()
+    c.code.put_loop(again)
+    c.code.row(Op.WAIT, 0, c.slot, again)
+    c.code.reachable = False
+
+
+def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
+    word = "terminate simulation" if node.scope == "simulation" else "terminate"
+    on = Label()
+    who = "Behavior" if c.agent is not None else "Monitor"
+    c.code.row(Op.TERMINATE, c.reason(f'terminatedBy{who}: "{word}" executed on line {node.lineno}'), c.slot, on)
+    c.code.reachable = False
+    c.code.put(on)
+    check_invariants(c, frame)
+
+
+def require(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
+    """`require[p] condition` in a behavior or monitor: the match is rejected if it does not hold now."""
+    if is_temporal(node.condition):
+        message = "a temporal requirement that is made while a match runs"
+        raise ScenicError("unsupported", message, hint="write it outside of behaviors and monitors")
+    fine = Label()
+    probability = 1.0 if node.probability is None else frame.value(node.probability)
+    if not is_number(probability) or not 0 <= probability <= 1:
+        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+    if probability < 1:
+        mark = c.code.temporaries.take()
+        c.code.row(Op.DRAW, mark, c.code.constant(0), c.code.constant(1))
+        c.code.row(Op.JUMP_LESS, c.code.constant(probability), mark, fine)
+    jump_on(c, frame, node.condition, fine, when=True)
+    c.reject(node.name or source_text(frame, node))
+    c.code.put(fine)
+
+
+# ------------------------------------------------------------ behaviors inside each other
+
+
+def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
+    """A behavior in place: its guards, then its body."""
+    with c.entered(call.behavior, node):
+        frame = frame_of(c, call)
+        if guards:
+            check_guards(c, frame)
+        frame.run(frame.scope.body)
+        c.code.put(frame.scope.end)
+
+
+def frame_of(c: Compilation, call: BehaviorCall) -> LiveFrame:
+    """The variables of a behavior that begins."""
+    behavior = call.behavior
+    names = {name: kept(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
+    assert isinstance(behavior.node, nodes.Behavior), "scenarios are refused before"
+    scope = Scope(c.path, behavior.node.body, Label(), behavior)
+    frame = LiveFrame(c, behavior.frame.source, names, behavior.frame, scope)
+    frame.assigned = behavior.assigned
+    return frame
+
+
+def check_guards(c: Compilation, frame: LiveFrame) -> None:
+    behavior = frame.scope.behavior
+    assert behavior is not None
+    check(c, frame, "precondition", behavior.node.preconditions)
+    check_invariants(c, frame)
+
+
+def check_invariants(c: Compilation, frame: LiveFrame) -> None:
+    """Whenever a thread goes on after time has passed."""
+    behavior = frame.scope.behavior
+    if behavior is not None and behavior.node.invariants:
+        check(c, frame, "invariant", behavior.node.invariants)
+
+
+def check(c: Compilation, frame: LiveFrame, word: str, conditions: list[ast.expr]) -> None:
+    behavior = frame.scope.behavior
+    assert behavior is not None
+    for condition in conditions:
+        fine = Label()
+        with c.code.statement():
+            jump_on(c, frame, condition, fine, when=True)
+            c.reject(f"violated {word} of {behavior.name} on line {condition.lineno}")
+            c.code.put(fine)
+
+
+def do(c: Compilation, frame: LiveFrame, node: nodes.Do) -> None:
+    calls = calls_of(c, frame, node)
+    used = c.code.variables.used
+
+    def run() -> None:
+        if node.how == "choose":
+            choose_one(c, calls, node)
+        elif node.how == "shuffle":
+            shuffle(c, calls, node)
+        else:
+            run_called(c, calls[0][0], node)
+
+    if node.duration is not None or node.until is not None:
+        limited(c, frame, limit_of(c, frame, node), run)
+    else:
+        run()
+    if not frame.scope.live and not c.guarding:
+        c.code.variables.used = used
+    check_invariants(c, frame)
+
+
+def run_called(c: Compilation, call: Value, node: nodes.Do) -> None:
+    """`do` of a behavior, or of whichever one it is in the match."""
+    if isinstance(call, BehaviorCall):
+        run_behavior(c, call, node)
+        return
+    end = Label()
+    index = register_of(c.code, call.index)
+    for i, option in enumerate(call.options):
+        following = Label()
+        c.code.row(Op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
+        with c.round(node, i):
+            run_behavior(c, option, node)
+        c.code.row(Op.JUMP, c=end)
+        c.code.put(following)
+    c.code.put(end)
+
+
+def calls_of(c: Compilation, frame: LiveFrame, node: nodes.Do) -> list[Called]:
+    """What is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
+    values = [frame.value(each) for each in node.calls]
+    places: list[ast.expr] = list(node.calls)
+    weights: list[Value] = [1.0] * len(values)
+    if node.weights is not None:
+        weights = [frame.value(each) for each in node.weights]
+    if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
+        values, weights = list(values[0]), list(values[0].values())
+        places *= len(values)
+    for weight in weights:
+        if is_number(needs_number(weight, "a weight")) and weight < 0:
+            raise frame.error("value", f"a weight is a number, and not negative: {weight!r}", node)
+    return [
+        (kept(c.code, called(frame, value, place)), kept(c.code, weight))
+        for value, place, weight in zip(values, places, weights, strict=True)
+    ]
+
+
+def called(frame: Frame, value: Value, place: ast.expr) -> Value:
+    """A behavior with its arguments, or a choice among such."""
+    if isinstance(value, Choice):
+        return Choice(value.index, tuple(called(frame, option, place) for option in value.options))
+    if isinstance(value, BehaviorCall) and value.behavior.kind == "behavior":
+        return value
+    is_behavior = isinstance(value, Behavior) and value.kind == "behavior"
+    hint = f"write {value.name}()" if is_behavior else ""
+    raise frame.error("type", f"`do` needs a behavior, not {describe_kind(value)}", place, hint)
+
+
+def limit_of(c: Compilation, frame: LiveFrame, node: nodes.Do | nodes.Wait) -> Limit:
+    """When a `do` or `wait` ends: rows that jump when it does."""
+    if node.until is not None:
+        until = node.until
+        return lambda end: jump_on(c, frame, until, end, when=True)
+    assert node.duration is not None
+    duration = needs_number(frame.value(node.duration), "a duration")
+    code = c.code
+    start = code.variables.take(2)
+    time = c.time()
+    register_of(code, time, start)
+    steps = duration if node.unit == "steps" else duration / c.world.timestep
+    register_of(code, steps, start + 1)
+
+    def over(end: Label) -> None:
+        passed = code.temporaries.take()
+        code.row(Op.SUBTRACT, passed, time.register, start)
+        code.row(Op.JUMP_LESS_EQUAL, start + 1, passed, end)
+
+    return over
+
+
+# ------------------------------------------------------------ one of several
+
+
+def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
+    """`do choose`: one of those whose guards hold now, by weight."""
+    able = c.code.variables.take(len(calls))
+    for i, (call, _) in enumerate(calls):
+        can_start(c, call, node, i, able + i)
+    ways = drawn(c, [weight for _, weight in calls], able)
+    end = Label()
+    for i, (call, _) in enumerate(calls):
+        c.code.put(ways[i])
+        with c.round(node, i):
+            run_called(c, call, node)
+        c.code.row(Op.JUMP, c=end)
+    c.code.put(end)
+
+
+def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
+    """`do shuffle`: again and again one of those that are left."""
+    code = c.code
+    able = code.variables.take(len(calls))
+    left = code.variables.take(len(calls))
+    for i in range(len(calls)):
+        register_of(code, 1, left + i)
+    again, end = Label(), Label()
+    code.put_loop(again)
+    some = Label()
+    for i in range(len(calls)):
+        code.row(Op.JUMP_IF, left + i, c=some)
+    code.row(Op.JUMP, c=end)
+    code.put(some)
+    for i, (call, _) in enumerate(calls):
+        gone = Label()
+        register_of(code, 0, able + i)
+        code.row(Op.JUMP_UNLESS, left + i, c=gone)
+        can_start(c, call, node, i, able + i)
+        code.put(gone)
+    ways = drawn(c, [weight for _, weight in calls], able)
+    for i, (call, _) in enumerate(calls):
+        code.put(ways[i])
+        register_of(code, 0, left + i)
+        with c.round(node, i):
+            run_called(c, call, node)
+        code.row(Op.JUMP, c=again)
+    code.put(end)
+
+
+def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: int) -> None:
+    """Put into a register whether the guards of a behavior hold now."""
+    if not isinstance(call, BehaviorCall):
+        raise ScenicError("unsupported", "`do choose` and `do shuffle` of a random behavior")
+    register_of(c.code, 0, able)
+    fails = Label()
+    with c.round(node, -1 - number), c.entered(call.behavior, node):
+        frame = frame_of(c, call)
+        for condition in [*call.behavior.node.preconditions, *call.behavior.node.invariants]:
+            jump_on(c, frame, condition, fails, when=False)
+        register_of(c.code, 1, able)
+    c.code.put(fails)
+
+
+def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
+    """Rows that go to one of some labels by weight, among those that are able; for a single one nothing is drawn."""
+    code = c.code
+    total, count, mark, share = (code.temporaries.take() for _ in range(4))
+    register_of(code, 0, total)
+    register_of(code, 0, count)
+    for i, weight in enumerate(weights):
+        code.row(Op.MULTIPLY, share, register_of(code, weight), able + i)
+        code.row(Op.ADD, total, total, share)
+        code.row(Op.ADD, count, count, able + i)
+    some, one = Label(), Label()
+    code.row(Op.JUMP_IF, count, c=some)
+    c.reject('deadlock in "do choose/shuffle"')
+    code.put(some)
+    ways = [Label() for _ in weights]
+    code.row(Op.JUMP_EQUAL, count, code.constant(1), one)
+    code.row(Op.DRAW, mark, code.constant(0), total)
+    for i, weight in enumerate(weights):
+        following = Label()
+        code.row(Op.JUMP_UNLESS, able + i, c=following)
+        code.row(Op.SUBTRACT, mark, mark, register_of(code, weight))
+        code.row(Op.JUMP_LESS, mark, code.constant(0), ways[i])
+        code.put(following)
+    for i in reversed(range(len(weights))):  # the last one, should rounding leave something over
+        code.row(Op.JUMP_IF, able + i, c=ways[i])
+    code.put(one)
+    for i in range(len(weights)):
+        code.row(Op.JUMP_IF, able + i, c=ways[i])
+    code.reachable = False
+    return ways
+
+
+DYNAMIC: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
+    nodes.Take: take,
+    nodes.Wait: wait,
+    nodes.Terminate: terminate,
+    nodes.Require: require,
+    nodes.Do: do,
+    nodes.TryInterrupt: try_interrupt,
+    nodes.Abort: abort,
+}

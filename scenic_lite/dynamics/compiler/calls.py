@@ -1,0 +1,173 @@
+"""Calls: functions of the program are inlined, built-in ones of lists have a meaning of their own here.
+
+Read next: `compiler_functions`, `compiler_statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+
+from scenic_lite.dynamics.compiler.choices import over_options
+from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.frame import MUTATORS, Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.functions import FUNCTIONS, mutated
+from scenic_lite.dynamics.compiler.lists import put_with_room
+from scenic_lite.dynamics.compiler.shapes import LiveList, shape_of, varies
+from scenic_lite.dynamics.compiler.slots import copied, pairs, registers_in, settled
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.calls import Return, bind, call, seen_from, starred
+from scenic_lite.evaluation.calls import mapping as spread
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.graph import Value
+from scenic_lite.values import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
+
+
+def call_node(c: Compilation, frame: Frame, node: ast.Call) -> Value:
+    changed = mutation(c, frame, node)
+    if changed is not None:
+        return changed[0]
+    function = frame.value(node.func)
+    arguments: list[Value] = []
+    for argument in node.args:
+        if isinstance(argument, ast.Starred):
+            arguments += starred(frame, function, argument)
+        else:
+            arguments.append(frame.value(argument))
+    keywords: dict[str, Value] = {}
+    for keyword in node.keywords:
+        value = frame.value(keyword.value)
+        keywords |= spread(frame, keyword, value) if keyword.arg is None else {keyword.arg: value}
+    return call_value(c, frame, function, arguments, keywords, node)
+
+
+def call_value(
+    c: Compilation, frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Call whatever can be called."""
+    if isinstance(function, Choice):
+        return over_options(c, function, lambda each: call_value(c, frame, each, arguments, keywords, node), id(node))
+    if isinstance(function, Bound):
+        return call_value(c, frame, function.function, [function.receiver, *arguments], keywords, node)
+    if isinstance(function, Function):
+        return inlined(c, frame, function, arguments, keywords, node)
+    if isinstance(function, Behavior):
+        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        values = {name: settled(c.code, value) for name, value in bound.items()}
+        return BehaviorCall(function, values, frame.place(node))
+    if isinstance(function, Builtin):
+        own = FUNCTIONS.get(function.name)
+        if own is not None:
+            result = own(c, frame, node, arguments, keywords)
+            if result is not NotImplemented:
+                return result
+        at = next((i for i, each in enumerate(arguments) if isinstance(each, Choice)), None)
+        if at is not None and function.name not in ("Uniform", "Discrete", "print"):
+            before, after = arguments[:at], arguments[at + 1 :]
+            return over_options(
+                c,
+                arguments[at],
+                lambda each: call_value(c, frame, function, [*before, each, *after], keywords, node),
+                (id(node), at),
+            )
+    return call(frame, function, arguments, keywords, node)
+
+
+def inlined(
+    c: Compilation, frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """The rows of a function of the program, in place."""
+    if function.generates:
+        raise ScenicError("unsupported", f"{function.name}() has a `yield`, which no match can do")
+    bound = bind(function.name, function.arguments, function, arguments, keywords)
+    code, outside, before = c.code, c.code.variables, c.code.place
+    used = code.scratch.used
+    code.variables = code.scratch
+    try:
+        with c.entered(function, node):
+            names = {name: settled(code, value) for name, value in bound.items()}
+            receiver = arguments[0] if function.owner is not None and arguments else None
+            result, scope = settled_call(c, function, names, receiver)
+    except ScenicError as error:
+        raise seen_from(frame, function, node, error) from None
+    finally:
+        code.place, code.variables = before, outside
+        code.known.clear()
+    code.temporaries.used = max(code.temporaries.used, scope.level)
+    result = out_of_the_way(code, result, used)
+    code.scratch.used = used
+    return result
+
+
+def settled_call(c: Compilation, function: Function, names: dict[str, Value], receiver: Value) -> tuple[Value, Scope]:
+    """The value of a call; its rows are written again if a shape of its variables has widened meanwhile."""
+    code, path = c.code, c.path
+    rows, doubts, reachable, known = len(code.rows), len(c.doubts), code.reachable, dict(code.known)
+    temporaries, scratch = code.temporaries.used, code.scratch.used
+    while True:
+        scope = Scope(path, function.body if isinstance(function.body, list) else [], Label())
+        inner = LiveFrame(c, function.frame.source, dict(names), function.frame, scope)
+        inner.assigned = function.assigned
+        if receiver is not None:
+            assert function.owner is not None
+            inner.method = (function.owner, receiver)
+        result = value_of(c, inner, function, scope)
+        own = {key for key in code.widened if key[: len(path)] == path}
+        if not own:
+            return result, scope
+        code.widened -= own
+        code.relied_on = {key for key in code.relied_on if key[: len(path)] != path}
+        del code.rows[rows:], c.doubts[doubts:]
+        code.reachable, code.known = reachable, dict(known)
+        code.temporaries.used, code.scratch.used = temporaries, scratch
+
+
+def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
+    """A function's value, copied out of the registers of its variables, which are free again."""
+    if not varies(value):
+        return value
+    freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
+    shape = shape_of(value)
+    parts = [part for _, part in pairs(shape, iter(range(shape.size)), value)]
+    return copied(code, value) if any(each in freed for part in parts for each in registers_in(part)) else value
+
+
+def value_of(c: Compilation, inner: LiveFrame, function: Function, scope: Scope) -> Value:
+    if isinstance(function.body, ast.expr):
+        return inner.value(function.body)
+    try:
+        inner.run(function.body)
+    except Return as result:
+        return result.value
+    if scope.result is None:
+        return None
+    if c.code.reachable:
+        scope.result.store(None)
+    c.code.put(scope.end)
+    return scope.result.value
+
+
+def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | None:
+    """`items.append(x)` and the like where `items` is a variable: it becomes a changed list."""
+    function = node.func
+    if not (isinstance(function, ast.Attribute) and function.attr in MUTATORS and isinstance(function.value, ast.Name)):
+        return None
+    items = frame.value(function.value)
+    if not isinstance(items, list | LiveList):
+        return None
+    holder = frame
+    while not isinstance(holder, LiveFrame):
+        assert holder.outer is not None
+        holder = holder.outer
+    name = function.value.id
+    if name not in holder.locals:
+        hint = "copy it first: items = list(items)"
+        raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be changed in a match", hint=hint)
+    arguments = [frame.value(each) for each in node.args]
+    slot = holder.slots.get(name)
+    if function.attr == "append" and isinstance(items, LiveList) and slot is not None and len(arguments) == 1:
+        slot.widen(LiveList(shape_of(arguments[0]), ()))
+        put_with_room(c, slot.value, arguments[0])
+        return (None,)
+    changed, result = mutated(c, frame, items, function.attr, arguments)
+    holder.assign(name, changed)
+    return (result,)

@@ -1,0 +1,222 @@
+"""Values that are one of several things: an object or None, a player found in a loop, one of two texts.
+
+What is done to them is done to each of the things: at once if that costs nothing, else behind jumps, so that only what
+is really there is computed. Where it cannot be done to some of them (None has no position) the match stops with the
+program's line if one of those is met. Read next: `compiler_conditions`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.emit import is_live, register_of
+from scenic_lite.dynamics.compiler.frame import Compilation
+from scenic_lite.dynamics.compiler.shapes import LiveList, taken_apart
+from scenic_lite.dynamics.compiler.slots import Slot
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.attributes import attribute
+from scenic_lite.evaluation.expressions import combined, item_of, signed
+from scenic_lite.evaluation.frame import PYTHON_FAULTS, Frame, from_python
+from scenic_lite.evaluation.texts import text_of
+from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+from scenic_lite.operators import OPERATORS
+from scenic_lite.values import Choice, Function, choose
+
+MADE = Callable[[Value], Value]
+
+
+def over_options(c: Compilation, choice: Choice, of_one: MADE, key: object) -> Value:
+    """`of_one` of whichever option it is in the match. Raises its error if it fails for all."""
+    results: list[tuple[list, Value]] = []
+    errors: list[ScenicError | None] = []
+    for option in choice.options:
+        with c.code.captured() as rows:
+            try:
+                results.append((rows, of_one(option)))
+                errors.append(None)
+            except (ScenicError, *PYTHON_FAULTS) as error:
+                results.append(([], None))
+                errors.append(error if isinstance(error, ScenicError) else from_python(error))
+    if all(errors):
+        assert errors[0] is not None
+        raise errors[0]
+    refuse(c, choice, errors)
+    good = next(i for i, error in enumerate(errors) if error is None)
+    free = all(not rows and costs_nothing(value) for rows, value in results)
+    if free:
+        return choose(choice.index, [results[good][1] if errors[i] else each for i, (_, each) in enumerate(results)])
+    return switch(c, choice, [None if errors[i] else each for i, each in enumerate(results)], key)
+
+
+def refuse(c: Compilation, choice: Choice, errors: list[ScenicError | None]) -> None:
+    """A fault if the match meets an option for which there is an error."""
+    for i, error in enumerate(errors):
+        if error is not None:
+            differs = apply(NOT_EQUAL, choice.index, i, kind="truth")
+            c.code.fault_unless(register_of(c.code, differs), error.message)
+
+
+def costs_nothing(value: Value) -> bool:
+    """Whether a value needs no computing."""
+    if isinstance(value, Live) or not isinstance(value, Random | Choice):
+        apart = None if isinstance(value, Live) else taken_apart(value)
+        return apart is None or all(map(costs_nothing, apart[1]))
+    if isinstance(value, Choice):
+        return costs_nothing(value.index) and all(map(costs_nothing, value.options))
+    return not is_live(value)
+
+
+def switch(c: Compilation, choice: Choice, results: list[tuple[list, Value] | None], key: object) -> Value:
+    """Rows that compute what belongs to the option that is met, and nothing else."""
+    code = c.code
+    slot = Slot(code, c.shapes, (*c.path, "switch", key))
+    for each in results:
+        if each is not None:
+            slot.widen(each[1])
+    end = Label()
+    index = register_of(code, choice.index)
+    for i, each in enumerate(results):
+        if each is None:
+            continue
+        following = Label()
+        code.row(Op.JUMP_NOT_EQUAL, index, code.constant(i), following)
+        code.rows.extend(each[0])
+        slot.store(each[1])
+        code.row(Op.JUMP, c=end)
+        code.put(following)
+    code.put(end)
+    return slot.value
+
+
+def whole_choice(value: Value, c: Compilation) -> Value:
+    """A choice without None: a fault if it is None in the match."""
+    if not isinstance(value, Choice) or value.options[-1] is not None:
+        return value
+    there = apply(NOT_EQUAL, value.index, len(value.options) - 1, kind="truth")
+    c.code.fault_unless(register_of(c.code, there), "None is no object, number or vector")
+    options = value.options[:-1]
+    return options[0] if len(options) == 1 else choose(value.index, options)
+
+
+# ------------------------------------------------------------ expressions over choices
+
+
+def attribute_of(c: Compilation, frame: Frame, node: ast.Attribute) -> Value:
+    return attribute_named(c, frame, frame.value(node.value), node)
+
+
+def attribute_named(c: Compilation, frame: Frame, value: Value, node: ast.Attribute) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: attribute_named(c, frame, option, node), id(node))
+    return attribute(frame, value, node.attr)
+
+
+def binary(c: Compilation, frame: Frame, node: ast.BinOp) -> Value:
+    left, right = frame.value(node.left), frame.value(node.right)
+    return combination(c, frame, node, left, right)
+
+
+def combination(c: Compilation, frame: Frame, node: ast.BinOp | ast.AugAssign, left: Value, right: Value) -> Value:
+    """`left sign right`."""
+    if isinstance(left, Choice):
+        return over_options(c, left, lambda each: combination(c, frame, node, each, right), (id(node), 0))
+    if isinstance(right, Choice):
+        return over_options(c, right, lambda each: combination(c, frame, node, left, each), (id(node), 1))
+    if isinstance(left, LiveList) or isinstance(right, LiveList):
+        from scenic_lite.dynamics.compiler.lists import concatenated
+
+        return concatenated(c, node, left, right)
+    return combined(frame, node.op, left, right)
+
+
+def unary(c: Compilation, frame: Frame, node: ast.UnaryOp) -> Value:
+    from scenic_lite.dynamics.compiler.conditions import negation
+
+    if isinstance(node.op, ast.Not):
+        return negation(c, frame, node)
+    return sign(c, node, frame.value(node.operand))
+
+
+def sign(c: Compilation, node: ast.UnaryOp, value: Value) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: sign(c, node, option), id(node))
+    return signed(node.op, value)
+
+
+def subscript(c: Compilation, frame: Frame, node: ast.Subscript) -> Value:
+    return item(c, frame, node, frame.value(node.value), frame.value(node.slice))
+
+
+def item(c: Compilation, frame: Frame, node: ast.Subscript, container: Value, index: Value) -> Value:
+    """`container[index]`."""
+    from scenic_lite.dynamics.compiler.lists import item_at, slice_of
+
+    if isinstance(container, Choice):
+        return over_options(c, container, lambda each: item(c, frame, node, each, index), (id(node), 0))
+    if isinstance(index, Choice):
+        return over_options(c, index, lambda each: item(c, frame, node, container, each), (id(node), 1))
+    if isinstance(index, slice) and isinstance(container, LiveList):
+        return slice_of(c, container, index)
+    if isinstance(container, LiveList) or isinstance(index, Random):
+        return item_at(c, frame, container, index)
+    return item_of(frame, container, index)
+
+
+def formatted(c: Compilation, frame: Frame, node: ast.FormattedValue) -> Value:
+    """A value in an f-string."""
+    spec = "" if node.format_spec is None else frame.value(node.format_spec)
+    return text_with(c, frame, node, frame.value(node.value), spec)
+
+
+def text_with(c: Compilation, frame: Frame, node: ast.FormattedValue, value: Value, spec: str) -> Value:
+    if isinstance(value, Choice):
+        return over_options(c, value, lambda option: text_with(c, frame, node, option, spec), id(node))
+    if node.conversion != -1:
+        raise ScenicError("unsupported", "conversions such as !r in a behavior", hint="leave it out")
+    return text_of(frame, value, spec)
+
+
+def scenic_operator(c: Compilation, frame: Frame, node) -> Value:
+    """An operator of Scenic; operands may be choices."""
+    operation = OPERATORS.get(node.name)
+    if operation is None:
+        raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
+    operands = [None if each is None else whole_choice(frame.value(each), c) for each in node.operands]
+    try:
+        return operation(frame, *operands)
+    except ScenicError:
+        at = next((i for i, each in enumerate(operands) if isinstance(each, Choice)), None)
+        if at is None:
+            raise
+    choice, before, after = operands[at], operands[:at], operands[at + 1 :]
+    assert isinstance(choice, Choice)
+    return over_options(c, choice, lambda each: operation(frame, *before, each, *after), (id(node), at))
+
+
+def same_thing(left: Value, right: Value) -> Value:
+    """`left is right`."""
+    if isinstance(left, Choice) and isinstance(right, Choice):
+        things = list({id(each): each for each in (*left.options, *right.options)}.values())
+        if not any(isinstance(each, Random | str | int | float) for each in things):
+            first, second = numbered(left, things), numbered(right, things)
+            return apply(EQUAL, first, second, kind="truth")
+    if isinstance(left, Choice):
+        return choose(left.index, [same_thing(option, right) for option in left.options])
+    if isinstance(right, Choice):
+        return choose(right.index, [same_thing(left, option) for option in right.options])
+    if isinstance(left, Random) and isinstance(right, Random | bool | int | float | str):
+        return apply(EQUAL, left, right, kind="truth")
+    if isinstance(right, Random) and isinstance(left, bool | int | float | str):
+        return apply(EQUAL, left, right, kind="truth")
+    if isinstance(left, Function) and isinstance(right, Function):
+        return left.body is right.body
+    return left is right
+
+
+def numbered(choice: Choice, things: list[Value]) -> Value:
+    """The place of what is chosen in a list of things."""
+    places = [next(i for i, each in enumerate(things) if each is option) for option in choice.options]
+    return choice.index if places == list(range(len(places))) else choose(choice.index, places)

@@ -1,0 +1,310 @@
+"""From nodes to rows: each operation of the evaluator's graph becomes an opcode.
+
+A node that mentions nothing of the running match is an input: it is computed once, with the scene. Read next:
+`compiler_shapes`, which says what a variable holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from scenic_lite import distributions, graph
+from scenic_lite.classes import sector_and_rectangle
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live, Operands
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation import numbers_of_python
+from scenic_lite.evaluation.functions_of_python import TRUE_OR_FALSE
+from scenic_lite.graph import Column, Random, Table, Value
+from scenic_lite.space import geometry, regions
+from scenic_lite.space.polygons import Holds
+
+SIMPLE: dict[Any, Op] = {  # operands in their order
+    graph.ADD.array: Op.ADD,
+    graph.SUBTRACT.array: Op.SUBTRACT,
+    graph.MULTIPLY.array: Op.MULTIPLY,
+    graph.DIVIDE.array: Op.DIVIDE,
+    graph.FLOOR_DIVIDE.array: Op.FLOOR_DIVIDE,
+    graph.MODULO.array: Op.MODULO,
+    graph.POWER.array: Op.POWER,
+    graph.NEGATE.array: Op.NEGATE,
+    graph.ABSOLUTE.array: Op.ABSOLUTE,
+    graph.LESS.array: Op.LESS,
+    graph.LESS_EQUAL.array: Op.LESS_EQUAL,
+    graph.EQUAL.array: Op.EQUAL,
+    graph.NOT_EQUAL.array: Op.NOT_EQUAL,
+    graph.AND.array: Op.AND,
+    graph.OR.array: Op.OR,
+    graph.NOT.array: Op.NOT,
+    graph.MINIMUM.array: Op.MINIMUM,
+    graph.MAXIMUM.array: Op.MAXIMUM,
+    graph.HYPOTENUSE.array: Op.HYPOTENUSE,
+    graph.INTEGER.array: Op.TRUNCATE,
+    graph.ROUND.array: Op.ROUND,
+    graph.FLOAT.array: Op.COPY,
+    geometry.NORMALISE.array: Op.NORMALISE,
+    distributions.normal_quantile: Op.QUANTILE,
+}
+BY_NAME: dict[str, Op] = {
+    "sin": Op.SINE,
+    "cos": Op.COSINE,
+    "tan": Op.TANGENT,
+    "asin": Op.ARC_SINE,
+    "acos": Op.ARC_COSINE,
+    "atan": Op.ARC_TANGENT,
+    "sqrt": Op.SQUARE_ROOT,
+    "exp": Op.EXPONENTIAL,
+    "log": Op.LOGARITHM,
+    "log2": Op.LOGARITHM_2,
+    "log10": Op.LOGARITHM_10,
+    "floor": Op.FLOOR,
+    "ceil": Op.CEILING,
+    "fabs": Op.ABSOLUTE,
+    "atan2": Op.ARC_TANGENT_2,
+    "copysign": Op.COPY_SIGN,
+    "fmod": Op.REMAINDER,
+    "pow": Op.POWER,
+}
+TABLES = (*numbers_of_python.OF_ONE, *numbers_of_python.OF_TWO, graph.Operation(math.log, np.log))
+SIMPLE |= {array: BY_NAME[scalar.__name__] for scalar, array in TABLES if scalar.__name__ in BY_NAME}
+SWAPPED: dict[Any, Op] = {graph.GREATER.array: Op.LESS, graph.GREATER_EQUAL.array: Op.LESS_EQUAL}
+LISTED: dict[Any, Op] = {
+    geometry.in_sector: Op.IN_SECTOR,
+    regions.in_rectangle: Op.IN_RECTANGLE,
+    geometry.rectangles_meet: Op.RECTANGLES_MEET,
+    sector_and_rectangle: Op.SECTOR_MEETS,
+}
+WHOLE = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.FLOOR_DIVIDE, Op.MODULO, Op.NEGATE, Op.ABSOLUTE, Op.MINIMUM, Op.MAXIMUM)
+SIGNED_ZEROS = (Op.MULTIPLY, Op.MODULO, Op.NEGATE)
+ALWAYS_WHOLE = (Op.TRUNCATE, Op.ROUND, Op.FLOOR, Op.CEILING)
+
+
+class Unsupported(ScenicError):
+    """What cannot be computed inside the kernel."""
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__("unsupported", f"{what} while a match runs", hint=hint)
+
+
+def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
+    """The register that holds a number, truth value or text; the rows that compute it are written first.
+
+    With `into` the value is put there.
+    """
+    if isinstance(value, Random):
+        found = _register(code, value, into)
+    elif isinstance(value, bool | int | float | str | np.number | np.bool_):
+        found = code.constant(value)  # type: ignore[arg-type]
+    else:
+        raise TypeError(f"no register holds {value!r}")
+    if into is not None and found != into:
+        code.row(Op.COPY, into, found)
+        return into
+    return found
+
+
+def _register(code: Assembler, node: Random, into: int | None) -> int:
+    if isinstance(node, Live | DrawnNow):
+        return node.register
+    if id(node) in code.known:
+        return code.known[id(node)][0]
+    if not is_live(node):
+        return code.input(node)
+    out = code.temporaries.take() if into is None else into
+    compute(code, node, out)
+    if into is None:
+        code.known[id(node)] = (out, node)
+    return out
+
+
+def is_live(value: Value) -> bool:
+    """Whether a value depends on the running match; what does not is known when it starts."""
+    if isinstance(value, Live | DrawnNow):
+        return True
+    if not isinstance(value, Random):
+        return False
+    pending, seen = list(value.inputs), set()
+    while pending:
+        node = pending.pop()
+        if isinstance(node, Random) and node not in seen:
+            if isinstance(node, Live | DrawnNow):
+                return True
+            seen.add(node)
+            pending.extend(node.inputs)
+    return False
+
+
+def compute(code: Assembler, node: Random, out: int) -> None:
+    """Rows for one operation, operands first."""
+    operation = node.operation
+    if _hashable(operation) and operation in SIMPLE:
+        op = SIMPLE[operation]
+        first, *others = [register_of(code, each) for each in node.inputs]
+        code.row(op, out, first, others[0] if others else 0)
+        if op in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
+            code.row(Op.ADD, out, out, code.constant(0))
+    elif _hashable(operation) and operation in SWAPPED:
+        left, right = (register_of(code, each) for each in node.inputs)
+        code.row(SWAPPED[operation], out, right, left)
+    elif _hashable(operation) and operation in LISTED:
+        code.row(LISTED[operation], out, 0, Operands(tuple(register_of(code, each) for each in node.inputs)))
+    else:
+        special = next((write for kind, write in SPECIAL if _is(operation, kind)), None)
+        if special is None:
+            raise Unsupported(f"`{describe(operation)}` cannot be computed")
+        special(code, node, out)
+
+
+def _hashable(operation: Any) -> bool:
+    return type(operation).__hash__ is not None
+
+
+def _is(operation: Any, kind: Any) -> bool:
+    return isinstance(operation, kind) if isinstance(kind, type) else operation is kind
+
+
+def describe(operation: Any) -> str:
+    """What an operation is called, for a message."""
+    name = operation.__name__ if isinstance(operation, np.ufunc | FunctionType) else type(operation).__name__
+    return name.strip("_").replace("_", " ")
+
+
+def choose_constant(code: Assembler, node: Random, out: int) -> None:
+    """One of some constants, by a live index."""
+    assert isinstance(node.operation, Table)
+    options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
+    pick(code, out, node.inputs[0], options)
+
+
+def choose_value(code: Assembler, node: Random, out: int) -> None:
+    pick(code, out, node.inputs[0], list(node.inputs[1:]))
+
+
+def pick(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
+    registers = tuple(register_of(code, each) for each in options)
+    code.row(Op.PICK, out, register_of(code, index), Operands(registers))
+
+
+def cut(code: Assembler, node: Random, out: int) -> None:
+    assert isinstance(node.operation, distributions.Cut)
+    bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
+    code.row(Op.CUT, out, register_of(code, node.inputs[0]), Operands(bounds))
+
+
+def integers(code: Assembler, node: Random, out: int) -> None:
+    """first + min(int(u · count), count - 1)."""
+    assert isinstance(node.operation, distributions.Integers)
+    first, count = node.operation.first, node.operation.count
+    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
+    code.row(Op.TRUNCATE, out, out)
+    code.row(Op.MINIMUM, out, out, code.constant(count - 1))
+    code.row(Op.ADD, out, out, code.constant(first))
+
+
+def clip(code: Assembler, node: Random, out: int) -> None:
+    value, low, high = (register_of(code, each) for each in node.inputs)
+    code.row(Op.MAXIMUM, out, value, low)
+    code.row(Op.MINIMUM, out, out, high)
+
+
+def as_truth(code: Assembler, node: Random, out: int) -> None:
+    code.row(Op.NOT_EQUAL, out, register_of(code, node.inputs[0]), code.constant(0))
+
+
+def where(code: Assembler, node: Random, out: int) -> None:
+    test, yes, no = node.inputs
+    pick(code, out, test, [no, yes])
+
+
+def as_radians(code: Assembler, node: Random, out: int) -> None:
+    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(math.pi / 180))
+
+
+def as_degrees(code: Assembler, node: Random, out: int) -> None:
+    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(180 / math.pi))
+
+
+def in_shape(code: Assembler, node: Random, out: int) -> None:
+    """Whether a point lies in a fixed polygon: its edges stand in the operands."""
+    import shapely
+
+    assert isinstance(node.operation, Holds)
+    x, y = node.inputs
+    edges: list[float] = []
+    for ring in shapely.get_rings(shapely.get_parts(node.operation.shape)):
+        corners = shapely.get_coordinates(ring)
+        edges += np.hstack([corners[:-1], corners[1:]]).ravel().tolist()
+    if len(edges) > 4000:
+        raise Unsupported("a region of more than 1000 edges cannot be asked for points")
+    registers = (register_of(code, x), register_of(code, y), *(code.constant(each) for each in edges))
+    code.row(Op.IN_RINGS, out, 0, Operands(registers))
+
+
+SPECIAL: tuple[tuple[Any, Callable[[Assembler, Random, int], None]], ...] = (
+    (Table, choose_constant),
+    (graph.pick, choose_value),
+    (distributions.Cut, cut),
+    (distributions.Integers, integers),
+    (np.clip, clip),
+    (graph.WHERE.array, where),
+    (TRUE_OR_FALSE.array, as_truth),
+    (np.radians, as_radians),
+    (np.degrees, as_degrees),
+    (Holds, in_shape),
+)
+
+
+def is_whole(value: Value) -> bool:
+    """Whether a number is an integer, as Python would have it: it is written without a point."""
+    if isinstance(value, Live):
+        return value.whole
+    if not isinstance(value, Random):
+        return isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if isinstance(value, Column):
+        return False
+    operation = value.operation
+    if isinstance(operation, Table):
+        return operation.options.dtype.kind == "i"
+    if operation is graph.pick:
+        return all(is_whole(each) for each in value.inputs[1:])
+    if isinstance(operation, distributions.Cut | distributions.Integers):
+        return True
+    op = SIMPLE.get(operation) if _hashable(operation) else None
+    if op in ALWAYS_WHOLE:
+        return True
+    return op in WHOLE and all(is_whole(each) for each in value.inputs)
+
+
+# ------------------------------------------------------------ jumps
+
+JUMPS: dict[Any, tuple[Op, Op, bool]] = {  # if it holds, if it does not, operands swapped
+    graph.LESS.array: (Op.JUMP_LESS, Op.JUMP_NOT_LESS, False),
+    graph.GREATER.array: (Op.JUMP_LESS, Op.JUMP_NOT_LESS, True),
+    graph.LESS_EQUAL.array: (Op.JUMP_LESS_EQUAL, Op.JUMP_NOT_LESS_EQUAL, False),
+    graph.GREATER_EQUAL.array: (Op.JUMP_LESS_EQUAL, Op.JUMP_NOT_LESS_EQUAL, True),
+    graph.EQUAL.array: (Op.JUMP_EQUAL, Op.JUMP_NOT_EQUAL, False),
+    graph.NOT_EQUAL.array: (Op.JUMP_NOT_EQUAL, Op.JUMP_EQUAL, False),
+}
+
+
+def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
+    """Go to the target if the truth of `test` is `when`."""
+    if not isinstance(test, Random):
+        if bool(test) == when:
+            code.row(Op.JUMP, c=target)
+        return
+    operation = test.operation
+    if operation is graph.NOT.array:
+        jump(code, test.inputs[0], target, not when)
+    elif _hashable(operation) and operation in JUMPS and is_live(test) and id(test) not in code.known:
+        holds, fails, swapped = JUMPS[operation]
+        left, right = (register_of(code, each) for each in test.inputs)
+        left, right = (right, left) if swapped else (left, right)
+        code.row(holds if when else fails, left, right, target)
+    else:
+        code.row(Op.JUMP_IF if when else Op.JUMP_UNLESS, register_of(code, test), c=target)

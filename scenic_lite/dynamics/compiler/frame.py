@@ -1,0 +1,270 @@
+"""What the compiler knows while it walks a program: the frames of inlined behaviors and functions, and one compilation.
+
+Names are looked up as everywhere; their values are fixed, or made of registers. Read next: `compiler_statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.shapes import Shape
+from scenic_lite.dynamics.compiler.slots import Slot, kept
+from scenic_lite.dynamics.threads import within
+from scenic_lite.dynamics.world import World
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import PYTHON_FAULTS, Frame, Session, Source, from_python
+from scenic_lite.graph import Value
+from scenic_lite.program import Program
+from scenic_lite.syntax import nodes
+from scenic_lite.values import Behavior, Function, Instance, Namespace
+
+MUTATORS = frozenset(
+    {"append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort", "update", "setdefault"}
+)
+DEEPEST = 40  # behaviors and functions inside each other
+
+
+@dataclass(eq=False)
+class Loop:
+    """Where `break` and `continue` lead; `leave` stores what the loop's target is when it is left."""
+
+    exit: Label
+    again: Label
+    leave: Callable[[], None] | None = None
+
+
+@dataclass(eq=False)
+class Scope:
+    """One inlined behavior or function, besides its names."""
+
+    path: tuple  # of calls and rounds that lead here: what it is known by from one compilation to the next
+    body: list[ast.stmt]
+    end: Label
+    behavior: Behavior | None = None
+    result: Slot | None = None  # of a function that returns from several places
+    loops: list[Loop] = field(default_factory=list)
+    aborts: list[Label] = field(default_factory=list)
+    level: int = 0  # intermediate results in use when a function gives its value back
+    live: int = 0  # constructs around the present statement that are decided during a match
+
+
+class LiveFrame(Frame):
+    """A frame whose variables may stand in registers."""
+
+    __slots__ = ("compilation", "scope", "slots")
+
+    def __init__(
+        self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Frame, scope: Scope
+    ) -> None:
+        super().__init__(compilation.session, source, names, outer)
+        self.compilation, self.scope = compilation, scope
+        self.slots: dict[str, Slot] = {}
+
+    def inner(self, names: dict[str, Value]) -> Frame:
+        return Frame(self.session, self.source, names, self)
+
+    def run(self, statements: Iterable[ast.stmt]) -> None:
+        """Compile statements as far as they can be reached."""
+        for node in statements:
+            if not self.compilation.code.reachable:
+                return
+            super().run((node,))
+
+    def assign(self, name: str, value: Value) -> None:
+        if name in self.globals or name in self.nonlocals:
+            hint = "keep it in an attribute: self.count = ..."
+            raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be assigned in a match", hint=hint)
+        slot = self.slots.get(name)
+        if slot is not None:
+            slot.store(value)
+            self.locals[name] = slot.value
+        else:
+            self.locals[name] = kept(self.compilation.code, value)
+
+    def pin(self, names: Iterable[str]) -> None:
+        """From here on these variables stand in registers: what assigns them is decided during a match."""
+        for name in sorted(names):
+            if name in self.slots or name in self.globals or name in self.nonlocals:
+                continue
+            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name), varying=True)
+            self.slots[name] = slot
+            if name in self.locals:
+                slot.store(self.locals[name])
+            if slot.shape is not None:
+                self.locals[name] = slot.value
+
+    @contextmanager
+    def living(self) -> Iterator[None]:
+        """Inside, whether a statement is reached is decided during a match."""
+        self.scope.live += 1
+        try:
+            yield
+        finally:
+            self.scope.live -= 1
+
+
+@dataclass(eq=False)
+class Compilation:
+    """One walk over a program's behaviors, monitors and conditions; repeated until no variable's shape widens."""
+
+    program: Program
+    world: World
+    session: Session
+    code: Assembler
+    shapes: dict[tuple, Shape]
+    shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
+    path: tuple = ()
+    slot: int = 0  # register of the innermost block: where it goes on
+    agent: Instance | None = None
+    inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
+    doubts: list[ScenicError] = field(default_factory=list)  # statements that would stop a match
+    commands: list[tuple[Value, ...]] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)  # for the end of a match
+    broken: list[str] = field(default_factory=list)  # requirements that reject a match
+    simulation: Namespace | None = None
+    remembering: bool = False  # the program reads `lastActions`
+    guarding: int = 0  # statements with a scan around the present one: their variables all last
+    clock: Any = None  # steps since the start
+    counts: tuple[int, int, int] = (0, 0, 0)  # threads of the scenario, of behaviors, of monitors
+    world_base: int = 0
+    fact_base: int = 0
+    live_names: frozenset[str] = frozenset()  # properties that the world shows
+
+    @contextmanager
+    def entered(self, thing: Behavior | Function, node: ast.AST) -> Iterator[None]:
+        """Inside, a behavior or function is inlined. Raises ScenicError for recursion."""
+        body = thing.node if isinstance(thing, Behavior) else thing.body
+        if any(each is body for each in self.inside) or len(self.inside) >= DEEPEST:
+            hint = "write a loop"
+            raise ScenicError("unsupported", f"{thing.name} calls itself, which no match can do", hint=hint)
+        self.inside.append(body)
+        path, self.path = self.path, (*self.path, id(node))
+        try:
+            yield
+        finally:
+            self.inside.pop()
+            self.path = path
+
+    @contextmanager
+    def round(self, node: ast.AST, number: int) -> Iterator[None]:
+        """Inside is one round of a loop that is unrolled."""
+        path, self.path = self.path, (*self.path, id(node), number)
+        try:
+            yield
+        finally:
+            self.path = path
+
+    @contextmanager
+    def block(self, slot: int) -> Iterator[None]:
+        """Inside, time passes in the block with this slot."""
+        outer, self.slot = self.slot, slot
+        try:
+            yield
+        finally:
+            self.slot = outer
+
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """Inside, blocks are suspended while others run: none of their variables may share a register."""
+        self.guarding += 1
+        try:
+            yield
+        finally:
+            self.guarding -= 1
+
+    def time(self) -> Any:
+        """Steps since the start. Raises ScenicError if the world does not tell."""
+        if self.clock is None:
+            raise ScenicError("unsupported", f"the world {self.world.name} does not tell the time")
+        return self.clock
+
+    def reject(self, message: str) -> None:
+        self.broken.append(message)
+        self.code.row(Op.REJECT, c=len(self.broken))
+
+    def reason(self, message: str) -> int:
+        """The register of the number of a reason to end."""
+        if message not in self.reasons:
+            self.reasons.append(message)
+        return self.code.constant(1 + self.reasons.index(message))
+
+
+def guarded(
+    compilation: Compilation, handler: Callable[[Compilation, LiveFrame, Any], None]
+) -> Callable[[LiveFrame, Any], None]:
+    """A handler of statements that notes the place of the rows it writes.
+
+    A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
+    match that comes to it, as in the reference; what cannot be compiled refuses the program.
+    """
+
+    def handle(frame: LiveFrame, node: ast.stmt) -> None:
+        code = compilation.code
+        before, code.place = code.place, frame.place(node)
+        start = len(code.rows)
+        try:
+            with code.statement():
+                handler(compilation, frame, node)
+        except (ScenicError, *PYTHON_FAULTS) as fault:
+            error = frame.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
+            if error.kind in REFUSALS:
+                raise
+            del code.rows[start:]
+            code.reachable = True
+            compilation.doubts.append(error)
+            code.row(Op.FAULT, note=said(error), place=error.place)
+        finally:
+            code.place = before
+
+    return handle
+
+
+REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
+
+
+def said(error: ScenicError) -> str:
+    return f"{error.message} ({error.hint})" if error.hint else error.message
+
+
+@lru_cache(maxsize=4096)
+def assigned_names(*trees: ast.AST) -> frozenset[str]:
+    """The variables that some statements change, loop targets aside: a loop looks after its own."""
+    found: set[str] = set()
+    for each in within(*trees):
+        if isinstance(each, ast.Assign):
+            targets: list[ast.expr] = each.targets
+        elif isinstance(each, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
+            targets = [each.target]
+        elif isinstance(each, ast.Delete):
+            targets = each.targets
+        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and each.func.attr in MUTATORS:
+            targets = [each.func.value]
+        else:
+            continue
+        for target in targets:
+            found |= {part.id for part in base_names(target)}
+    return frozenset(found)
+
+
+def base_names(target: ast.expr) -> Iterator[ast.Name]:
+    """The variables that assigning to a target changes."""
+    if isinstance(target, ast.Name):
+        yield target
+    elif isinstance(target, ast.Tuple | ast.List):
+        for each in target.elts:
+            yield from base_names(each)
+    elif isinstance(target, ast.Starred | ast.Subscript):
+        yield from base_names(target.value)
+
+
+def suspends(trees: Iterable[ast.AST]) -> bool:
+    """Whether time may pass in some statements."""
+    kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
+    return any(isinstance(each, kinds) for each in within(*trees))

@@ -1,0 +1,331 @@
+"""Built-in functions whose arguments are lists of varying length or live keys: the nearest, the sorted, the filtered.
+
+Each returns NotImplemented where the evaluator's own function will do. Read next: `compiler_comprehensions`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
+from scenic_lite.dynamics.compiler.frame import Compilation
+from scenic_lite.dynamics.compiler.lists import (
+    LiveRange,
+    appended,
+    as_live_list,
+    each_of,
+    elements,
+    item_at,
+    one_list,
+)
+from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, varies
+from scenic_lite.dynamics.compiler.slots import Slot, kept, settled
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.graph import ADD, AND, LESS, NEGATE, OR, Random, Value, apply, kind_of
+from scenic_lite.values import Choice, describe_kind
+
+Own = Callable[[Compilation, Frame, ast.AST, list, dict[str, Value]], Value]
+
+
+def length(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    return arguments[0].length if arguments and isinstance(arguments[0], LiveList) else NotImplemented
+
+
+def to_range(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`range` with live ends."""
+    if not any(isinstance(each, Random) for each in arguments):
+        return NotImplemented
+    start, stop, step = [0, *arguments, 1] if len(arguments) == 1 else [*arguments, 1][:3]
+    if not isinstance(step, int) or step == 0:
+        raise ScenicError("unsupported", "the step of a range must be a fixed integer in a match")
+    return LiveRange(settled(c.code, start), settled(c.code, stop), step)
+
+
+def truth_of(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    from scenic_lite.dynamics.compiler.conditions import truth
+
+    return truth(arguments[0]) if arguments else False
+
+
+def to_list(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    if arguments and isinstance(arguments[0], LiveList):
+        return arguments[0]
+    if arguments and isinstance(arguments[0], Choice):
+        return one_list(c, arguments[0], node)
+    return NotImplemented
+
+
+def any_of(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    return folded(c, arguments, True)
+
+
+def all_of(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    return folded(c, arguments, False)
+
+
+def folded(c: Compilation, arguments: list, decisive: bool) -> Value:
+    """`any`, `all` of truths that may be live."""
+    from scenic_lite.dynamics.compiler.conditions import truth
+
+    if not arguments or not isinstance(arguments[0], LiveList | list | tuple):
+        return NotImplemented
+    if not isinstance(arguments[0], LiveList):
+        result: Value = not decisive
+        for each in map(truth, arguments[0]):
+            result = apply(OR if decisive else AND, result, each, kind="truth")
+        return result
+    found = c.code.variables.take()
+    register_of(c.code, not decisive, found)
+    for item, after in each_of(c, arguments[0]):
+        jump(c.code, truth(item), after, when=not decisive)
+        register_of(c.code, decisive, found)
+    return Live(found, "truth", lasting=False)
+
+
+def total(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    if not arguments or not isinstance(arguments[0], LiveList):
+        return NotImplemented
+    items = arguments[0]
+    out = c.code.variables.take()
+    register_of(c.code, arguments[1] if len(arguments) > 1 else 0, out)
+    for item, _ in each_of(c, items):
+        register_of(c.code, apply(ADD, Live(out), item), out)
+    whole = items.element is None or is_whole(loaded(items.element, iter(range(items.element.size))))
+    return Live(out, whole=whole, lasting=False)
+
+
+def least(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    return extreme(c, frame, node, arguments, keywords, least=True)
+
+
+def greatest(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    return extreme(c, frame, node, arguments, keywords, least=False)
+
+
+def extreme(
+    c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value], least: bool
+) -> Value:
+    """`min`, `max` with a key, of a list of varying length, or of a choice: the first of those that are equal."""
+    items = arguments[0] if len(arguments) == 1 else arguments
+    key = keywords.get("key")
+    if isinstance(items, Choice):
+        items = one_list(c, items, node)
+    if key is None and not isinstance(items, LiveList):
+        return NotImplemented
+    if isinstance(items, LiveList):
+        return extreme_of_live(c, frame, node, items, keywords, least)
+    values = [settled(c.code, each) for each in elements(c, frame, items, node)]
+    if not values:
+        return default_of(keywords)
+    slot = Slot(c.code, c.shapes, (*c.path, "extreme", id(node)))
+    for each in values:
+        slot.widen(each)
+    best = c.code.variables.take()
+    for i, each in enumerate(values):
+        mark = key_of(c, frame, key, each, node)
+        after = Label()
+        if i:
+            jump(c.code, better(mark, Live(best), least), after, when=False)
+        register_of(c.code, mark, best)
+        slot.store(each)
+        c.code.put(after)
+    return slot.value
+
+
+def extreme_of_live(
+    c: Compilation, frame: Frame, node: ast.AST, items: LiveList, keywords: dict[str, Value], least: bool
+) -> Value:
+    slot = Slot(c.code, c.shapes, (*c.path, "extreme", id(node)))
+    best, found = c.code.variables.take(), c.code.variables.take()
+    register_of(c.code, 0, found)
+    if "default" in keywords:
+        slot.store(keywords["default"])
+    for item, after in each_of(c, items):
+        item = settled(c.code, item)
+        mark = settled(c.code, key_of(c, frame, keywords.get("key"), item, node))
+        first = Label()
+        jump(c.code, Live(found, "truth"), first, when=False)
+        jump(c.code, better(mark, Live(best), least), after, when=False)
+        c.code.put(first)
+        register_of(c.code, 1, found)
+        register_of(c.code, mark, best)
+        slot.store(item)
+    if "default" not in keywords:
+        c.code.fault_unless(found, "the least or greatest of no values")
+    return slot.value
+
+
+def default_of(keywords: dict[str, Value]) -> Value:
+    if "default" not in keywords:
+        raise ScenicError("value", "the least or greatest of no values")
+    return keywords["default"]
+
+
+def better(mark: Value, best: Value, least: bool) -> Value:
+    return apply(LESS, mark, best, kind="truth") if least else apply(LESS, best, mark, kind="truth")
+
+
+def key_of(c: Compilation, frame: Frame, key: Value, item: Value, node: ast.AST) -> Value:
+    """What an element is compared by: a number."""
+    mark = item if key is None else frame.call(key, [item], {}, node)
+    if kind_of(mark) not in ("number", "truth"):
+        message = f"in a match elements are compared by numbers, not by {describe_kind(mark)}"
+        raise ScenicError("unsupported", message, hint="give a key that is a number")
+    return mark
+
+
+def in_order(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`sorted` by live keys: a list in registers."""
+    items = one_list(c, arguments[0], node) if isinstance(arguments[0], Choice) else arguments[0]
+    key, reverse = keywords.get("key"), keywords.get("reverse", False)
+    if isinstance(reverse, Random):
+        raise ScenicError("unsupported", "whether a list is sorted in reverse must be fixed in a match")
+    code = c.code
+    if not isinstance(items, LiveList):
+        values = [settled(code, each) for each in elements(c, frame, items, node)]
+        marks = [key_of_fixed(c, frame, key, each, node) for each in values]
+        if not any(isinstance(each, Random | Choice) for each in marks):
+            return NotImplemented
+    start = code.variables.take(2 * CAPACITY)
+    keys, order = start, start + CAPACITY
+    if isinstance(items, LiveList):
+        place = Live(code.variables.take(), whole=True)
+        register_of(code, 0, place.register)
+        for item, _ in each_of(c, items):
+            mark = key_of(c, frame, key, item, node)
+            code.row(Op.STORE, keys, place.register, register_of(code, signed_key(mark, reverse)))
+            code.row(Op.ADD, place.register, place.register, code.constant(1))
+    else:
+        items = as_live_list(c, values)
+        for i, mark in enumerate(marks):
+            register_of(code, signed_key(mark, reverse), keys + i)
+    code.row(Op.SORT, order, keys, items.registers[0])
+    return permuted(c, items, order)
+
+
+def key_of_fixed(c: Compilation, frame: Frame, key: Value, item: Value, node: ast.AST) -> Value:
+    mark = settled(c.code, item if key is None else frame.call(key, [item], {}, node))
+    if isinstance(mark, Random | Choice) and kind_of(mark) not in ("number", "truth"):
+        raise ScenicError("unsupported", f"in a match lists are sorted by numbers, not by {describe_kind(mark)}")
+    return mark
+
+
+def signed_key(mark: Value, reverse: bool) -> Value:
+    return apply(NEGATE, mark) if reverse else mark
+
+
+def permuted(c: Compilation, items: LiveList, order: int) -> LiveList:
+    """The elements in the order of some indices."""
+    code = c.code
+    start = code.variables.take(len(items.registers))
+    out = LiveList(items.element, tuple(range(start, start + len(items.registers))))
+    counter, source, value = code.variables.take(3), 0, 0
+    source, value = counter + 1, counter + 2
+    register_of(code, items.length, out.registers[0])
+    register_of(code, 0, counter)
+    again, over = Label(), Label()
+    code.put_loop(again)
+    code.row(Op.JUMP_NOT_LESS, counter, out.registers[0], over)
+    code.row(Op.FETCH, source, order, counter)
+    for leaf in range(0 if items.element is None else items.element.size):
+        code.row(Op.FETCH, value, items.registers[1 + leaf * CAPACITY], source)
+        code.row(Op.STORE, out.registers[1 + leaf * CAPACITY], counter, value)
+    code.row(Op.ADD, counter, counter, code.constant(1))
+    code.row(Op.JUMP, c=again)
+    code.put(over)
+    return out
+
+
+def reversed_list(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    if not arguments or not isinstance(arguments[0], LiveList):
+        return NotImplemented
+    code, items = c.code, arguments[0]
+    order, place = code.variables.take(CAPACITY), code.variables.take(2)
+    register_of(code, items.length, place)
+    register_of(code, 0, place + 1)
+    for _ in each_of(c, items):
+        code.row(Op.SUBTRACT, place, place, code.constant(1))
+        code.row(Op.STORE, order, place + 1, place)
+        code.row(Op.ADD, place + 1, place + 1, code.constant(1))
+    return permuted(c, items, order)
+
+
+def kept_by(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`filter(function, items)`."""
+    from scenic_lite.dynamics.compiler.comprehensions import gathered
+
+    function, items = arguments
+    return gathered(c, frame, items, node, lambda each: frame.call(function, [each], {}, node), lambda each: each)
+
+
+def made_by(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`map(function, items)` over a list of varying length."""
+    from scenic_lite.dynamics.compiler.comprehensions import gathered
+
+    if len(arguments) != 2 or not isinstance(arguments[1], LiveList):
+        return NotImplemented
+    function, items = arguments
+    return gathered(c, frame, items, node, lambda each: True, lambda each: frame.call(function, [each], {}, node))
+
+
+def rounded(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`round(x, digits)`."""
+    digits = arguments[1] if len(arguments) > 1 else keywords.get("ndigits")
+    if not isinstance(digits, int) or not arguments or not isinstance(arguments[0], Random) or not varies(arguments[0]):
+        return NotImplemented
+    out = c.code.temporaries.take()
+    c.code.row(Op.ROUND_DIGITS, out, register_of(c.code, arguments[0]), c.code.constant(digits))
+    return Live(out, lasting=False)
+
+
+CHANGES: dict[str, Callable[..., Value]] = {
+    "pop": list.pop,
+    "insert": list.insert,
+    "remove": list.remove,
+    "reverse": list.reverse,
+}
+
+
+def mutated(c: Compilation, frame: Frame, items: Value, name: str, arguments: list) -> tuple[Value, Value]:
+    """A list after one of its methods has changed it, and what the method returns."""
+    if name == "append":
+        return appended(c, items, arguments[0]), None
+    if name == "extend":
+        for each in elements(c, frame, arguments[0], ast.Pass()):
+            items = appended(c, items, each)
+        return items, None
+    if name == "clear":
+        return [], None
+    if not isinstance(items, LiveList) and not any(map(varies, arguments)):
+        changed = list(items)
+        if name in CHANGES:
+            return changed, CHANGES[name](changed, *arguments)
+    if name == "pop" and isinstance(items, LiveList) and not arguments:
+        last = settled(c.code, kept(c.code, item_at(c, frame, items, -1)))
+        rest = kept(c.code, items)
+        c.code.row(Op.SUBTRACT, rest.registers[0], rest.registers[0], c.code.constant(1))
+        return rest, last
+    raise ScenicError("unsupported", f"{name}() of this list cannot be done in a match")
+
+
+FUNCTIONS: dict[str, Own] = {
+    "len": length,
+    "range": to_range,
+    "bool": truth_of,
+    "list": to_list,
+    "tuple": to_list,
+    "any": any_of,
+    "all": all_of,
+    "sum": total,
+    "min": least,
+    "max": greatest,
+    "sorted": in_order,
+    "reversed": reversed_list,
+    "filter": kept_by,
+    "map": made_by,
+    "round": rounded,
+}

@@ -1,0 +1,182 @@
+"""The last step of the compiler: short cuts, then final numbers for rows and registers.
+
+Read next: `compiled`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from scenic_lite.dynamics.bytecode import SEEN, Code, Listing, Op
+from scenic_lite.dynamics.compiled import Compiled, leaves
+from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
+from scenic_lite.dynamics.compiler.frame import Compilation
+from scenic_lite.errors import Place
+from scenic_lite.graph import Tape, Value
+from scenic_lite.program import Program
+
+Thread = tuple[int, int, Label, str]  # slot, object or -1, first row, title
+
+
+def finished(c: Compilation, threads: list[Thread]) -> Compiled:
+    """Lay out the rows and registers of one walk."""
+    code, program = c.code, c.program
+    rows = placed(shortened(code.rows))
+    layout = Layout(code)
+    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
+    inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
+    listing = listing_of(c, rows, threads, layout)
+    relocate(c.commands, layout)
+    return Compiled(
+        code_of(c, rows, threads, layout),
+        program,
+        tuple(thing for _, thing, _, _ in threads),
+        listing.places,
+        tuple(c.commands),
+        tuple(c.reasons),
+        tuple(c.broken),
+        tuple({(each.place, each.message): each for each in c.doubts}.values()),
+        listing,
+        start_of(code, threads, layout),
+        tuple(inputs),
+        tape,
+        code.texts,
+    )
+
+
+def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
+    """What the kernels read."""
+    lists: list[int] = []
+    table = np.zeros((len(rows), 4), dtype=np.uint32)
+    for i, row in enumerate(rows):
+        table[i] = (row.op, *layout.operands(row, lists))
+    return Code(
+        table,
+        np.array([*lists, 0], dtype=np.uint32),
+        np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
+        *c.counts,
+        layout(c.world_base),
+        layout(c.fact_base),
+        layout(c.clock.register) if c.clock is not None else 0,
+        layout.count,
+    )
+
+
+def start_of(code: Assembler, threads: list[Thread], layout: Layout) -> np.ndarray:
+    """The registers [R] with which a match starts, but for what its scene gives."""
+    start = np.zeros(layout.count)
+    for value, register in code.constants.items():
+        start[layout(register)] = value
+    for register, value in code.initial.items():
+        start[layout(register)] = value
+    for slot, _, entry, _ in threads:
+        start[layout(slot)] = entry.row
+    start[SEEN] = -1.0
+    return start
+
+
+def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
+    """What a person reads beside the rows."""
+    nowhere = Place(c.program.file, 1, 0, 1, 1)
+    places = tuple(row.place or nowhere for row in rows)
+    names = {layout(register): note for register, note in c.code.notes.items()}
+    names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
+    lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
+    notes = {i: row.note for i, row in enumerate(rows) if row.note}
+    return Listing(places, names, lines, notes, {entry.row: title for _, _, entry, title in threads})
+
+
+def line_of(program: Program, place: Place) -> str:
+    source = program._sources.get(place.file)
+    return "" if source is None else source.line(place.line)
+
+
+def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:
+    """Give the registers in commands their final numbers."""
+    seen: set[int] = set()
+    for actions in commands:
+        for action in actions:
+            for leaf in leaves(action):
+                if id(leaf) not in seen:
+                    seen.add(id(leaf))
+                    leaf.register = layout(leaf.register)
+
+
+class Layout:
+    """Where each area of registers begins."""
+
+    def __init__(self, code: Assembler) -> None:
+        areas = (code.variables, code.scratch, code.temporaries)
+        sizes = [code.fixed.used, len(code.constants), len(code.inputs), *(area.most for area in areas)]
+        self.bases = [sum(sizes[:i]) for i in range(len(sizes))]
+        self.count = sum(sizes)
+
+    def __call__(self, register: int) -> int:
+        return self.bases[register // AREA] + register % AREA
+
+    def operands(self, row: Row, lists: list[int]) -> tuple[int, int, int]:
+        form = Op(row.op).form
+        a, b = (self(row.a) if form[0] in "abc" else 0), (self(row.b) if form[1] in "abc" else 0)
+        if isinstance(row.c, Label):
+            return a, b, row.c.row
+        if isinstance(row.c, Operands):
+            lists.append(len(row.c.registers))
+            lists += [self(each) for each in row.c.registers]
+            return a, b, len(lists) - len(row.c.registers)
+        return a, b, self(row.c) if form[2] in "abc" else row.c
+
+
+# ------------------------------------------------------------ short cuts
+
+
+def shortened(rows: list[Row]) -> list[Row]:
+    """The rows without jumps that lead to the next row; jumps to a jump lead where that leads."""
+    first = following(rows)
+    kept: list[Row] = []
+    for i, row in enumerate(rows):
+        if isinstance(row.c, Label) and row.op != LABEL:
+            target = final(row.c, rows, first)
+            if row.op in SKIPPING and first[i + 1] == first[target.row]:
+                continue
+            row = row._replace(c=target)
+        kept.append(row)
+    return kept
+
+
+SKIPPING = frozenset({Op.JUMP, Op.JUMP_IF, Op.JUMP_UNLESS, Op.JUMP_EQUAL, Op.JUMP_NOT_EQUAL})
+
+
+def following(rows: list[Row]) -> list[int]:
+    """For each position the first real row at it or behind; labels note where they stand."""
+    first = [len(rows)] * (len(rows) + 1)
+    for i, row in reversed(list(enumerate(rows))):
+        first[i] = first[i + 1] if row.op == LABEL else i
+        if row.op == LABEL:
+            assert isinstance(row.c, Label)
+            row.c.row = i
+    return first
+
+
+def final(label: Label, rows: list[Row], first: list[int]) -> Label:
+    """Where a jump to a label ends up."""
+    for _ in range(20):
+        at = first[label.row]
+        if at >= len(rows) or rows[at].op != Op.JUMP:
+            return label
+        target = rows[at].c
+        assert isinstance(target, Label)
+        label = target
+    return label
+
+
+def placed(rows: list[Row]) -> list[Row]:
+    """The rows without the labels, which now know theirs."""
+    real = [row for row in rows if row.op != LABEL]
+    at = 0
+    for row in rows:
+        if row.op != LABEL:
+            at += 1
+        else:
+            assert isinstance(row.c, Label)
+            row.c.row = at
+    return real

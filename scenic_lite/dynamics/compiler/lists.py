@@ -1,0 +1,302 @@
+"""Lists whose length is known only in the match, live indices, live ranges: filters, sorting, the nearest player.
+
+A fixed list is Python's own list of values; what grows or is filtered during a match is a `LiveList` in registers. Read
+next: `compiler_functions`, the built-in functions over lists.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.emit import jump, register_of
+from scenic_lite.dynamics.compiler.frame import Compilation
+from scenic_lite.dynamics.compiler.shapes import CAPACITY, Items, LiveList, element_of, join, loaded, shape_of
+from scenic_lite.dynamics.compiler.slots import Slot, kept, pairs, settled, store
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.comparisons import membership
+from scenic_lite.evaluation.expressions import item_of
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.graph import ADD, EQUAL, LESS, OR, Random, Value, apply, as_number
+from scenic_lite.space.regions import Region
+from scenic_lite.values import Choice, choose, describe_kind
+
+
+@dataclass(frozen=True, eq=False)
+class LiveRange:
+    """`range` whose ends may be live; the step is fixed."""
+
+    start: Value
+    stop: Value
+    step: int
+
+    @property
+    def whole(self) -> bool:
+        return True
+
+
+def elements(c: Compilation, frame: Frame, value: Value, node: ast.AST) -> list[Value]:
+    """The elements of what has a fixed number of them."""
+    if isinstance(value, Choice):
+        return frame.elements(one_list(c, value, node), node)
+    if isinstance(value, LiveList | LiveRange):
+        raise frame.error("unsupported", "a list whose length varies in a match cannot be taken apart here", node)
+    return frame.elements(value, node)
+
+
+def one_list(c: Compilation, value: Choice, node: ast.AST) -> Value:
+    """A choice among lists as one list in registers."""
+    if not all(isinstance(option, list | tuple) for option in value.options):
+        raise ScenicError("type", f"{describe_kind(value)} has no elements")
+    slot = Slot(c.code, c.shapes, (*c.path, "lists", id(node)))
+    for option in value.options:
+        slot.widen(list(option))
+    slot.store(Choice(value.index, tuple(list(option) for option in value.options)))
+    return slot.value
+
+
+def as_live_list(c: Compilation, value: Value) -> LiveList:
+    """Any list, in registers."""
+    if isinstance(value, LiveList):
+        return value
+    shape = Items(element_of(shape_of(list(value))))
+    slot = Slot(c.code, {("list",): shape}, ("list",))
+    slot.store(list(value))
+    found = slot.value
+    assert isinstance(found, LiveList)
+    return found
+
+
+def element_at(c: Compilation, items: LiveList, index: Value) -> Value:
+    """An element that is known to be there."""
+    if items.element is None:
+        return None
+    if isinstance(index, int):
+        return loaded(items.element, iter(items.registers[1 + index :: CAPACITY]))
+    place = register_of(c.code, index)
+    registers = []
+    for leaf in range(items.element.size):
+        registers.append(c.code.temporaries.take())
+        c.code.row(Op.FETCH, registers[-1], items.registers[1 + leaf * CAPACITY], place)
+    return loaded(items.element, iter(registers))
+
+
+def item_at(c: Compilation, frame: Frame, container: Value, index: Value) -> Value:
+    """`container[index]` where one of both is live; a fault if there is no such element."""
+    if not isinstance(index, Random | int) or isinstance(index, bool):
+        raise ScenicError("type", f"the index of a list is an integer, not {describe_kind(index)}")
+    if isinstance(container, dict):
+        return dictionary_item(c, container, index)
+    if isinstance(container, LiveList):
+        place = from_start(c, index, container.length)
+        inside = apply(LESS, place, container.length, kind="truth")
+        c.code.fault_unless(register_of(c.code, inside), "list index out of range")
+        below = apply(LESS, place, 0, kind="truth")
+        fine = Label()
+        jump(c.code, below, fine, when=False)
+        c.code.fault("list index out of range")
+        c.code.put(fine)
+        return element_at(c, container, place)
+    items = frame.elements(container, ast.Pass())
+    if not items:
+        raise ScenicError("value", "list index out of range")
+    place = settled(c.code, from_start(c, index, len(items)))
+    return choose(place, items) if not all(each is items[0] for each in items) else checked_first(c, place, items)
+
+
+def checked_first(c: Compilation, place: Value, items: list[Value]) -> Value:
+    """All elements are the same thing, but the index may still be out of range."""
+    register_of(c.code, choose(place, list(range(len(items) + 1))[:-1] if len(items) > 1 else [0]))
+    return items[0]
+
+
+def from_start(c: Compilation, index: Value, length: Value) -> Value:
+    """An index counted from the start of the list: a negative one counts from its end."""
+    if isinstance(index, int):
+        return index if index >= 0 else apply(ADD, length, index)
+    index = settled(c.code, index)
+    negative = apply(LESS, index, 0, kind="truth")
+    return settled(c.code, choose(as_number(negative), [index, apply(ADD, index, length)]))
+
+
+def dictionary_item(c: Compilation, table: dict, key: Value) -> Value:
+    """`table[key]` with a live key: a fault if there is none."""
+    places = list(table)
+    found: Value = len(places)
+    for i, each in reversed(list(enumerate(places))):
+        same = compared_keys(each, key)
+        found = (
+            choose(as_number(settled(c.code, same)), [found, i]) if isinstance(same, Random) else (i if same else found)
+        )
+    found = settled(c.code, found)
+    inside = apply(LESS, found, len(places), kind="truth")
+    c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
+    return choose(found, list(table.values()))
+
+
+def compared_keys(a: Value, b: Value) -> Value:
+    return apply(EQUAL, a, b, kind="truth") if isinstance(b, Random) else a == b
+
+
+def slice_of(c: Compilation, items: LiveList, part: slice) -> LiveList:
+    """`items[:n]` with a fixed n, the only slice there is of a list whose length varies."""
+    if part.start not in (None, 0) or part.step not in (None, 1) or not isinstance(part.stop, int) or part.stop < 0:
+        raise ScenicError("unsupported", "of a list whose length varies only items[:n] with a fixed n can be cut")
+    copy = kept(c.code, items)
+    c.code.row(Op.MINIMUM, copy.registers[0], copy.registers[0], c.code.constant(part.stop))
+    return copy
+
+
+# ------------------------------------------------------------ building
+
+
+def appended(c: Compilation, items: Value, item: Value) -> Value:
+    """A list with one more element."""
+    if not isinstance(items, LiveList):
+        return [*items, item]
+    found = as_live_list_of(c, items, item)
+    put_with_room(c, found, item)
+    return found
+
+
+def put_with_room(c: Compilation, items: LiveList, item: Value) -> None:
+    """Put an element behind the last, in place; a fault if there is no room."""
+    fits = c.code.temporaries.take()
+    c.code.row(Op.LESS, fits, items.registers[0], c.code.constant(CAPACITY))
+    c.code.fault_unless(fits, f"a list grows beyond {CAPACITY} elements")
+    put_at_end(c, items, item)
+
+
+def as_live_list_of(c: Compilation, items: LiveList, item: Value) -> LiveList:
+    """A copy of a list with room for elements like `item`."""
+    shape = Items(join(items.element, shape_of(item)))
+    slot = Slot(c.code, {("list",): shape}, ("list",))
+    slot.store(items)
+    found = slot.value
+    assert isinstance(found, LiveList)
+    return found
+
+
+def put_at_end(c: Compilation, items: LiveList, item: Value) -> None:
+    """Put an element behind the last, in place."""
+    assert items.element is not None
+    start = c.code.temporaries.take(items.element.size)
+    registers = range(start, start + items.element.size)
+    store(c.code, list(pairs(items.element, iter(registers), item)))
+    for leaf, register in enumerate(registers):
+        c.code.row(Op.STORE, items.registers[1 + leaf * CAPACITY], items.registers[0], register)
+    c.code.row(Op.ADD, items.registers[0], items.registers[0], c.code.constant(1))
+
+
+def concatenated(c: Compilation, node: ast.AST, left: Value, right: Value) -> Value:
+    """`left + right` of lists, at least one of which varies in length."""
+    if (
+        not isinstance(node, ast.BinOp | ast.AugAssign)
+        or not isinstance(node.op, ast.Add)
+        or not all(isinstance(each, LiveList | list) for each in (left, right))
+    ):
+        raise ScenicError("unsupported", "lists whose length varies can only be added to each other")
+    shape = Items(join(element_of(shape_of(left)), element_of(shape_of(right))))
+    slot = Slot(c.code, {("list",): shape}, ("list",))
+    slot.store(left)
+    found = slot.value
+    assert isinstance(found, LiveList)
+    if isinstance(right, LiveList):
+        for item, _ in each_of(c, right):
+            put_with_room(c, found, item)
+    else:
+        for item in right:
+            put_with_room(c, found, item)
+    return found
+
+
+def changed_item(c: Compilation, frame: Frame, container: Value, index: Value, value: Value) -> Value:
+    """The container with another element."""
+    if isinstance(container, dict) and not isinstance(index, Random | Choice):
+        return {**container, index: value}
+    if isinstance(container, list) and isinstance(index, int):
+        item_of(frame, container, index)
+        changed = list(container)
+        changed[index] = value
+        return changed
+    if isinstance(container, list) and isinstance(index, Random):
+        place = settled(c.code, from_start(c, index, len(container)))
+        register_of(c.code, choose(place, list(range(len(container)))))
+        same = [apply(EQUAL, place, i, kind="truth") for i in range(len(container))]
+        return [
+            choose(as_number(settled(c.code, is_it)), [old, value]) for is_it, old in zip(same, container, strict=True)
+        ]
+    raise ScenicError("unsupported", f"elements of {describe_kind(container)} cannot be assigned in a match")
+
+
+# ------------------------------------------------------------ asking
+
+
+def contains(c: Compilation, frame: Frame, node: ast.Compare, container: Value, item: Value) -> Value:
+    """`item in container`."""
+    from scenic_lite.dynamics.compiler.choices import over_options
+
+    if isinstance(container, Region):
+        from scenic_lite.dynamics.compiler.choices import whole_choice
+
+        return membership(frame, node, whole_choice(item, c), container)
+    if isinstance(container, Choice):
+        return over_options(c, container, lambda each: contains(c, frame, node, each, item), (id(node), "in"))
+    if isinstance(container, LiveList):
+        return some(c, container, lambda each: same_value(c, frame, node, each, item), node)
+    if isinstance(item, Random | Choice) and not isinstance(container, str):
+        found: Value = False
+        for each in frame.elements(container, node):
+            same = same_value(c, frame, node, each, item)
+            found = same if found is False else apply(OR, found, same, kind="truth")
+        return found
+    return membership(frame, node, item, container)
+
+
+def same_value(c: Compilation, frame: Frame, node: ast.Compare, a: Value, b: Value) -> Value:
+    from scenic_lite.dynamics.compiler.conditions import link
+
+    return link(c, frame, node, ast.Eq(), a, b)
+
+
+def some(c: Compilation, items: LiveList, test: Callable[[Value], Value], key: object) -> Value:
+    """Whether a test holds for some element of a list."""
+    found = c.code.variables.take()
+    register_of(c.code, 0, found)
+    for item, after in each_of(c, items):
+        jump(c.code, test(item), after, when=False)
+        register_of(c.code, 1, found)
+    return Live(found, "truth", lasting=False)
+
+
+def each_number(c: Compilation, numbers: LiveRange) -> Iterator[tuple[Value, Label]]:
+    """As `each_of`, of a range."""
+    counter = c.code.variables.take()
+    register_of(c.code, numbers.start, counter)
+    stop = register_of(c.code, numbers.stop)
+    first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
+    again, over, after = Label(), Label(), Label()
+    c.code.put_loop(again)
+    c.code.row(Op.JUMP_NOT_LESS, first, second, over)
+    yield Live(counter, whole=True), after
+    c.code.put(after)
+    c.code.row(Op.ADD, counter, counter, c.code.constant(numbers.step))
+    c.code.row(Op.JUMP, c=again)
+    c.code.put(over)
+
+
+def each_of(c: Compilation, items: LiveList) -> Iterator[tuple[Value, Label]]:
+    """Rows of a loop over a list, once; the label is where the next round begins."""
+    counter = c.code.variables.take()
+    register_of(c.code, 0, counter)
+    again, over, after = Label(), Label(), Label()
+    c.code.put_loop(again)
+    c.code.row(Op.JUMP_NOT_LESS, counter, items.registers[0], over)
+    yield element_at(c, items, Live(counter, whole=True)), after
+    c.code.put(after)
+    c.code.row(Op.ADD, counter, counter, c.code.constant(1))
+    c.code.row(Op.JUMP, c=again)
+    c.code.put(over)

@@ -1,0 +1,333 @@
+"""Python's statements: branches, loops, assignments, `return`.
+
+What is fixed is decided now: a branch on `self.team == "right"` leaves one side, a loop over a fixed list is unrolled.
+What the match decides becomes jumps. Read next: `compiler_behaviors`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from contextlib import nullcontext
+from typing import Any
+
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.attributes import set_attribute
+from scenic_lite.dynamics.compiler.choices import combination
+from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
+from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, assigned_names, suspends
+from scenic_lite.dynamics.compiler.lists import LiveRange, changed_item, element_at, elements
+from scenic_lite.dynamics.compiler.shapes import LiveList
+from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
+from scenic_lite.dynamics.threads import within
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.statements import define_function, nothing
+from scenic_lite.graph import Value
+
+MOST_UNROLLED = 64  # rounds of a loop over a fixed list
+
+
+def expression(c: Compilation, frame: LiveFrame, node: ast.Expr) -> None:
+    settled(c.code, frame.value(node.value))
+
+
+def assign(c: Compilation, frame: LiveFrame, node: ast.Assign) -> None:
+    value = frame.value(node.value)
+    for target in node.targets:
+        bind(c, frame, target, value)
+
+
+def annotated(c: Compilation, frame: LiveFrame, node: ast.AnnAssign) -> None:
+    if node.value is not None:
+        bind(c, frame, node.target, frame.value(node.value))
+
+
+def augmented(c: Compilation, frame: LiveFrame, node: ast.AugAssign) -> None:
+    target = node.target
+    old = frame.lookup(target.id) if isinstance(target, ast.Name) else frame.value(loading(target))
+    bind(c, frame, target, combination(c, frame, node, old, frame.value(node.value)))
+
+
+def loading(target: ast.expr) -> ast.expr:
+    """The expression that reads what an assignment writes."""
+    if isinstance(target, ast.Subscript):
+        return ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target)
+    assert isinstance(target, ast.Attribute)
+    return ast.copy_location(ast.Attribute(target.value, target.attr, ast.Load()), target)
+
+
+def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> None:
+    """Assign to a name, several names, an element or an attribute."""
+    if isinstance(target, ast.Name):
+        frame.assign(target.id, value)
+    elif isinstance(target, ast.Tuple | ast.List):
+        parts = elements(c, frame, value, target)
+        parts = spread(frame, target, parts)
+        parts = [copied(c.code, each) for each in parts]  # `a, b = b, a`
+        for each, part in zip(target.elts, parts, strict=True):
+            bind(c, frame, each.value if isinstance(each, ast.Starred) else each, part)
+    elif isinstance(target, ast.Attribute):
+        set_attribute(c, frame, target, frame.value(target.value), value)
+    elif isinstance(target, ast.Subscript):
+        container, index = frame.value(target.value), frame.value(target.slice)
+        bind_item(c, frame, target, changed_item(c, frame, container, index, value))
+    else:
+        raise frame.error("syntax", "this cannot be assigned to", target)
+
+
+def spread(frame: LiveFrame, target: ast.Tuple | ast.List, parts: list[Value]) -> list[Value]:
+    """One value for each of several names; what stands behind a star takes those that are left."""
+    count = len(target.elts)
+    star = next((i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)), None)
+    if star is not None and len(parts) >= count - 1:
+        after = len(parts) - (count - star - 1)
+        parts = [*parts[:star], parts[star:after], *parts[after:]]
+    if len(parts) != count:
+        raise frame.error("value", f"{len(parts)} values for {count} names", target)
+    return parts
+
+
+def bind_item(c: Compilation, frame: LiveFrame, target: ast.Subscript, container: Value) -> None:
+    """Assigning an element assigns a changed container."""
+    if container is not None:
+        bind(c, frame, target.value, container)
+
+
+# ------------------------------------------------------------ branches and loops
+
+
+def branch(c: Compilation, frame: LiveFrame, node: ast.If) -> None:
+    def run(no: Label, live: bool) -> None:
+        end = Label()
+        with frame.living() if live else nullcontext():
+            frame.run(node.body)
+            c.code.row(Op.JUMP, c=end)
+            c.code.put(no)
+            frame.run(node.orelse)
+        c.code.put(end)
+
+    live_branch(c, frame, node.test, [node.body, node.orelse], run)
+
+
+def repeat_while(c: Compilation, frame: LiveFrame, node: ast.While) -> None:
+    frame.pin(assigned_names(node.test, *node.body))
+    again, failed, loop = Label(), Label(), Loop(Label(), Label())
+    c.code.put_loop(again)
+    jump_on(c, frame, node.test, failed, when=False)
+    with frame.living():
+        in_loop(frame, loop, node.body)
+        c.code.put(loop.again)
+        c.code.row(Op.JUMP, c=again)
+        c.code.put(failed)
+        frame.run(node.orelse)
+    c.code.put(loop.exit)
+
+
+def in_loop(frame: LiveFrame, loop: Loop, body: list[ast.stmt]) -> None:
+    frame.scope.loops.append(loop)
+    try:
+        frame.run(body)
+    finally:
+        frame.scope.loops.pop()
+
+
+def repeat(c: Compilation, frame: LiveFrame, node: ast.For) -> None:
+    items = frame.value(node.iter)
+    if isinstance(items, range) and len(items) > 0:
+        items = LiveRange(items.start, items.stop, items.step)
+    if isinstance(items, LiveRange):
+        count_through(c, frame, node, items)
+    elif isinstance(items, LiveList):
+        go_through(c, frame, node, items)
+    else:
+        unroll(c, frame, node, elements(c, frame, items, node.iter))
+
+
+def count_through(c: Compilation, frame: LiveFrame, node: ast.For, numbers: LiveRange) -> None:
+    """`for i in range(...)`."""
+    code = c.code
+    counter, stop = code.variables.take(), code.variables.take()
+    register_of(code, numbers.start, counter)
+    register_of(code, numbers.stop, stop)
+
+    def done(label: Label) -> None:
+        first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
+        code.row(Op.JUMP_NOT_LESS, first, second, label)
+
+    def count() -> None:
+        code.row(Op.ADD, counter, counter, code.constant(numbers.step))
+
+    live_loop(c, frame, node, done, count, lambda: Live(counter, whole=numbers.whole))
+
+
+def go_through(c: Compilation, frame: LiveFrame, node: ast.For, items: LiveList) -> None:
+    """`for x in items` of a list whose length varies; the list is as it was when the loop began."""
+    code = c.code
+    items = kept(code, items)
+    counter = code.variables.take()
+    register_of(code, 0, counter)
+
+    def done(label: Label) -> None:
+        code.row(Op.JUMP_NOT_LESS, counter, items.length.register, label)
+
+    def count() -> None:
+        code.row(Op.ADD, counter, counter, code.constant(1))
+
+    live_loop(c, frame, node, done, count, lambda: element_at(c, items, Live(counter, whole=True)))
+
+
+def live_loop(
+    c: Compilation,
+    frame: LiveFrame,
+    node: ast.For,
+    done: Callable[[Label], None],
+    count: Callable[[], None],
+    element: Callable[[], Value],
+) -> None:
+    """A loop whose rounds share their rows."""
+    code = c.code
+    frame.pin(assigned_names(*node.body))
+    again, over, loop = Label(), Label(), Loop(Label(), Label())
+    code.put_loop(again)
+    done(over)
+    with frame.living():
+        bind(c, frame, node.target, element())
+        in_loop(frame, loop, node.body)
+        code.put(loop.again)
+        count()
+        code.row(Op.JUMP, c=again)
+        code.put(over)
+        frame.run(node.orelse)
+    code.put(loop.exit)
+
+
+def unroll(c: Compilation, frame: LiveFrame, node: ast.For, items: list[Value]) -> None:
+    """A loop over a fixed list: every round has rows of its own, in which the element is known."""
+    code = c.code
+    if suspends(node.body):
+        items = [kept(code, each) for each in items]
+    else:
+        items = [settled(code, each) for each in items]
+    jumps = [each for each in within(*node.body) if isinstance(each, ast.Break | ast.Continue)]
+    if jumps:
+        frame.pin(assigned_names(*node.body))
+    exit_ = Label()
+    last = LastTarget(c, frame, node) if any(isinstance(each, ast.Break) for each in jumps) else None
+    for i, item in enumerate(items):
+        loop = Loop(exit_, Label(), last.store if last is not None else None)
+        with c.round(node, i), code.statement():
+            bind(c, frame, node.target, item)
+            in_loop(frame, loop, node.body)
+            code.put(loop.again)
+    if last is not None and items:
+        last.store()
+    frame.run(node.orelse)
+    code.put(exit_)
+    if last is not None:
+        last.load()
+
+
+class LastTarget:
+    """The target of an unrolled loop after it: which element it holds depends on where the loop was left."""
+
+    def __init__(self, c: Compilation, frame: LiveFrame, node: ast.For) -> None:
+        names = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
+        inside = sum(1 for each in ast.walk(node) if is_read(each, names))
+        read_after = sum(1 for tree in frame.scope.body for each in ast.walk(tree) if is_read(each, names)) > inside
+        self.frame = frame
+        self.slots = {
+            name: Slot(c.code, c.shapes, (*c.path, id(node), "last", name))
+            for name in sorted(names)
+            if read_after and name not in frame.slots
+        }
+
+    def store(self) -> None:
+        for name, slot in self.slots.items():
+            if name in self.frame.locals:
+                slot.store(self.frame.locals[name])
+
+    def load(self) -> None:
+        for name, slot in self.slots.items():
+            if slot.shape is not None:
+                self.frame.locals[name] = slot.value
+
+
+def is_read(node: ast.AST, names: set[str]) -> bool:
+    return isinstance(node, ast.Name) and node.id in names and isinstance(node.ctx, ast.Load)
+
+
+def leave_loop(c: Compilation, frame: LiveFrame, node: ast.Break) -> None:
+    loop = frame.scope.loops[-1]
+    if loop.leave is not None:
+        loop.leave()
+    c.code.row(Op.JUMP, c=loop.exit)
+
+
+def next_round(c: Compilation, frame: LiveFrame, node: ast.Continue) -> None:
+    c.code.row(Op.JUMP, c=frame.scope.loops[-1].again)
+
+
+def give_back(c: Compilation, frame: LiveFrame, node: ast.Return) -> None:
+    """`return`: of a behavior its end; of a function its value, in registers if it returns from several places."""
+    scope = frame.scope
+    if scope.behavior is not None:
+        c.code.row(Op.JUMP, c=scope.end)
+        return
+    value = None if node.value is None else frame.value(node.value)
+    if scope.live == 0 and scope.result is None and not scope.loops:
+        value = settled(c.code, value)
+        scope.level = c.code.temporaries.used
+        raise Return(value)
+    if scope.result is None:
+        scope.result = Slot(c.code, c.shapes, (*scope.path, "return"), varying=True)
+    scope.result.store(value)
+    c.code.row(Op.JUMP, c=scope.end)
+
+
+def certify(c: Compilation, frame: LiveFrame, node: ast.Assert) -> None:
+    """`assert`: a fault of the match if it does not hold."""
+    fine = Label()
+    jump_on(c, frame, node.test, fine, when=True)
+    c.code.fault("the assertion does not hold")
+    c.code.put(fine)
+
+
+def refuse(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
+    words = {ast.Try: "`except`", ast.Raise: "`raise`", ast.With: "`with`", ast.Delete: "`del`"}
+    word = words.get(type(node), f"`{type(node).__name__.lower()}`")
+    raise ScenicError("unsupported", f"{word} cannot be compiled for a match")
+
+
+def define(c: Compilation, frame: LiveFrame, node: ast.FunctionDef) -> None:
+    define_function(frame, node)
+
+
+def skip(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
+    nothing(frame, node)
+
+
+STATEMENTS: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
+    ast.Expr: expression,
+    ast.Assign: assign,
+    ast.AnnAssign: annotated,
+    ast.AugAssign: augmented,
+    ast.If: branch,
+    ast.While: repeat_while,
+    ast.For: repeat,
+    ast.Break: leave_loop,
+    ast.Continue: next_round,
+    ast.Return: give_back,
+    ast.Assert: certify,
+    ast.Pass: skip,
+    ast.FunctionDef: define,
+    ast.Try: refuse,
+    ast.Raise: refuse,
+    ast.With: refuse,
+    ast.Delete: refuse,
+    ast.Global: refuse,
+    ast.Nonlocal: refuse,
+    ast.ClassDef: refuse,
+}

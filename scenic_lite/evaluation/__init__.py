@@ -1,0 +1,4 @@
+"""The walk over the tree: what each expression and statement means, for numbers and random values alike.
+
+Read next: `evaluate`, where a load begins; `frame`.
+"""

@@ -1,0 +1,243 @@
+"""What `value.name` may read: our own tables, never the attributes of Python objects.
+
+Read next: `functions`, the built-in functions.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.classes import SIDES, is_object, is_oriented, side_of
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
+from scenic_lite.evaluation.exceptions import ExceptionClass, Fault
+from scenic_lite.evaluation.frame import Frame, near
+from scenic_lite.evaluation.tables import own
+from scenic_lite.evaluation.texts import METHODS as TEXTS
+from scenic_lite.graph import ABSOLUTE, MAXIMUM, Random, Value, apply
+from scenic_lite.space.geometry import Vector, angle_between, as_vector, distance_between
+from scenic_lite.space.region_members import CLASS_FUNCTIONS, FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
+from scenic_lite.space.regions import Region, VectorField
+from scenic_lite.values import (
+    Behavior,
+    BehaviorCall,
+    Bound,
+    Builtin,
+    Choice,
+    Descriptor,
+    Function,
+    Instance,
+    Namespace,
+    ScenicClass,
+    Super,
+    describe_kind,
+)
+
+
+def attribute(frame: Frame, value: Value, name: str) -> Value:
+    """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
+    if isinstance(value, Choice):
+        return value.merged([attribute(frame, option, name) for option in value.options])
+    if isinstance(value, Instance):
+        return of_instance(frame, value, name)
+    if isinstance(value, Namespace):
+        return of_namespace(value, name)
+    if isinstance(value, BehaviorCall) and name in value.names:
+        return value.names[name]
+    if isinstance(value, ScenicClass):
+        return of_class(value, name)
+    if isinstance(value, Super):
+        return of_super(frame, value, name)
+    if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ExceptionClass):
+        return value.name
+    if isinstance(value, Builtin) and value.types:
+        return of_type(value, name)
+    if isinstance(value, Random) and value.kind == "text" and name in TEXTS:
+        return Bound(Builtin(name, EachText(name)), value)
+    fields = next((table for kind, table in FIELDS if isinstance(value, kind)), {})
+    if name in fields:
+        return fields[name](value)
+    methods = methods_of(value)
+    return found(bound(methods.get(name), value), value, name, [*fields, *methods])
+
+
+def found(result: Value, value: Value, name: str, known: Any) -> Value:
+    if result is None:
+        raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=near(name, known))
+    return result
+
+
+def bound(function: Builtin | None, value: Value) -> Value:
+    return None if function is None else Bound(function, value)
+
+
+def of_namespace(module: Namespace, name: str) -> Value:
+    if name not in module.names or name.startswith("__"):
+        hint = near(name, module.names)
+        raise ScenicError("name", f"{module.name} has no '{name}'", hint=hint)
+    return module.names[name]
+
+
+def of_class(cls: ScenicClass, name: str) -> Value:
+    if name == "__name__":
+        return cls.name
+    member = cls.member(name)
+    if isinstance(member, Descriptor):
+        member = Bound(member.function, cls) if member.kind == "classmethod" else member.function
+    return found(member, cls, name, cls.members)
+
+
+def of_type(cls: Builtin, name: str) -> Value:
+    """`str.lower`, `dict.fromkeys`: a method without its receiver."""
+    known = next((table for kind, table in METHODS if kind in cls.types), {})
+    known = known | CLASS_METHODS.get(cls.name, {}) | CLASS_FUNCTIONS.get(cls.name, {})
+    return found(known.get(name), cls, name, known)
+
+
+def of_super(frame: Frame, value: Super, name: str) -> Value:
+    member = value.base.member(name)
+    known = [each for cls in value.base.lineage() for each in cls.members]
+    return member_of(frame, found(member, value.receiver, name, known), value.receiver)
+
+
+def member_of(frame: Frame, member: Value, instance: Value) -> Value:
+    """A member of a class as an instance sees it."""
+    if isinstance(member, Function):
+        return Bound(member, instance)
+    if not isinstance(member, Descriptor):
+        return member
+    if member.kind == "property":
+        return frame.call(member.function, [instance], {}, ast.Pass())
+    cls = instance.cls if isinstance(instance, Instance) else instance
+    return Bound(member.function, cls) if member.kind == "classmethod" else member.function
+
+
+class EachText:
+    """A method of texts on each text of an array [N]; gives texts, numbers or truth values."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        if name in ("join", "format", "split", "rsplit", "splitlines", "partition", "rpartition"):
+            raise ScenicError("unsupported", f"{name}() of a random text")
+
+    def __call__(self, text: Value, *arguments: Value) -> Value:
+        for each in arguments:
+            if not isinstance(each, str | int):
+                raise ScenicError("type", f"{self.name}() of a random text takes fixed texts and numbers")
+        method = vars(str)[self.name]  # one of the table of texts
+        sample = method("", *arguments)
+        kind = "text" if isinstance(sample, str) else "truth" if isinstance(sample, bool) else "number"
+
+        def of_all(texts: Any) -> Any:
+            results = [method(text, *arguments) for text in texts]
+            return np.array([*results, None], dtype=object)[:-1] if kind == "text" else np.array(results)
+
+        return Random(of_all, (text,), kind)
+
+
+def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
+    """A property, an attribute set later, a method, a side, or an attribute of the position."""
+    if name in instance.properties:
+        return instance.properties[name]
+    if name in instance.attributes:
+        return instance.attributes[name]
+    member = instance.cls.member(name)
+    if member is not None:
+        return member_of(frame, member, instance)
+    if is_oriented(instance) and name in SIDES:
+        return side_of(instance, name)
+    position = instance.position_vector()
+    if name in ("x", "y") and position is not None:
+        return position.x if name == "x" else position.y
+    if name == "z" and position is not None and frame.session.dialect == 3:
+        return 0.0
+    if name == "distanceTo" and frame.session.dialect == 3 and is_object(instance):
+        return Bound(DISTANCE_TO_OUTLINE, instance)
+    if name in VECTOR_METHODS and position is not None:
+        return Bound(VECTOR_METHODS[name], position)
+    known = [*instance.properties, *VECTOR_METHODS, "x", "y"]
+    raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=near(name, known))
+
+
+def methods_of(value: Value) -> dict[str, Builtin]:
+    return next((table for kind, table in METHODS if isinstance(value, kind)), {})
+
+
+def vector(value: Value) -> Vector:
+    result = as_vector(value)
+    if result is None:
+        raise ScenicError("type", f"a vector is needed here, not {describe_kind(value)}")
+    return result
+
+
+def rotated_by(self: Vector, angle: Value) -> Vector:
+    return self.rotated(angle)
+
+
+def offset_rotated(self: Vector, heading: Value, offset: Value) -> Vector:
+    return self + vector(offset).rotated(heading)
+
+
+def offset_radially(self: Vector, radius: Value, heading: Value) -> Vector:
+    return self + Vector(0.0, radius).rotated(heading)
+
+
+def dot(self: Vector, other: Value) -> Value:
+    other = vector(other)
+    return self.x * other.x + self.y * other.y
+
+
+def normalized(self: Vector) -> Vector:
+    return self / self.length()
+
+
+def distance_to(self: Vector, other: Value) -> Value:
+    return distance_between(self, vector(other))
+
+
+def distance_to_outline(self: Instance, other: Value) -> Value:
+    """Dialect 3: `object.distanceTo(point)` counts from the object's rectangle, 0 inside."""
+    p = self.properties
+    offset = (vector(other) - p["position"]).rotated(-p["heading"])
+    sides = ((offset.x, p["width"]), (offset.y, p["length"]))
+    return Vector(*(apply(MAXIMUM, apply(ABSOLUTE, part) - extent / 2, 0.0) for part, extent in sides)).length()
+
+
+def angle_to(self: Vector, other: Value) -> Value:
+    return angle_between(self, vector(other))
+
+
+DISTANCE_TO_OUTLINE = Builtin("distanceTo", distance_to_outline)
+VECTOR_METHODS = own(
+    norm=Vector.length,
+    normalized=normalized,
+    dot=dot,
+    distanceTo=distance_to,
+    angleTo=angle_to,
+    rotatedBy=rotated_by,
+    offsetRotated=offset_rotated,
+    offsetRadially=offset_radially,
+    offsetBy=lambda self, offset: self + vector(offset),
+)
+METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
+    (Vector, VECTOR_METHODS),
+    (Region, REGION_METHODS),
+    (VectorField, FIELD_METHODS),
+    (list, LISTS),
+    (tuple, TUPLES),
+    (dict, DICTIONARIES),
+    (str, TEXTS),
+    (set, SETS),
+)
+FAULT_FIELDS = {"args": lambda fault: fault.arguments}
+VECTOR_FIELDS = {"x": lambda v: v.x, "y": lambda v: v.y, "z": lambda v: 0.0, "coordinates": lambda v: (v.x, v.y)}
+FIELDS: tuple[tuple[Any, dict[str, Callable[[Any], Value]]], ...] = (
+    (Fault, FAULT_FIELDS),
+    (Vector, VECTOR_FIELDS),
+    (Region, REGION_FIELDS),
+    (VectorField, FIELD_FIELDS),
+)

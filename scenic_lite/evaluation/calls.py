@@ -1,0 +1,297 @@
+"""Calls: functions of the program, built-in ones, behaviors; and the making of instances.
+
+Read next: `statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.exceptions import ExceptionClass, Fault
+from scenic_lite.evaluation.frame import Frame, near
+from scenic_lite.graph import Value
+from scenic_lite.placement import SPECIFIERS
+from scenic_lite.specifiers import Meaning, make, warn_of_unknown, with_property
+from scenic_lite.syntax import nodes
+from scenic_lite.values import (
+    Behavior,
+    BehaviorCall,
+    Bound,
+    Builtin,
+    Choice,
+    Delayed,
+    Function,
+    Instance,
+    ScenicClass,
+    Stream,
+    describe_kind,
+)
+
+TRACKED_NAMES = ("ego", "workspace")  # the session's, wherever they are set
+NAMING = (ast.ExceptHandler, ast.MatchAs, ast.MatchStar, ast.FunctionDef, ast.ClassDef)
+OWN_SCOPES = (
+    ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.SetComp, ast.DictComp,
+    ast.GeneratorExp, nodes.Behavior, nodes.Scenario,
+)  # fmt: skip
+
+
+class Return(Exception):
+    """Leaves a function of the program with its value."""
+
+    def __init__(self, value: Value) -> None:
+        super().__init__()
+        self.value = value
+
+
+def call_node(frame: Frame, node: ast.Call) -> Value:
+    function = frame.value(node.func)
+    arguments: list[Value] = []
+    for argument in node.args:
+        if isinstance(argument, ast.Starred):
+            arguments += starred(frame, function, argument)
+        else:
+            arguments.append(frame.value(argument))
+    keywords: dict[str, Value] = {}
+    for keyword in node.keywords:
+        value = frame.value(keyword.value)
+        for name, each in mapping(frame, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
+            if name in keywords:
+                raise frame.error("type", f"the argument '{name}' is given twice", keyword.value)
+            keywords[name] = each
+    return call(frame, function, arguments, keywords, node)
+
+
+def mapping(frame: Frame, keyword: ast.keyword, value: Value) -> dict[str, Value]:
+    """What `**` spreads in a call."""
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
+        message = f"`**` needs a dictionary with names as keys, not {describe_kind(value)}"
+        raise frame.error("type", message, keyword.value)
+    return value
+
+
+def starred(frame: Frame, function: Value, argument: ast.Starred) -> list[Value]:
+    """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
+    value = frame.value(argument.value)
+    if isinstance(value, Choice) and isinstance(function, Builtin) and function.name == "Uniform":
+        return [value.merged([function.function(frame, argument, *option) for option in value.options])]
+    return frame.elements(value, argument)
+
+
+def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+    """Call whatever can be called."""
+    if isinstance(function, Choice):
+        return function.merged([call(frame, each, arguments, keywords, node) for each in function.options])
+    if isinstance(function, Bound):
+        return call(frame, function.function, [function.receiver, *arguments], keywords, node)
+    if isinstance(function, Builtin):
+        return call_builtin(frame, function, arguments, keywords, node)
+    if isinstance(function, Function):
+        return call_function(frame, function, arguments, keywords, node)
+    if isinstance(function, Behavior):
+        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        return BehaviorCall(function, bound, frame.place(node))
+    if isinstance(function, ExceptionClass):
+        if keywords:
+            raise ScenicError("type", f"{function.name}() takes no keyword arguments")
+        return Fault(function, tuple(arguments))
+    if isinstance(function, ScenicClass):
+        raise ScenicError(
+            "type", f"objects of class {function.name} are not made by a call", hint=f"write new {function.name}"
+        )
+    hint = f"write new {function.cls.name}, without brackets" if isinstance(function, Instance) else ""
+    raise ScenicError("type", f"{describe_kind(function)} cannot be called", hint=hint)
+
+
+def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+    for i, argument in enumerate(arguments):
+        if isinstance(argument, Delayed):
+            raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
+        if isinstance(argument, Choice) and function.lifted:
+            before, after = arguments[:i], arguments[i + 1 :]
+            return argument.merged(
+                [call_builtin(frame, function, [*before, each, *after], keywords, node) for each in argument.options]
+            )
+    if not function.sited:
+        frame.session.budget.whole(arguments)
+    given = [frame, node, *arguments] if function.sited else arguments
+    check_signature(function, given, keywords)
+    result = function.function(*given, **keywords)
+    frame.session.budget.keep(result)
+    frame.watch(result)
+    return result
+
+
+def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) -> None:
+    """Raise ScenicError in the program's words if the arguments do not fit."""
+    try:
+        signature = inspect.signature(function.function)
+    except ValueError:  # some methods of Python's containers have none
+        return
+    try:
+        signature.bind(*given, **keywords)
+    except TypeError:
+        names = [str(each).split(":")[0].split("=")[0] for each in signature.parameters.values()]
+        names = names[2:] if function.sited else names
+        count = len(given) - (2 if function.sited else 0) + len(keywords)
+        usage = f"write {function.name}({', '.join(names)})"
+        number = "1 argument" if count == 1 else f"{count} arguments"
+        raise ScenicError("type", f"{function.name} does not take {number}", hint=usage) from None
+
+
+def call_function(
+    frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Run a function of the program; an error inside a library is shown where the program called it."""
+    inner = function.frame.inner(bind(function.name, function.arguments, function, arguments, keywords))
+    inner.assigned = function.assigned
+    inner.yields = [] if function.generates else None
+    if function.owner is not None and arguments:
+        inner.method = (function.owner, arguments[0])
+    budget = frame.session.budget
+    budget.enter()
+    try:
+        if isinstance(function.body, ast.expr):
+            return inner.value(function.body)
+        inner.run(function.body)
+    except Return as result:
+        if inner.yields is None:
+            return result.value
+    except ScenicError as error:
+        raise seen_from(frame, function, node, error) from None
+    finally:
+        budget.leave()
+    return None if inner.yields is None else Stream(inner.yields)
+
+
+def seen_from(frame: Frame, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
+    """An error of a library function, moved to the call in the user's program."""
+    if not function.frame.source.library or frame.source.library or error.place is None:
+        return error
+    where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
+    return frame.error(error.kind, error.message, node, error.hint, [where, *error.notes])
+
+
+def bind(
+    name: str, parameters: ast.arguments, function: Function | Behavior, arguments: list, keywords: dict[str, Value]
+) -> dict[str, Value]:
+    """Arguments by the names of the parameters. Raises ScenicError if they do not fit."""
+    names = [each.arg for each in (*parameters.posonlyargs, *parameters.args)]
+    bound: dict[str, Value] = dict(zip(names, arguments, strict=False))
+    extra = arguments[len(names) :]
+    if extra and parameters.vararg is None:
+        raise arity_error(name, parameters, f"{len(arguments)} arguments were given")
+    if parameters.vararg is not None:
+        bound[parameters.vararg.arg] = tuple(extra)
+    allowed = {*names, *(each.arg for each in parameters.kwonlyargs)}
+    spare = {key: value for key, value in keywords.items() if key not in allowed}
+    if spare and parameters.kwarg is None:
+        raise ScenicError(
+            "type", f"{name}() has no argument '{next(iter(spare))}'", hint=near(next(iter(spare)), allowed)
+        )
+    if parameters.kwarg is not None:
+        bound[parameters.kwarg.arg] = spare
+    for key, value in keywords.items():
+        if key in allowed:
+            if key in bound:
+                raise ScenicError("type", f"{name}() is given '{key}' twice")
+            bound[key] = value
+    defaults = dict(zip(names[len(names) - len(function.defaults) :], function.defaults, strict=True))
+    bound = defaults | function.keyword_defaults | bound
+    missing = [each for each in (*names, *sorted(allowed)) if each not in bound]
+    if missing:
+        raise arity_error(name, parameters, f"'{missing[0]}' is missing")
+    return bound
+
+
+def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
+    names = ", ".join(each.arg for each in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs))
+    return ScenicError("type", f"{name}({names}): {message}")
+
+
+def lambda_of(frame: Frame, node: ast.Lambda) -> Function:
+    return function_of(frame, "lambda", node.args, node.body)
+
+
+def function_of(
+    frame: Frame, name: str, arguments: ast.arguments, body: Any, owner: ScenicClass | None = None
+) -> Function:
+    """A function whose defaults are evaluated now. A method does not see the names of its class."""
+    defaults, keyword_defaults = defaults_of(frame, arguments)
+    assigned, generates = scope_of(body) if isinstance(body, list) else (frozenset(), False)
+    around = frame if owner is None or frame.outer is None else frame.outer
+    return Function(name, arguments, defaults, keyword_defaults, body, around, assigned, generates, owner)
+
+
+def scope_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
+    """The names that a function makes its own by assigning them, and whether it has a `yield`."""
+    names: set[str] = set()
+    elsewhere: set[str] = set(TRACKED_NAMES)
+    generates = False
+    pending: list[ast.AST] = list(body)
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            names.add(node.id)
+        elif isinstance(node, ast.Global | ast.Nonlocal):
+            elsewhere.update(node.names)
+        elif isinstance(node, NAMING) and node.name:
+            names.add(node.name)
+        generates = generates or isinstance(node, ast.Yield | ast.YieldFrom)
+        if not isinstance(node, OWN_SCOPES):
+            pending.extend(ast.iter_child_nodes(node))
+    return frozenset(names - elsewhere), generates
+
+
+def defaults_of(frame: Frame, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
+    defaults = tuple(frame.value(default) for default in arguments.defaults)
+    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    return defaults, {each.arg: frame.value(default) for each, default in pairs if default is not None}
+
+
+def new(frame: Frame, node: nodes.New) -> Value:
+    """An instance; or, where the text could also be an operator or a plain name and is no class, that."""
+    cls = frame.value(node.cls)
+    if not isinstance(cls, ScenicClass):
+        if not node.certain:
+            return cls if node.operator is None else frame.value(node.operator)
+        hint = near(node.cls.id, classes_in(frame)) if isinstance(node.cls, ast.Name) else ""
+        raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
+    if frame.session.in_requirement:
+        raise ScenicError("type", "a requirement cannot make objects")
+    instance = Instance(cls, frame.place(node), frame.session.owner)
+    meanings = [meaning(frame, instance, each) for each in node.specifiers]
+    return make(frame, cls, meanings, instance)
+
+
+def classes_in(frame: Frame) -> list[str]:
+    return [name for name, value in frame.module_names.items() if isinstance(value, ScenicClass)]
+
+
+def meaning(frame: Frame, instance: Instance, node: nodes.Specifier) -> Meaning:
+    """Evaluate a specifier's operands; errors point at the specifier."""
+    first = node.arguments[0] if node.arguments else None
+    name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
+    owned = name or ("heading" if "facing" in node.name else "position")
+    with frame.session.owned(instance, owned):
+        try:
+            operands = [None if each is None else frame.value(each) for each in node.arguments]
+            if name:
+                value = operands[1]
+                warn_of_unknown(frame, instance.cls, node, name, value)
+                return with_property(frame, node, name, value)
+            if node.name not in SPECIFIERS:
+                raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
+            return SPECIFIERS[node.name](frame, node, *operands)
+        except ScenicError as error:
+            raise frame.placed(error, node) from None
+
+
+CALLS: dict[type, Callable[[Frame, Any], Value]] = {
+    ast.Call: call_node,
+    ast.Lambda: lambda_of,
+    nodes.New: new,
+}

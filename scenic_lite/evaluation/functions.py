@@ -1,0 +1,90 @@
+"""The built-in functions: those of Python, distributions, regions, the modules `math` and `random`.
+
+Nothing of Python's own is reachable but what these tables hold. Read next: `expressions`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+
+from scenic_lite import distributions as draw
+from scenic_lite.classes import OBJECT, ORIENTED_POINT, POINT
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.evaluation.functions_of_python import PYTHON
+from scenic_lite.evaluation.numbers_of_python import MATH, NUMBERS, of_one, of_two
+from scenic_lite.evaluation.randomness import RANDOM
+from scenic_lite.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
+from scenic_lite.space.geometry import NORMALISE, Vector
+from scenic_lite.space.region_functions import REGIONS, number
+from scenic_lite.values import Builtin, Namespace
+
+
+def no_shapely(frame: Frame, node: ast.AST, *shapes: Value) -> None:
+    """What football's libraries import and programs have no use for: they have no objects of Shapely."""
+    raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
+
+
+def outside_behavior(frame: Frame, node: ast.AST) -> None:
+    raise ScenicError("type", "simulation() has a meaning only while a behavior runs", hint="use it inside a behavior")
+
+
+def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
+    """`Vector(x, y)`; programs for three dimensions give a third coordinate, which must be 0."""
+    if not is_number(z) or z != 0:
+        raise ScenicError("unsupported", "the third coordinate of a vector must be 0 in two dimensions")
+    return Vector(number(x), number(y))
+
+
+# ------------------------------------------------------------ the tables
+
+
+def plain(name: str, function: Callable[..., Value], *types: type) -> Builtin:
+    return Builtin(name, function, types=types)
+
+
+def sited(name: str, function: Callable[..., Value], *types: type) -> Builtin:
+    return Builtin(name, function, sited=True, types=types, lifted=False)
+
+
+DISTRIBUTIONS: dict[str, Value] = {
+    name: sited(name, function)
+    for name, function in (
+        ("Range", draw.draw_range),
+        ("VerifaiRange", draw.draw_range),
+        ("Uniform", draw.draw_uniform),
+        ("Discrete", draw.draw_discrete),
+        ("Options", draw.draw_discrete),
+        ("VerifaiOptions", draw.draw_discrete),
+        ("DiscreteRange", draw.draw_integers),
+        ("VerifaiDiscreteRange", draw.draw_integers),
+        ("Normal", draw.draw_normal),
+        ("TruncatedNormal", draw.draw_truncated_normal),
+        ("resample", draw.resample),
+    )
+}
+SCENIC: dict[str, Value] = {
+    "Point": POINT,
+    "OrientedPoint": ORIENTED_POINT,
+    "Object": OBJECT,
+    "Vector": plain("Vector", vector_of, Vector),
+    "sin": plain("sin", of_one(SINE)),
+    "cos": plain("cos", of_one(COSINE)),
+    "hypot": MATH["hypot"],
+    "sqrt": plain("sqrt", of_one(SQUARE_ROOT)),
+    "atan2": plain("atan2", of_two(ARC_TANGENT)),
+    "normalizeAngle": plain("normalizeAngle", of_one(NORMALISE)),
+    "simulation": sited("simulation", outside_behavior),
+}
+BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS
+MODULES: dict[str, Namespace] = {
+    "math": Namespace("math", MATH),
+    "random": Namespace("random", RANDOM),
+    "pdb": Namespace("pdb", {}),
+    "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),
+    "scenic.core.regions": Namespace(
+        "scenic.core.regions", REGIONS | {"regionFromShapelyObject": sited("regionFromShapelyObject", no_shapely)}
+    ),
+    "scenic.core.vectors": Namespace("scenic.core.vectors", {"Vector": SCENIC["Vector"]} | REGIONS),
+}

@@ -1,0 +1,59 @@
+"""Modular scenarios while a program is loaded: which one the program is, and its setup.
+
+Spec section 11.8: `Main`, or the only scenario if it needs no arguments, or the one asked for; a program without any is
+a scenario itself. The main one's setup runs when the program is loaded, after the statements outside of scenarios; it
+takes over their objects, parameters and requirements, but not their monitors, records and conditions to terminate. What
+happens in episodes is in `dynamics.scenarios`. Read next: `evaluate`.
+"""
+
+from __future__ import annotations
+
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.evaluation.calls import bind
+from scenic_lite.evaluation.frame import Frame, Session, Source, near
+from scenic_lite.values import Behavior, BehaviorCall
+
+
+def set_up_main(session: Session, source: Source, name: str | None) -> None:
+    """Run the setup of the main scenario, if there is one. Raises ScenicError if it cannot be told which one is."""
+    scenario = main_of(session, source, name)
+    if scenario is None:
+        return
+    place = scenario.frame.place(scenario.node)
+    arguments = bind(scenario.name, scenario.node.args, scenario, [], {})
+    session.main = BehaviorCall(scenario, arguments, place)
+    session.main_frame = scenario_frame(session.main)
+    session.monitors, session.terminations, session.records = [], [], []
+    session.main_frame.run(scenario.scenario.setup)
+
+
+def main_of(session: Session, source: Source, name: str | None) -> Behavior | None:
+    """The scenario that the program is, among those of its own file."""
+    known = {each.name: each for each in session.scenarios if each.frame.source is source}
+    if name is not None:
+        if name not in known:
+            raise ScenicError("name", f"{source.file} has no scenario '{name}'", hint=near(name, known))
+        return known[name]
+    if "Main" in known:
+        return known["Main"]
+    if len(known) > 1:
+        hint = 'call the one to run "Main", or say which one it is'
+        message = f"there are several scenarios: {', '.join(known)}"
+        raise ScenicError("value", message, Place(source.file, 1, 0, 1, 1), hint=hint, source_line=source.line(1))
+    only = next(iter(known.values()), None)
+    return only if only is not None and not needs_arguments(only) else None
+
+
+def needs_arguments(scenario: Behavior) -> bool:
+    parameters = scenario.node.args
+    positional = len(parameters.posonlyargs) + len(parameters.args)
+    return positional > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
+
+
+def scenario_frame(call: BehaviorCall) -> Frame:
+    """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
+    call.names.clear()
+    call.names.update(call.arguments)
+    frame = call.behavior.frame.inner(call.names)
+    frame.assigned = call.behavior.assigned
+    return frame

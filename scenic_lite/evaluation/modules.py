@@ -1,0 +1,266 @@
+"""Imports: the domain's library, `math` and `random`, and `.scenic` files beside the program.
+
+Nothing is ever handed to Python's own import. Read next: `program`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.evaluation.exceptions import named_fault
+from scenic_lite.evaluation.frame import Frame, Session, Source, near
+from scenic_lite.evaluation.functions import MODULES
+from scenic_lite.syntax import nodes
+from scenic_lite.syntax.check import check
+from scenic_lite.syntax.lexer import unified
+from scenic_lite.syntax.parser import parse
+from scenic_lite.values import Namespace
+
+LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to read
+LONGEST_NAME = 200  # characters of a path that are shown
+
+
+@lru_cache(maxsize=64)
+def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
+    """The checked tree of a text and the warnings about it. Raises one ScenicError that shows everything wrong with it.
+
+    Kept, since library files are the same for every program.
+    """
+    if len(text) > LARGEST_FILE:
+        raise ScenicError("budget", f"the program is longer than {LARGEST_FILE:,} characters", Place(file, 1, 0, 1, 1))
+    tree = parse(text, file, dialect)
+    findings = check(tree, text, file, dialect)
+    errors = [finding for finding in findings if finding.kind != "warning"]
+    if errors:
+        errors[0].also = tuple(errors[1:])
+        raise errors[0]
+    return tree, tuple(findings)
+
+
+def read(path: Path) -> str:
+    """The text of a program file. Raises ScenicError if it is no readable text."""
+    shown = str(path) if len(str(path)) <= LONGEST_NAME else f"{str(path)[:LONGEST_NAME]}..."
+    try:
+        if path.is_dir():
+            raise ScenicError("import", f"{shown} is a folder, not a program")
+        if not path.is_file():  # a pipe or a device would be read for ever
+            raise ScenicError("import", f"there is no file {shown}")
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as fault:
+        reason = (fault.strerror if isinstance(fault, OSError) else None) or fault
+        raise ScenicError("import", f"{shown} cannot be read: {reason}") from None
+    if len(data) > LARGEST_FILE:
+        raise ScenicError("budget", f"{shown} is larger than {LARGEST_FILE:,} bytes")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as fault:
+        line = data.count(b"\n", 0, fault.start) + 1
+        raise ScenicError("syntax", f"{shown} is not UTF-8 text: see line {line}") from None
+
+
+def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
+    """Evaluate one file in this session; returns its names, those of the domain's default model included."""
+    session.sources[source.file] = source
+    frame = Frame(session, source, {})
+    tree, doubts = parsed(text, source.file, session.dialect)
+    if not source.library:
+        session.doubts += doubts
+        model = unnamed_model(session, tree)
+        if model is not None:
+            take_model(frame, model, tree)
+    frame.run(tree.body)
+    return frame.locals
+
+
+def unnamed_model(session: Session, tree: ast.Module) -> str | None:
+    """The world model of a file that names none: the caller's, or the domain's default."""
+    domain = session.domain
+    if session.model is not None:
+        return (
+            None
+            if session.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree))
+            else session.model
+        )
+    if domain is None or not domain.default_model or not wants_default_model(tree, domain.library):
+        return None
+    return domain.default_model
+
+
+def take_model(frame: Frame, name: str, node: ast.AST) -> None:
+    """All names of a world model; its params never replace those that are set."""
+    session = frame.session
+    session.modelling += 1
+    try:
+        take_all(frame, import_module(frame, name))
+    except ScenicError as error:
+        raise frame.placed(error, node) from None
+    finally:
+        session.modelling -= 1
+
+
+def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
+    """A text cut into the lines that the lexer counts."""
+    return Source(file, tuple(unified(text).split("\n")), folder, library)
+
+
+def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
+    """The module a program names, evaluated on its first import; a folder is a module of what was imported from it."""
+    session = frame.session
+    path, library = locate(frame, name, level)
+    if path is None:
+        return MODULES[name]
+    key = str(path)
+    if key in session.importing:
+        raise ScenicError("import", f"{name} imports itself in a circle")
+    if key not in session.modules:
+        if path.suffix != ".scenic":
+            session.modules[key] = Namespace(name, {})
+            return session.modules[key]
+        text = read(path)
+        source = source_of(text, shown_name(frame, name, path, library), path.parent, library)
+        session.importing.append(key)
+        try:
+            with session.own_ego():
+                session.modules[key] = Namespace(name, run_file(session, text, source), not library)
+        finally:
+            session.importing.pop()
+    return session.modules[key]
+
+
+def shown_name(frame: Frame, name: str, path: Path, library: bool) -> str:
+    """How errors name the file of a module."""
+    domain = frame.session.domain
+    if library and domain:
+        return f"{domain.name}/{path.name}"
+    return path.name if not name else f"{name.replace('.', '/')}.scenic"
+
+
+def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
+    """The file or folder of a module and whether it is the domain's; none for the language's own modules.
+
+    A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
+    file that imports; one with dots before it in the latter and those above, as far as the program's folder.
+    """
+    session = frame.session
+    library = session.domain.library if session.domain else {}
+    if not level and name in library:
+        return Path(library[name]), True
+    if not level and name in MODULES:
+        return None, False
+    for folder in folders_of(frame, level):
+        path = folder.joinpath(*name.split(".")) if name else folder
+        file = path.with_name(f"{path.name}.scenic")
+        found = file if name and file.is_file() else path
+        if found is file or path.is_dir():
+            root = folder if frame.source.library or session.root is None else session.root
+            if not found.resolve().is_relative_to(root.resolve()):
+                raise ScenicError("import", f"{found.name} is a link that leads out of the program's folder")
+            return found, frame.source.library
+    known = [*library, *MODULES, *neighbours(frame)]
+    files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
+    shown = [*reversed(files.values()), "math", "random", *neighbours(frame)]
+    notes = [f"    modules that exist: {', '.join(shown)}"]
+    raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
+
+
+def folders_of(frame: Frame, level: int) -> list[Path]:
+    """Where a module is looked for; `level` counts the dots before its name."""
+    own, root = frame.source.folder, frame.session.root
+    if own is None:
+        return []
+    if level == 0:
+        return [own] if root is None or frame.source.library else [root, own]
+    folder = own
+    for _ in range(level - 1):
+        if root is None or folder.resolve() == root.resolve():
+            raise ScenicError("import", "a program imports only from its own folder")
+        folder = folder.parent
+    return [folder]
+
+
+def neighbours(frame: Frame) -> list[str]:
+    """Programs beside this one."""
+    folder = frame.source.folder
+    if folder is None or frame.source.library:
+        return []
+    return sorted(path.stem for path in folder.glob("*.scenic") if path.is_file())[:20]
+
+
+def model(frame: Frame, node: nodes.Model) -> None:
+    """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
+    wanted = None if frame.source.library or frame.session.modelling else frame.session.model
+    take_model(frame, wanted or node.name, node)
+
+
+def import_whole(frame: Frame, node: ast.Import) -> None:
+    """`import a.b as c`; without `as`, a dotted name is reached as a.b."""
+    for alias in node.names:
+        module = import_module(frame, alias.name)
+        first, *rest = alias.name.split(".")
+        if alias.asname or not rest:
+            frame.assign(alias.asname or first, module)
+        else:
+            frame.assign(first, package(frame, first, rest, module))
+
+
+def package(frame: Frame, first: str, rest: list[str], module: Namespace) -> Namespace:
+    """The module `first` with one more module inside it."""
+    known = frame.locals.get(first)
+    top = Namespace(first, dict(known.names)) if isinstance(known, Namespace) else Namespace(first, {})
+    at = top
+    for part in rest[:-1]:
+        inner = at.names.get(part)
+        at.names[part] = Namespace(part, dict(inner.names) if isinstance(inner, Namespace) else {})
+        at = at.names[part]
+    at.names[rest[-1]] = module
+    return top
+
+
+def import_from(frame: Frame, node: ast.ImportFrom) -> None:
+    """`from a import b as c`, `from .a import *`, `from . import a`."""
+    module = import_module(frame, node.module or "", node.level)
+    for alias in node.names:
+        if alias.name == "*":
+            take_all(frame, module)
+            continue
+        if alias.name not in module.names and is_folder(frame, node):
+            inner = import_module(frame, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
+            frame.assign(alias.asname or alias.name, inner)
+        elif alias.name not in module.names:
+            hint = near(alias.name, module.names)
+            error = ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
+            raise named_fault("ImportError", error)
+        else:
+            frame.assign(alias.asname or alias.name, module.names[alias.name])
+
+
+def is_folder(frame: Frame, node: ast.ImportFrom) -> bool:
+    path, _ = locate(frame, node.module or "", node.level)
+    return path is not None and path.is_dir()
+
+
+def take_all(frame: Frame, module: Namespace) -> None:
+    frame.locals.update({name: value for name, value in module.names.items() if not name.startswith("_")})
+
+
+def wants_default_model(tree: ast.Module, library: Any) -> bool:
+    """Whether the program itself names no part of the library."""
+    for node in ast.walk(tree):
+        if isinstance(node, nodes.Model) or (isinstance(node, ast.ImportFrom) and node.module in library):
+            return False
+        if isinstance(node, ast.Import) and any(alias.name in library for alias in node.names):
+            return False
+    return True
+
+
+IMPORTS: dict[type, Callable[[Frame, Any], None]] = {
+    ast.Import: import_whole,
+    ast.ImportFrom: import_from,
+    nodes.Model: model,
+}

@@ -1,0 +1,325 @@
+"""Execute statements: Python's, and those of Scenic that shape a scene.
+
+Behaviors, monitors and conditions that end an episode are kept as trees for whoever runs them. Read next: `modules`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.classes import OBJECT
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
+from scenic_lite.evaluation.calls import Return, defaults_of, function_of, scope_of
+from scenic_lite.evaluation.exceptions import ExceptionClass
+from scenic_lite.evaluation.frame import Frame, Watched, name_draws, near
+from scenic_lite.evaluation.matching import choose_case
+from scenic_lite.evaluation.trying import TRYING
+from scenic_lite.graph import Random, Value, is_number
+from scenic_lite.requirements import mutate, require
+from scenic_lite.syntax import nodes
+from scenic_lite.values import Behavior, BehaviorCall, Builtin, Default, Delayed, Instance, ScenicClass, describe_kind
+
+
+class Break(Exception):
+    """Leaves a loop."""
+
+
+class Continue(Exception):
+    """Ends one round of a loop."""
+
+
+def expression(frame: Frame, node: ast.Expr) -> None:
+    value = frame.value(node.value)
+    if isinstance(value, ScenicClass):
+        frame.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
+
+
+# ------------------------------------------------------------ control flow
+
+
+def branch(frame: Frame, node: ast.If) -> None:
+    frame.run(node.body if frame.truth(node.test) else node.orelse)
+
+
+def repeat(frame: Frame, node: ast.For) -> None:
+    for element in frame.elements(frame.value(node.iter), node.iter):
+        unpack(frame, node.target, element)
+        frame.session.budget.step()
+        if not one_round(frame, node.body):
+            return
+    frame.run(node.orelse)
+
+
+def repeat_while(frame: Frame, node: ast.While) -> None:
+    while frame.truth(node.test):
+        if not one_round(frame, node.body):
+            return
+    frame.run(node.orelse)
+
+
+def one_round(frame: Frame, body: list[ast.stmt]) -> bool:
+    """Run the body of a loop; whether the loop goes on."""
+    try:
+        frame.run(body)
+    except Continue:
+        return True
+    except Break:
+        return False
+    return True
+
+
+def leave_loop(frame: Frame, node: ast.Break) -> None:
+    raise Break
+
+
+def next_round(frame: Frame, node: ast.Continue) -> None:
+    raise Continue
+
+
+def give_back(frame: Frame, node: ast.Return) -> None:
+    raise Return(None if node.value is None else frame.value(node.value))
+
+
+def nothing(frame: Frame, node: ast.AST) -> None:
+    """`pass`; and `simulator ...`, which names a program of another installation."""
+
+
+def declare_global(frame: Frame, node: ast.Global) -> None:
+    frame.globals.update(node.names)
+
+
+def declare_nonlocal(frame: Frame, node: ast.Nonlocal) -> None:
+    for name in node.names:
+        if not has_local(frame.outer, name):
+            raise ScenicError("syntax", f"no function around this one has a variable '{name}'")
+    frame.nonlocals.update(node.names)
+
+
+def has_local(frame: Frame | None, name: str) -> bool:
+    """Whether a function, from this one outwards, has a variable; those of the module do not count."""
+    while frame is not None and frame.locals is not frame.module_names:
+        if name in frame.locals or name in frame.assigned:
+            return True
+        frame = frame.outer
+    return False
+
+
+def refuse_with(frame: Frame, node: ast.With) -> None:
+    raise ScenicError("unsupported", "`with` blocks are not supported", hint="a program opens no files")
+
+
+def refuse_async(frame: Frame, node: ast.AST) -> None:
+    raise ScenicError("unsupported", "`async` is not supported")
+
+
+# ------------------------------------------------------------ definitions
+
+
+def define_function(frame: Frame, node: ast.FunctionDef) -> None:
+    frame.assign(node.name, decorated(frame, node))
+
+
+def decorated(frame: Frame, node: ast.FunctionDef, owner: ScenicClass | None = None) -> Value:
+    """A function of the program, or what its decorators make of it."""
+    decorators = [frame.value(each) for each in node.decorator_list]
+    value: Value = function_of(frame, node.name, node.args, node.body, owner)
+    for decorator, place in zip(reversed(decorators), reversed(node.decorator_list), strict=True):
+        value = frame.call(decorator, [value], {}, place)
+    return value
+
+
+def define_class(frame: Frame, node: ast.ClassDef) -> None:
+    """A class of the language; methods see the names around the class, not those inside."""
+    base = base_of(frame, node)
+    if isinstance(base, ExceptionClass):
+        define_exception(frame, node, base)
+        return
+    cls = ScenicClass(node.name, base)
+    if node.decorator_list:
+        raise frame.error("unsupported", "classes take no decorators", node.decorator_list[0])
+    body = frame.inner({})
+    for statement in node.body:
+        if isinstance(statement, nodes.PropertyDefault):
+            if statement.name in cls.defaults:
+                raise frame.error("syntax", f"the property '{statement.name}' is declared twice", statement)
+            if any("final" in default.attributes for default in base.defaults_of(statement.name)):
+                raise frame.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
+            cls.defaults[statement.name] = default_of(frame, statement)
+        elif isinstance(statement, ast.FunctionDef):
+            if statement.name == "__init__":
+                hint = "write `name: default` for each property"
+                raise frame.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
+            body.locals[statement.name] = decorated(body, statement, cls)
+        elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
+            body.run([statement])
+        else:
+            raise frame.error("unsupported", "only properties, methods and attributes belong into a class", statement)
+    cls.members.update(body.locals)
+    frame.assign(node.name, cls)
+
+
+def define_exception(frame: Frame, node: ast.ClassDef, base: ExceptionClass) -> None:
+    """`class Mine(ValueError): pass`."""
+    for statement in node.body:
+        if not isinstance(statement, ast.Pass | ast.Expr):
+            raise frame.error("unsupported", "a class of exceptions has an empty body", statement, "write pass")
+    frame.assign(node.name, ExceptionClass(node.name, base))
+
+
+def define_asynchronous(frame: Frame, node: ast.AsyncFunctionDef) -> None:
+    """A function that nothing can call."""
+    frame.assign(node.name, Builtin(node.name, refuse_async, sited=True))
+
+
+def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
+    if node.keywords:
+        raise frame.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
+    if not node.bases:
+        return OBJECT
+    if len(node.bases) > 1:
+        raise frame.error("unsupported", "a class has one base", node.bases[1])
+    base = frame.value(node.bases[0])
+    if not isinstance(base, ScenicClass | ExceptionClass):
+        raise frame.error("type", f"{describe_kind(base)} cannot be the base of a class", node.bases[0])
+    return base
+
+
+def default_of(frame: Frame, node: nodes.PropertyDefault) -> Default:
+    """A default expression, evaluated for each instance anew, with `self` in sight."""
+    reads = {
+        each.attr
+        for each in ast.walk(node.value)
+        if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
+    }
+
+    owners = {id(each.value) for each in ast.walk(node.value) if isinstance(each, ast.Attribute)}
+    for each in ast.walk(node.value):
+        if isinstance(each, ast.Name) and each.id == "self" and id(each) not in owners:
+            raise frame.error("syntax", "a default reads `self.property`, never the bare `self`", each)
+
+    def compute(self: Instance) -> Value:
+        value = frame.inner({"self": self}).value(node.value)
+        return value.compute(self) if isinstance(value, Delayed) else value
+
+    return Default(compute, frozenset(reads), tuple(node.attributes))
+
+
+def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
+    defaults, keyword_defaults = defaults_of(frame, node.args)
+    behavior = Behavior(node.name, node, defaults, keyword_defaults, frame, scope_of(node.body)[0])
+    frame.assign(node.name, behavior)
+    frame.session.behaviors[node.name] = behavior
+    if node.started:  # Scenic 2, where to define it is to start it
+        frame.session.monitors.append(BehaviorCall(behavior, {}, frame.place(node)))
+
+
+def define_scenario(frame: Frame, node: nodes.Scenario) -> None:
+    defaults, keyword_defaults = defaults_of(frame, node.args)
+    own = scope_of([*node.setup, *node.compose])[0]
+    scenario = Behavior(node.name, node, defaults, keyword_defaults, frame, own)
+    frame.assign(node.name, scenario)
+    frame.session.scenarios.append(scenario)
+
+
+# ------------------------------------------------------------ the scenario
+
+
+def set_params(frame: Frame, node: nodes.Param) -> None:
+    """Later params win, except that a library's never replace the program's own."""
+    session = frame.session
+    for name, expression, place in zip(node.names, node.values, node.places, strict=True):
+        value = frame.value(expression)
+        name_draws(name, value)
+        if name in session.fixed_params:
+            session.param_places[name] = frame.place(place)
+            continue
+        if frame.source.library or session.modelling:
+            if name in session.params and name not in session.library_params:
+                continue
+            session.library_params.add(name)
+        else:
+            session.library_params.discard(name)
+            doubt_param(frame, name, place)
+        session.params[name], session.param_places[name] = value, frame.place(place)
+
+
+def doubt_param(frame: Frame, name: str, node: ast.expr) -> None:
+    """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
+    known = frame.session.domain.params if frame.session.domain else frozenset()
+    hint = "" if name in known else near(name, known)
+    if hint:
+        frame.warn(f"nothing reads the parameter '{name}'", node, hint)
+
+
+def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
+    value = frame.value(node.call)
+    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
+        raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    frame.session.monitors.append(value)
+
+
+def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
+    """Evaluated by whoever runs the episode."""
+    if isinstance(node, nodes.TerminateAfter):
+        duration = frame.value(node.duration)
+        if not is_number(duration) and not isinstance(duration, Random):
+            message = f"a duration is a number, not {describe_kind(duration)}"
+            raise frame.error("type", message, node.duration)
+    frame.session.terminations.append(Watched(node, frame.place(node), frame, name_of_termination(node)))
+
+
+def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:
+    own = node.name if isinstance(node, nodes.TerminateWhen) else None
+    return own or f"termination condition on line {node.lineno}"
+
+
+def keep_record(frame: Frame, node: nodes.Record) -> None:
+    """`record`: evaluated in every step by whoever runs the episode."""
+    frame.session.records.append(Watched(node, frame.place(node), frame, node.name or f"record{node.lineno}"))
+
+
+def only_in_behavior(frame: Frame, node: ast.AST) -> None:
+    word = type(node).__name__.lower()
+    raise ScenicError("syntax", f"`{word}` belongs into a behavior")
+
+
+STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
+    **ASSIGNMENTS,
+    **TRYING,
+    ast.Match: choose_case,
+    ast.Nonlocal: declare_nonlocal,
+    ast.With: refuse_with,
+    ast.AsyncWith: refuse_async,
+    ast.AsyncFor: refuse_async,
+    ast.AsyncFunctionDef: define_asynchronous,
+    ast.Expr: expression,
+    ast.If: branch,
+    ast.For: repeat,
+    ast.While: repeat_while,
+    ast.Break: leave_loop,
+    ast.Continue: next_round,
+    ast.Return: give_back,
+    ast.Pass: nothing,
+    ast.Global: declare_global,
+    ast.FunctionDef: define_function,
+    ast.ClassDef: define_class,
+    nodes.Behavior: define_behavior,
+    nodes.Param: set_params,
+    nodes.Require: require,
+    nodes.RequireMonitor: require_monitor,
+    nodes.Simulator: nothing,
+    nodes.TerminateWhen: keep_termination,
+    nodes.TerminateAfter: keep_termination,
+    nodes.Mutate: mutate,
+    nodes.Record: keep_record,
+    nodes.Scenario: define_scenario,
+    nodes.Take: only_in_behavior,
+    nodes.Wait: only_in_behavior,
+    nodes.Do: only_in_behavior,
+    nodes.Abort: only_in_behavior,
+    nodes.Terminate: only_in_behavior,
+    nodes.Override: only_in_behavior,
+}

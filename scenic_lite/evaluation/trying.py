@@ -1,0 +1,113 @@
+"""`try`, `raise` and `assert`.
+
+A program catches what it could catch in Python, by the names of `exceptions`; never the end of its budget. Read next:
+`exceptions`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.exceptions import EXCEPTIONS, ExceptionClass, Fault, fault_of, named_fault, raised
+from scenic_lite.evaluation.frame import Frame
+from scenic_lite.evaluation.texts import text_of
+from scenic_lite.graph import Value
+from scenic_lite.syntax import nodes
+from scenic_lite.values import describe_kind
+
+
+def attempt(frame: Frame, node: ast.Try) -> None:
+    """`try` with any of `except`, `else`, `finally`."""
+    try:
+        guarded(frame, node)
+    finally:
+        frame.run(node.finalbody)
+
+
+def guarded(frame: Frame, node: ast.Try) -> None:
+    """All of it but the `finally`."""
+    try:
+        frame.run(node.body)
+    except ScenicError as error:
+        fault = None if decides_by_row(frame, error) else fault_of(error)
+        handler = None if fault is None else handler_for(frame, node, fault)
+        if fault is None or handler is None:
+            raise
+        handle(frame, handler, fault, error)
+    else:
+        frame.run(node.orelse)
+
+
+def decides_by_row(frame: Frame, error: ScenicError) -> bool:
+    """Whether a requirement will be evaluated again, scene by scene, because of this error."""
+    session = frame.session
+    return error.kind == "random-control-flow" and bool(session.in_requirement) and session.row is None
+
+
+def handler_for(frame: Frame, node: ast.Try | nodes.TryInterrupt, fault: Fault) -> ast.ExceptHandler | None:
+    """The first `except` that holds the exception."""
+    for handler in node.handlers:
+        if handler.type is None:
+            return handler
+        value = frame.value(handler.type)
+        for cls in value if isinstance(value, tuple) else (value,):
+            if not isinstance(cls, ExceptionClass):
+                raise frame.error("type", f"`except` needs an exception, not {describe_kind(cls)}", handler.type)
+            if fault.cls.derives_from(cls):
+                return handler
+    return None
+
+
+def handle(frame: Frame, handler: ast.ExceptHandler, fault: Fault, error: ScenicError) -> None:
+    """Run the block of an `except`; its name ends with it."""
+    handled = frame.session.handled
+    handled.append(error)
+    if handler.name is not None:
+        frame.assign(handler.name, fault)
+    try:
+        frame.run(handler.body)
+    finally:
+        handled.pop()
+        if handler.name is not None:
+            frame.scope_of(handler.name).pop(handler.name, None)
+
+
+def throw(frame: Frame, node: ast.Raise) -> None:
+    """`raise`, `raise E`, `raise E(...)`, with or without `from`."""
+    if node.exc is None:
+        if not frame.session.handled:
+            raise named_fault("RuntimeError", frame.error("value", "there is no exception to raise again", node))
+        raise frame.session.handled[-1]
+    value = frame.value(node.exc)
+    if node.cause is not None:
+        frame.value(node.cause)
+    if isinstance(value, ExceptionClass):
+        value = Fault(value)
+    if not isinstance(value, Fault):
+        raise frame.error("type", f"`raise` needs an exception, not {describe_kind(value)}", node.exc)
+    raise raised(value)
+
+
+def certify(frame: Frame, node: ast.Assert) -> None:
+    if frame.truth(node.test):
+        return
+    message: Value = None if node.msg is None else frame.value(node.msg)
+    text = "" if message is None else f": {text_of(frame, message)}"
+    error = named_fault("AssertionError", ScenicError("value", f"the assertion does not hold{text}"))
+    error.fault = Fault(EXCEPTIONS["AssertionError"], () if message is None else (message,))
+    raise error
+
+
+def starred(frame: Frame, node: ast.TryStar) -> None:
+    raise ScenicError("unsupported", "`except*` is not supported", hint="write except")
+
+
+TRYING: dict[type, Callable[[Frame, Any], None]] = {
+    ast.Try: attempt,
+    ast.TryStar: starred,
+    ast.Raise: throw,
+    ast.Assert: certify,
+}

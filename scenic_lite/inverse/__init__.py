@@ -1,0 +1,4 @@
+"""From a scene back to the level that it is.
+
+Read next: `levels`.
+"""

@@ -1,0 +1,4 @@
+"""The plane: vectors and angles, regions, vector fields.
+
+Read next: `geometry`, `regions`.
+"""

@@ -1,0 +1,4 @@
+"""Program text to a checked syntax tree.
+
+Read next: `parser`.
+"""
