@@ -153,6 +153,7 @@ class Code(NamedTuple):
     scenarios: int  # threads of each kind
     behaviors: int
     monitors: int
+    parting: bool  # monitors also run in the step in which the scenario ends: Scenic 2
     world_base: int  # first register of the world table [O, F], row by row
     fact_base: int  # first register of the facts [G]
     clock: int  # register of the time, in steps

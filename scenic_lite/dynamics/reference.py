@@ -3,8 +3,8 @@
 Compiled programs must agree with it, command by command. The order within one step of time (spec section 11.1) is:
 
 `watch`: 1. the scenario and, inside its compose block, its sub-scenarios take a step (`scenarios`); 2. `record` values
-are taken; 3. monitors run, each to its next `wait`, also if the scenario has just ended; 4. if it has, or a monitor
-terminates, the episode ends, else if a `terminate simulation when` is true.
+are taken; 3. monitors run, each to its next `wait`, in Scenic 2 also if the scenario has just ended (in Scenic 3 they
+end with it); 4. if it has, or a monitor terminates, the episode ends, else if a `terminate simulation when` is true.
 `act`: 5. the behaviors run (`agents`).
 
 A simulator calls `watch`, then `act`, then moves the world on; one whose monitors look at what an action has led to

@@ -215,7 +215,8 @@ class Scenario:
     def stop(self, reason: str | End = "") -> str | End:
         """End the scenario and all inside it; gives the reason back. Raises Rejected if a requirement does not hold."""
         self.running = False
-        self._monitors = []
+        if self.episode.program.dialect == 3:
+            self._monitors = []  # those of Scenic 2 have their say in the step in which it ends
         for sub in self._running():
             sub.stop()
         if self.compose is not None:

@@ -400,11 +400,12 @@ def run_watchers(code, registers, holder):
         return 0.0
     step_scenario(code, registers, registers, holder)
     first = code.scenarios + code.behaviors
-    if registers[COMPLETE] != 0:  # its monitors have ended with it
-        registers[TERMINATED] = registers[COMPLETE]
-    else:
+    if registers[COMPLETE] == 0 or code.parting:
         run_threads(code, registers, registers, first, code.monitors, holder)
-        if registers[TERMINATED] == 0:
+    if registers[TERMINATED] == 0:
+        if registers[COMPLETE] != 0:
+            registers[TERMINATED] = registers[COMPLETE]
+        else:
             run_threads(code, registers, registers, first + code.monitors, 1, holder)
     if registers[TERMINATED] != 0:
         end(code, registers, registers, holder)

@@ -46,6 +46,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
 
 def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
     """What the kernels read."""
+    program = c.program
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
     for i, row in enumerate(rows):
@@ -55,6 +56,7 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
         np.array([*lists, 0], dtype=np.uint32),
         np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
         *c.counts,
+        program.dialect == 2,
         layout(c.world_base),
         layout(c.fact_base),
         layout(c.clock.register) if c.clock is not None else 0,

@@ -8,6 +8,7 @@ from scenic_lite.dynamics.draws import Draws
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import first_table, run, toy_world
 from scenic_lite.stream import streams, uniform
+from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 
 LOOP = """
@@ -112,6 +113,35 @@ def test_act_first_begins_with_the_conditions_of_the_scenario():
     commands = reference.act(first_table(program, np.zeros(0)), np.zeros(1))
     assert commands.terminated == "scenarioComplete: termination condition on line 6"
     assert commands.actions == ((),)
+
+
+LAST_STEP = """
+monitor Pay{heading}:
+    while True:
+        simulation().scenic_reward = 1
+        {last}
+        wait
+ego = new Object at 0 @ 0
+{required}
+terminate when ego.position.y >= 2
+"""
+
+
+@pytest.mark.parametrize("dialect, rewards", [(2, (1, 1, 1)), (3, (1, 1, 0))])
+def test_monitors_of_scenic_2_pay_in_the_step_in_which_the_scenario_ends(dialect, rewards):
+    heading, required = (("", ""), ("()", "require monitor Pay()"))[dialect - 2]
+    text = LAST_STEP.format(heading=heading, required=required, last="pass")
+    _, trace = played(text, dialect=dialect)
+    assert trace.rewards == rewards
+    assert trace.ending.startswith("scenarioComplete")
+    assert differences(text, range(1), dialect=dialect)[0] == []
+
+
+def test_what_a_monitor_of_scenic_2_says_in_the_last_step_counts():
+    last = "if ego.position.y >= 2:\n            terminate"
+    text = LAST_STEP.format(heading="", required="", last=last)
+    assert played(text, dialect=2)[1].ending == 'terminatedByMonitor: "terminate" executed on line 6'
+    assert differences(text, range(1), dialect=2)[0] == []
 
 
 def test_nothing_is_asked_after_the_end():
