@@ -80,6 +80,7 @@ def test_a_foreign_folder_is_left_alone(probe, tmp_path, capsys):
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
+@pytest.mark.slow
 def test_a_stopped_run_continues_to_the_same_numbers(probe, tmp_path, monkeypatch, capsys):
     from tests.experiments.probe import ProbeMethod
 
@@ -115,6 +116,7 @@ def test_sigterm_ends_well_with_143(probe, tmp_path, monkeypatch):
     assert (tmp_path / "run" / "checkpoint.pt").exists()
 
 
+@pytest.mark.slow
 def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch):
     """A kill after the checkpoint leaves rows too many; a kill before the first leaves no checkpoint at all."""
     from tests.experiments.probe import ProbeMethod
@@ -144,6 +146,7 @@ def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch):
         assert without_time(path / "levels.csv") == without_time(tmp_path / "whole" / "levels.csv")
 
 
+@pytest.mark.slow
 def test_a_resumed_recording_is_a_second_part(probe, tmp_path):
     command = ["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]
     assert main(command) == 0

@@ -55,7 +55,8 @@ def cases():
     for (folder, dialect), path in EXPECTED.items():
         for name, record in sorted(expected_records(path).items() if path.exists() else ()):
             if record["kind"] in KINDS:
-                yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}")
+                marks = [pytest.mark.slow] if folder == OPEN else []  # they are many
+                yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 
 
 @pytest.mark.parametrize(("folder", "dialect", "name"), list(cases()))

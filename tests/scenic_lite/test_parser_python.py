@@ -21,6 +21,7 @@ subprocess textwrap threading tokenize traceback types typing uuid zipfile
 MODULES = NAMES.split()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.version_info >= (3, 12), reason="a newer library is written in a newer grammar")
 @pytest.mark.parametrize("name", MODULES)
 def test_standard_library(name):

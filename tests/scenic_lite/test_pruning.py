@@ -92,6 +92,9 @@ PRUNED = {
 }  # fmt: skip
 
 
+SLOW = ("row by row",)
+
+
 def unpruned(text):
     """The same program, whose invalid draws are all rejected."""
     with pytest.MonkeyPatch.context() as patch:
@@ -114,7 +117,9 @@ def gap(a, b):
     return np.abs(below[0] - below[1]).max()
 
 
-@pytest.mark.parametrize("name", PRUNED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in PRUNED]
+)
 def test_the_same_scenes_as_by_rejection(name):
     text, least, most = PRUNED[name]
     program, plain = load(text, dialect=3), unpruned(text)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from pathlib import Path
 
 import numpy as np
@@ -115,14 +114,6 @@ def test_football_programs_give_the_same_commands(path):
             break
 
 
-def test_figure_2_1_compiles_in_a_moment():
-    program = load(REPOSITORY / "tests/programs/figure_2_1.scenic", FOOTBALL)
-    compile_program(program, FOOTBALL_WORLD)
-    start = time.process_time()
-    compile_program(program, FOOTBALL_WORLD)
-    assert time.process_time() - start < 0.5  # a tenth of that on a machine that does nothing else
-
-
 # ------------------------------------------------------------ the machine
 
 
@@ -136,7 +127,6 @@ def test_a_new_program_compiles_no_kernel():
         differences(feature_programs.program(name), range(1))
     differences(feature_programs.watched_program(), range(1))
     assert [list(kernel.signatures) for kernel in kernels] == before
-    assert all(len(each) <= 1 for each in before)
 
 
 def test_disassembly_shows_the_lines_of_the_program():
