@@ -1,7 +1,8 @@
 """From nodes to rows: each operation of the evaluator's graph becomes an opcode.
 
-A node that mentions nothing of the running match is an input: it is computed once, with the scene. Read next:
-`compiler_shapes`, which says what a variable holds.
+A node that mentions nothing of the running match is an input: it is computed once, with the scene. Not so if that can
+fail, as 1 / x of a column x: it must fail when and where the match comes to it. Read next: `compiler_shapes`, which
+says what a variable holds.
 """
 
 from __future__ import annotations
@@ -81,6 +82,9 @@ LISTED: dict[Any, Op] = {
 }
 WHOLE = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.FLOOR_DIVIDE, Op.MODULO, Op.NEGATE, Op.ABSOLUTE, Op.MINIMUM, Op.MAXIMUM)
 SIGNED_ZEROS = (Op.MULTIPLY, Op.MODULO, Op.NEGATE)
+QUOTIENTS = (Op.DIVIDE, Op.FLOOR_DIVIDE, Op.MODULO, Op.REMAINDER)
+LOGARITHMS = (Op.LOGARITHM, Op.LOGARITHM_2, Op.LOGARITHM_10)
+RISKS = (*QUOTIENTS, *LOGARITHMS, Op.POWER, Op.SQUARE_ROOT, Op.ARC_SINE, Op.ARC_COSINE)
 ALWAYS_WHOLE = (Op.TRUNCATE, Op.ROUND, Op.FLOOR, Op.CEILING)
 
 
@@ -123,11 +127,13 @@ def _register(code: Assembler, node: Random, into: int | None) -> int:
 
 
 def is_live(value: Value) -> bool:
-    """Whether a value depends on the running match; what does not is known when it starts."""
+    """Whether a value is computed in the running match; what is not is known when it starts."""
     if isinstance(value, Live | DrawnNow):
         return True
     if not isinstance(value, Random):
         return False
+    if can_fail(value):
+        return True
     pending, seen = list(value.inputs), set()
     while pending:
         node = pending.pop()
@@ -137,6 +143,30 @@ def is_live(value: Value) -> bool:
             seen.add(node)
             pending.extend(node.inputs)
     return False
+
+
+def can_fail(node: Random) -> bool:
+    """Whether arithmetic of which all operands are computed has a step that some numbers cannot take."""
+    pending: list[Value] = [node]
+    seen = set()
+    while pending:
+        each = pending.pop()
+        if not isinstance(each, Random) or id(each) in seen or not _hashable(each.operation):
+            continue
+        seen.add(id(each))
+        op = SIMPLE.get(each.operation)
+        if op in RISKS and not _harmless(op, each.inputs[-1]):
+            return True
+        if op is not None and op not in (Op.AND, Op.OR):
+            pending.extend(each.inputs)
+    return False
+
+
+def _harmless(op: Op, operand: Value) -> bool:
+    """Whether a division by this, or a power of this exponent, is always a number."""
+    if isinstance(operand, Random):
+        return False
+    return operand >= 0 and operand == int(operand) if op is Op.POWER else operand != 0
 
 
 def compute(code: Assembler, node: Random, out: int) -> None:

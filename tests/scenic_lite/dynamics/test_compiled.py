@@ -220,6 +220,17 @@ def test_what_cannot_be_compiled_says_so(name):
     assert caught.value.place is not None
 
 
+RISKY = ("1 / x", "max(1, 2 * (1 / n) + 1)", "3 // n", "5 % x", "math.sqrt(x)", "math.log(n) + 1", "int(1 / x)")
+
+
+@pytest.mark.parametrize("risky", RISKY)
+def test_arithmetic_of_columns_fails_where_and_when_a_match_comes_to_it(risky):
+    text = "import math\nx = DiscreteRange(-1, 1)\nbehavior Main(n):\n    take 1\n"
+    text += f"    if n < 1:\n        y = {risky}\n        take y\n    y = {risky}\n    take 2\n    take y\n"
+    text += "ego = new Object at 0 @ 0, with behavior Main(DiscreteRange(-1, 1))"
+    assert differences(text, range(8))[0] == []
+
+
 @pytest.mark.parametrize("name", sorted(DOUBTFUL))
 def test_what_cannot_be_executed_stops_only_a_match_that_comes_to_it(name):
     statement, words = DOUBTFUL[name]
