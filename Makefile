@@ -18,10 +18,10 @@ demo: $(READY)
 	$(BIN)/regista compare 1v1Restricted --out demo
 
 test: lint
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto
 
 test-quick: lint
-	$(BIN)/pytest -m 'not slow'
+	$(BIN)/pytest --numprocesses auto -m 'not slow'
 
 lint: $(READY)
 	$(BIN)/ruff format --check .
