@@ -6,6 +6,7 @@ Everything heavy is imported when it is asked for. Read next: `train`.
 from __future__ import annotations
 
 import sys
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -93,6 +94,20 @@ def load_any_program(path: Path, dialect: int | None) -> tuple[Program, bool]:
     return program, False
 
 
+def warn_of_play(program: Program) -> None:
+    """Print what in a program of football would stop a match, or keeps all matches from being played."""
+    from envs.football.world import FOOTBALL_WORLD
+    from scenic_lite import ScenicError
+    from scenic_lite.dynamics.compiler.compiler import compile_program
+
+    try:
+        found = compile_program(program, FOOTBALL_WORLD).warnings
+    except ScenicError as error:
+        found = (f"no match can be played: {error}",)
+    for each in found:
+        warn(f"warning: {each}")
+
+
 @cache
 def warn(text: str) -> None:
     """Print a warning on stderr, the first time that it comes up: a program is compiled for many purposes."""
@@ -111,7 +126,11 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
         print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
-    upomdp = FootballVectorEnv(load_program(program, config.dialect), num_envs, config=config)
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always", UserWarning)
+        upomdp = FootballVectorEnv(load_program(program, config.dialect), num_envs, config=config)
+    for each in found:
+        warn(f"warning: {each.message}")
     upomdp.reset(seed=seed)
     return upomdp
 

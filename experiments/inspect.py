@@ -65,6 +65,8 @@ def main(argv: Sequence[str]) -> int:
         print_text(path, config)
         return 0
     program, football = build.load_any_program(path, config.dialect)
+    if football and config.show != "code":
+        build.warn_of_play(program)
     if config.show == "code":
         print(render_code(program, football))
     elif config.show == "scenes":
@@ -223,6 +225,8 @@ def render_code(program: Program, football: bool) -> str:
     from scenic_lite.dynamics.toy import toy_world
 
     compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
+    for warning in compiled.warnings:
+        build.warn(f"warning: {warning}")
     counts = f"{len(compiled.code.rows)} rows, {compiled.code.register_count} numbers for each match"
     return f"{program.file}: {counts}\n\n{compiled.disassembly()}"
 

@@ -5,6 +5,7 @@ Read next: `casting`, how a program becomes a match; `batch`, how matches are st
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ class FootballVectorEnv(UPOMDP):
 
     Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
-    played their step.
+    played their step. A UserWarning names each line that would fail so whenever a match came to it.
     """
 
     def __init__(
@@ -55,6 +56,8 @@ class FootballVectorEnv(UPOMDP):
         self.config = config
         self.casting = Casting(self.program)
         self.staging = Staging(self.program)
+        for warning in self.staging.compiled.warnings:
+            warnings.warn(warning, stacklevel=2)
         self.num_players = self.casting.num_players
         size = features_size(self.num_players)
         space: Space = Box(-LIMIT, LIMIT, (size,), np.float32)
@@ -162,7 +165,9 @@ class FootballVectorEnv(UPOMDP):
         return self._observations()
 
     def copy(self) -> FootballVectorEnv:
-        twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # they have been given
+            twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
         twin.set_state(self.get_state())
         return twin
 

@@ -81,6 +81,11 @@ class Compiled:
         """The number of a text; a new one if the program does not mention it."""
         return self.texts.setdefault(str(value), len(self.texts))
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What `doubts` means to whoever wrote the program, with places."""
+        return tuple(f"a match that comes to this line stops: {doubt}" for doubt in self.doubts)
+
     def disassembly(self) -> str:
         """The code in words, with the lines of the program."""
         return disassemble(self.code, self.listing)

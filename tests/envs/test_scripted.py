@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numba
@@ -322,6 +323,16 @@ def test_each_episode_of_a_deterministic_match_is_the_same() -> None:
     seen = [step[0] for step in steps(started(text), 60)]
     for t in range(20):
         assert (seen[t] == seen[t + 20]).all() and (seen[t] == seen[t + 40]).all()
+
+
+def test_a_line_that_would_fail_is_warned_of_when_the_environment_is_made() -> None:
+    text = program("behavior Late():\n    do HoldPosition() for 50 steps\n    take Shot()\n", "Late()")
+    with pytest.warns(UserWarning, match=r"comes to this line stops: .*:9:10: name 'Shot' is not defined"):
+        env = FootballVectorEnv(text, 2)
+    env.reset(seed=0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env.copy()
 
 
 UNCOMPILED = """

@@ -121,3 +121,26 @@ def test_behaviors_are_shown_as_code(tmp_path, capsys):
     assert "ego: Walk\n" in text
     assert "walk.scenic:2: take 'a'\n" in text
     assert "take" in text.split("walk.scenic:3")[1]
+
+
+MATCH = """from football.behaviors import *
+behavior Wait(n):
+    do HoldPosition() for n steps
+    {line}
+ego = LeftCM at 0 @ 0, with behavior Wait(50)
+ball = Ball ahead of ego by 1
+"""
+
+
+@pytest.mark.parametrize(
+    "line, warning",
+    [
+        ("take Shot()", "a match that comes to this line stops: {}:4:10: name 'Shot' is not defined"),
+        ("do Wait(n - 1)", "no match can be played: {}:4:5: Wait calls itself"),
+    ],
+)
+def test_a_match_that_cannot_be_played_to_its_end_is_warned_of(tmp_path, capsys, line, warning):
+    program = tmp_path / "match.scenic"
+    program.write_text(MATCH.format(line=line))
+    assert main(["inspect", str(program)]) == 0
+    assert f"warning: {warning}".format(program.name) in capsys.readouterr().err
