@@ -74,4 +74,5 @@ def test_as_printed_the_wait_stands_outside_the_loop_and_is_never_reached(figure
     with pytest.raises(ScenicError) as error:
         load(text_of(figure).replace("\n        wait\n", "\n    wait\n"), FOOTBALL)
     assert error.value.line == 6
-    assert 'this loop never lets time pass: there is no "wait" in it' in str(error.value)
+    name = text_of(figure).split("monitor ")[1].split(":")[0]
+    assert f'the monitor "{name}" never waits: there is no "wait" in this loop' in str(error.value)

@@ -119,8 +119,8 @@ monitor CustomTerminationMonitor:
 
 
 def test_figures_as_printed_never_wait():
-    message = 'this loop never lets time pass: there is no "wait" in it'
-    assert findings(FIGURES) == [(4, 5, message), (13, 5, message)]
+    message = 'the monitor "Custom{}Monitor" never waits: there is no "wait" in this loop'
+    assert findings(FIGURES) == [(4, 5, message.format("Reward")), (13, 5, message.format("Termination"))]
     assert findings(FIGURES.replace("    wait", "        wait")) == []
 
 
