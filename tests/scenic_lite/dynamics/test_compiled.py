@@ -22,7 +22,7 @@ from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-OPEN = Path("/work/shared/language/oracle/open")
+OPEN = Path(__file__).parents[4] / "shared/language/oracle/open"
 FOOTBALL_PROGRAMS = sorted(
     path
     for folder in ("tests/programs", "minigames", "experiments/programs")
