@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.classes import can_see, is_object, outline, rectangle_of
+from scenic_lite.classes import can_see, outline, rectangle_of
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.evaluation.frame import Session
 from scenic_lite.graph import NOT, OR, Random, Value, apply
@@ -154,7 +154,7 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
         for i in where:
             rule = Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
-    nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session)]
+    nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session, objects)]
     for requirement in session.requirements:
         if requirement.condition is True:
             continue
@@ -216,10 +216,11 @@ def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Va
     return nodes
 
 
-def sights(session: Session) -> Iterator[tuple[Rule, Value]]:
-    """What the specifiers `visible` and `not visible` of dialect 3 demand."""
+def sights(session: Session, objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+    """What the specifiers `visible` and `not visible` of dialect 3 demand, of objects that came to be."""
+    made = {id(each) for each in objects}
     for instance, (viewer, wanted) in session.sights:
-        if not is_object(instance):
+        if id(instance) not in made:
             continue
         seen = can_see(viewer, instance, session.dialect)
         label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"

@@ -49,6 +49,11 @@ class Return(Exception):
 
 def call_node(frame: Frame, node: ast.Call) -> Value:
     function = frame.value(node.func)
+    return call(frame, function, *arguments_of(frame, function, node), node)
+
+
+def arguments_of(frame: Frame, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
+    """What a call gives by place and by name."""
     arguments: list[Value] = []
     for argument in node.args:
         if isinstance(argument, ast.Starred):
@@ -62,7 +67,7 @@ def call_node(frame: Frame, node: ast.Call) -> Value:
             if name in keywords:
                 raise frame.error("type", f"the argument '{name}' is given twice", keyword.value)
             keywords[name] = each
-    return call(frame, function, arguments, keywords, node)
+    return arguments, keywords
 
 
 def mapping(frame: Frame, keyword: ast.keyword, value: Value) -> dict[str, Value]:

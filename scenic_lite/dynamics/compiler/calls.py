@@ -15,8 +15,7 @@ from scenic_lite.dynamics.compiler.lists import put_with_room
 from scenic_lite.dynamics.compiler.shapes import LiveList, shape_of, varies
 from scenic_lite.dynamics.compiler.slots import copied, pairs, registers_in, settled
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.calls import Return, bind, call, seen_from, starred
-from scenic_lite.evaluation.calls import mapping as spread
+from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
 from scenic_lite.evaluation.frame import Frame
 from scenic_lite.graph import Value
 from scenic_lite.values import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
@@ -27,17 +26,7 @@ def call_node(c: Compilation, frame: Frame, node: ast.Call) -> Value:
     if changed is not None:
         return changed[0]
     function = frame.value(node.func)
-    arguments: list[Value] = []
-    for argument in node.args:
-        if isinstance(argument, ast.Starred):
-            arguments += starred(frame, function, argument)
-        else:
-            arguments.append(frame.value(argument))
-    keywords: dict[str, Value] = {}
-    for keyword in node.keywords:
-        value = frame.value(keyword.value)
-        keywords |= spread(frame, keyword, value) if keyword.arg is None else {keyword.arg: value}
-    return call_value(c, frame, function, arguments, keywords, node)
+    return call_value(c, frame, function, *arguments_of(frame, function, node), node)
 
 
 def call_value(
