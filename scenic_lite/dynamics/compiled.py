@@ -43,7 +43,7 @@ class Compiled:
         places: of each row its place in the program.
         world_base: the first register of the world table [O, F]; the facts follow it.
         commands: in a world of several actions at once, what each command number stands for: values with registers.
-        doubts: statements that would stop a match that comes to them, and why.
+        doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
     """
 
@@ -84,7 +84,8 @@ class Compiled:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What `doubts` means to whoever wrote the program, with places."""
-        return tuple(f"a match that comes to this line stops: {doubt}" for doubt in self.doubts)
+        stops = "a match that comes to this line stops: "
+        return tuple(f"{'' if doubt.kind == 'warning' else stops}{doubt}" for doubt in self.doubts)
 
     def disassembly(self) -> str:
         """The code in words, with the lines of the program."""

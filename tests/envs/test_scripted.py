@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import warnings
@@ -333,6 +334,21 @@ def test_a_line_that_would_fail_is_warned_of_when_the_environment_is_made() -> N
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         env.copy()
+
+
+@pytest.mark.parametrize(
+    "line, warning",
+    [
+        ("RunRight()", r':8:5: the behavior "RunRight" is named here, but not run \(write do RunRight'),
+        ("simulation().scenic_rewards = 1", r":8:5: simulation\(\) has no attribute .* \(did you mean 'scenic_reward'"),
+        ("take Pass('medium')", r"actions.scenic:\d+:\d+: key 'medium' is not in the dictionary"),
+    ],
+)
+def test_slips_of_behaviors_are_warned_of(line: str, warning: str) -> None:
+    with pytest.warns(UserWarning) as found:
+        FootballVectorEnv(program(f"behavior Slip():\n    {line}\n    take Shoot()\n", "Slip()"), 1)
+    assert len(found) == 1
+    assert re.search(warning, str(found[0].message))
 
 
 UNCOMPILED = """

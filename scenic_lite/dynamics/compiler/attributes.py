@@ -13,6 +13,7 @@ from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame
 from scenic_lite.dynamics.compiler.slots import Slot, pairs
 from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import near
 from scenic_lite.graph import Value, kind_of
 from scenic_lite.values import Choice, Instance, describe_kind
 
@@ -27,6 +28,8 @@ def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
     elif owner is c.simulation:
+        if hint := near(name, [*c.simulation.names]) if name not in c.simulation.names else "":
+            c.doubts.append(frame.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
         keep(c, ("simulation", "", name), value)
     elif isinstance(owner, Instance) and owner.label:
         refuse_live(c, owner, name)

@@ -124,7 +124,7 @@ class Compilation:
     slot: int = 0  # register of the innermost block: where it goes on
     agent: Instance | None = None
     inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
-    doubts: list[ScenicError] = field(default_factory=list)  # statements that would stop a match
+    doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
     commands: list[tuple[Value, ...]] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     broken: list[str] = field(default_factory=list)  # requirements that reject a match
@@ -208,7 +208,7 @@ def guarded(
     def handle(frame: LiveFrame, node: ast.stmt) -> None:
         code = compilation.code
         before, code.place = code.place, frame.place(node)
-        start = len(code.rows)
+        start, known = len(code.rows), len(compilation.doubts)
         try:
             with code.statement():
                 handler(compilation, frame, node)
@@ -216,9 +216,13 @@ def guarded(
             error = frame.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
             if error.kind in REFUSALS:
                 raise
+            inner = [each for each in compilation.doubts[known:] if each.kind != "warning"]
+            if inner and not code.reachable:  # a function has failed before, and so this is not come to
+                error = inner[0]
+            else:
+                compilation.doubts.append(error)
             del code.rows[start:]
             code.reachable = True
-            compilation.doubts.append(error)
             code.row(Op.FAULT, note=said(error), place=error.place)
         finally:
             code.place = before

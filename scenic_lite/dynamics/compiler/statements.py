@@ -26,12 +26,18 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.statements import define_function, nothing
 from scenic_lite.graph import Value
+from scenic_lite.values import BehaviorCall
 
 MOST_UNROLLED = 64  # rounds of a loop over a fixed list
 
 
 def expression(c: Compilation, frame: LiveFrame, node: ast.Expr) -> None:
-    settled(c.code, frame.value(node.value))
+    value = frame.value(node.value)
+    settled(c.code, value)
+    if isinstance(value, BehaviorCall):
+        name = value.behavior.name
+        message = f'the behavior "{name}" is named here, but not run'
+        c.doubts.append(frame.error("warning", message, node, f"write do {name}(...)"))
 
 
 def assign(c: Compilation, frame: LiveFrame, node: ast.Assign) -> None:
