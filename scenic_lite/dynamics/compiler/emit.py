@@ -132,8 +132,6 @@ def is_live(value: Value) -> bool:
         return True
     if not isinstance(value, Random):
         return False
-    if can_fail(value):
-        return True
     pending, seen = list(value.inputs), set()
     while pending:
         node = pending.pop()
@@ -142,7 +140,7 @@ def is_live(value: Value) -> bool:
                 return True
             seen.add(node)
             pending.extend(node.inputs)
-    return False
+    return can_fail(value)
 
 
 def can_fail(node: Random) -> bool:
