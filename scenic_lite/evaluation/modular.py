@@ -20,7 +20,11 @@ def set_up_main(session: Session, source: Source, name: str | None) -> None:
     if scenario is None:
         return
     place = scenario.frame.place(scenario.node)
-    arguments = bind(scenario.name, scenario.node.args, scenario, [], {})
+    try:
+        arguments = bind(scenario.name, scenario.node.args, scenario, [], {})
+    except ScenicError as error:
+        error.hint = "the scenario that a program is gets no arguments: give its parameters defaults"
+        raise scenario.frame.placed(error, scenario.node) from None
     session.main = BehaviorCall(scenario, arguments, place)
     session.main_frame = scenario_frame(session.main)
     session.monitors, session.terminations, session.records = [], [], []

@@ -113,3 +113,10 @@ def test_variables_of_a_setup_belong_to_an_episode():
     program = load(text, dialect=3)
     assert [Reference(program, [], toy_world()).episode.program.main_frame.locals["n"] for _ in range(2)] == [0, 0]
     assert [len(played(text)[1].commands) for _ in range(2)] == [2, 2]
+
+
+def test_the_main_scenario_gets_no_arguments():
+    text = "scenario Main(speed):\n    setup:\n        ego = new Object\n"
+    with pytest.raises(ScenicError, match=r"1:1: Main\(speed\): 'speed' is missing") as caught:
+        load(text, dialect=3)
+    assert "defaults" in caught.value.hint
