@@ -13,7 +13,7 @@ from scenic_lite.errors import Place, ScenicError
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.evaluation.calls import CALLS, call
 from scenic_lite.evaluation.expressions import EXPRESSIONS
-from scenic_lite.evaluation.frame import Session, Source
+from scenic_lite.evaluation.frame import Session, Source, near
 from scenic_lite.evaluation.functions import BUILTINS
 from scenic_lite.evaluation.modular import set_up_main
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
@@ -53,6 +53,7 @@ def load(
     own = source_of(text, file, folder)
     run_file(session, text, own)
     set_up_main(session, own, scenario)
+    doubt_overrides(session, own)
     settle(session)
     if session.ego is None and needs_ego(session):
         raise no_ego(session, own)
@@ -75,6 +76,18 @@ def override(session: Session, file: str, params: Mapping[str, object], model: s
     if model is not None and not isinstance(model, str):
         raise TypeError(f"model is the name of a module, not {model!r}")
     session.model = model
+
+
+def doubt_overrides(session: Session, own: Source) -> None:
+    """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
+    unset = Place(own.file, 1, 0, 1, 1)
+    known = {name for name, place in session.param_places.items() if place != unset}
+    known |= session.domain.params if session.domain else frozenset()
+    for name in sorted(session.fixed_params - known):
+        hint = near(name, known)
+        if hint:
+            message = f"the program sets no parameter '{name}', which its caller overrides"
+            session.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
 
 
 def is_plain(value: object) -> bool:

@@ -121,3 +121,10 @@ def test_the_ego_of_a_module(folder):
     with pytest.raises(ScenicError):
         load(folder / "main.scenic", dialect=2)
     assert params_of(folder, "import hero\nparam value = ego.position.x")["value"] == 0
+
+
+def test_a_misspelt_parameter_of_the_caller_is_warned_of():
+    text = "param gravity = -9\nego = Object"
+    (warning,) = load(text, params={"gravty": -3}).warnings
+    assert "'gravty'" in warning.message and warning.hint == "did you mean 'gravity'?"
+    assert not load(text, params={"gravity": -3, "weather": "dry"}).warnings
