@@ -144,4 +144,6 @@ HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), ho
 def covers_rectangles(shape: Any, *numbers: Any) -> Any:
     """Whether a fixed, prepared shape holds rectangles, given x and y of their corners in turn."""
     rows = np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in numbers))
-    return shapely.covers(shape, shapely.polygons(np.stack([np.stack(rows[::2], -1), np.stack(rows[1::2], -1)], -1)))
+    corners = np.stack([np.stack(rows[::2], -1), np.stack(rows[1::2], -1)], -1)
+    known = np.isfinite(corners).all(axis=(-2, -1))  # what stands nowhere is in no shape
+    return known & shapely.covers(shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))

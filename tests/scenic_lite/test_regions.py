@@ -234,3 +234,13 @@ def test_shapely_is_loaded_by_polygons_alone():
         "load('ego = new Object in PolygonalRegion([0@0, 1@0, 1@1])', dialect=3)\nassert 'shapely' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_point_of_an_empty_region_is_in_no_shape():
+    text = """
+workspace = Workspace(RectangularRegion(0@0, 0, 20, 20).difference(CircularRegion(0@0, 4)))
+ego = new Object in workspace, with requireVisible False
+c = new Object in not visible RectangularRegion(0@5, 0, 20, 8), with requireVisible False
+"""
+    with pytest.raises(ScenicError, match="no valid scene"):
+        load(text, dialect=3).sample(1, np.random.default_rng(0))
