@@ -8,7 +8,7 @@ has ended may go on) and the end of a `do`. Read next: `interrupts`, then `invok
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 from scenic_lite.dynamics.episode import settled
@@ -38,24 +38,27 @@ def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
     for element in frame.elements(frame.value(node.iter), node.iter):
         unpack(frame, node.target, element)
         frame.session.budget.step()
-        try:
-            yield from thread.block(node.body)
-        except Continue:
-            continue
-        except Break:
+        if not (yield from one_round(thread, node.body)):
             return
     yield from thread.block(node.orelse)
 
 
 def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
     while thread.frame.truth(node.test):
-        try:
-            yield from thread.block(node.body)
-        except Continue:
-            continue
-        except Break:
+        if not (yield from one_round(thread, node.body)):
             return
     yield from thread.block(node.orelse)
+
+
+def one_round(thread: Thread, body: list[ast.stmt]) -> Generator[Step, None, bool]:
+    """Run the body of a loop; whether the loop goes on."""
+    try:
+        yield from thread.block(body)
+    except Continue:
+        return True
+    except Break:
+        return False
+    return True
 
 
 def attempt(thread: Thread, node: ast.Try) -> Iterator[Step]:

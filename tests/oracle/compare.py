@@ -8,7 +8,7 @@ standard errors; errors in their line. Read next: `tests/scenic_lite/test_oracle
 import bisect
 import math
 
-from tests.oracle.compare_dynamic import of_episodes
+from tests.oracle.compare_dynamic import of_episodes, of_frequencies
 
 CURVE = 1 / 40  # by which 41 quantiles may misstate a distribution
 
@@ -52,7 +52,7 @@ def of_values(name: str, expected: dict, found: dict, sizes: tuple[int, int]):
         if max(expected.get("sd", 1), found.get("sd", 1)) > 1e-6:
             yield f"{name}: {expected.get('const', 'varies')} expected, {found.get('const', 'varies')} found"
     elif "counts" in expected and "counts" in found:
-        yield from of_counts(name, expected["counts"], found["counts"], sizes)
+        yield from of_frequencies(name, expected["counts"], found["counts"], sizes)
     elif "mean" in expected and "mean" in found:
         yield from of_numbers(name, expected, found, sizes)
     else:
@@ -68,16 +68,6 @@ def of_constants(name: str, expected: object, found: object):
             return
     if expected != found:
         yield f"{name}: {expected!r} expected, {found!r} found"
-
-
-def of_counts(name: str, expected: dict, found: dict, sizes: tuple[int, int]):
-    n, m = sizes
-    for key in sorted({*expected, *found}):
-        share, ours = expected.get(key, 0) / n, found.get(key, 0) / m
-        pooled = (n * share + m * ours) / (n + m)
-        variance = max(pooled * (1 - pooled), 1 / (n + m)) * (1 / n + 1 / m)
-        if abs(share - ours) > 5 * math.sqrt(variance):
-            yield f"{name}: {key} in {share:.3f} of the scenes expected, in {ours:.3f} found"
 
 
 def of_numbers(name: str, expected: dict, found: dict, sizes: tuple[int, int]):
