@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
+from envs.football.agents import num_agents
 from envs.football.constants import NO_FAULT
 from envs.football.observation import write_features
-from envs.football.reward import reward
+from envs.football.reward import agent_reward, team_reward
 from envs.football.script import step_scripted
 from envs.football.simulator import step_match
 from envs.football.state import MATCH
@@ -33,9 +34,10 @@ class Batch(NamedTuple):
 class Outcome(NamedTuple):
     """What a step brought, one row per match; written by `step_batch`, read by the environment."""
 
-    observations: np.ndarray  # [N, F] float32, of the new episode where one ended
-    final_observations: np.ndarray  # [N, F] float32, the last of an ended episode
-    rewards: np.ndarray  # [N] float64
+    observations: np.ndarray  # [N, A, F] float32, of the new episode where one ended
+    final_observations: np.ndarray  # [N, A, F] float32, the last of an ended episode
+    rewards: np.ndarray  # [N] float64, see `reward.team_reward`
+    agent_rewards: np.ndarray  # [N, A] float64
     terminated: np.ndarray  # [N] bool
     truncated: np.ndarray  # [N] bool
     ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `REJECTED`
@@ -59,12 +61,13 @@ def empty_batch(count: int, registers: int, objects: int) -> Batch:
     return Batch(matches, starts, memory, start_memory, np.zeros((count, objects)))
 
 
-def empty_outcome(count: int, size: int) -> Outcome:
-    """Room for what `count` matches bring, with observations of `size` entries."""
+def empty_outcome(count: int, agents: int, size: int) -> Outcome:
+    """Room for what `count` matches bring, with observations of `size` entries for each of the agents."""
     return Outcome(
-        np.zeros((count, size), np.float32),
-        np.zeros((count, size), np.float32),
+        np.zeros((count, agents, size), np.float32),
+        np.zeros((count, agents, size), np.float32),
         np.zeros(count),
+        np.zeros((count, agents)),
         np.zeros(count, bool),
         np.zeros(count, bool),
         np.zeros(count, np.int64),
@@ -74,7 +77,7 @@ def empty_outcome(count: int, size: int) -> Outcome:
 
 @kernel(parallel=True)
 def step_batch(batch, actions, outcome, rules, code):
-    """Step N matches of a program with actions `[N]`; an ended one starts again from its row of `batch.starts`."""
+    """Step N matches of a program with actions `[N, A]`; an ended one starts again from its row of `batch.starts`."""
     for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
@@ -89,16 +92,18 @@ def _step_row(batch, actions, outcome, rules, code, index):
         step_scripted(match, actions[index], code, rules.cast, batch.registers[index], batch.commands[index])
     else:
         step_match(match, actions[index])
-    outcome.rewards[index] = reward(match, rules.checkpoints)
+    outcome.rewards[index] = team_reward(match, rules.checkpoints)
+    for agent in range(num_agents(match)):
+        outcome.agent_rewards[index, agent] = agent_reward(match, agent, rules.checkpoints)
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.ended[index] = match.ended
     outcome.faults[index] = match.fault
     if match.terminated or match.truncated:
-        write_features(match, outcome.final_observations[index])
+        observe(match, outcome.final_observations[index])
         if rules.restart and match.fault == NO_FAULT:  # a fault is reported first
             restart(batch, rules, index)
-    write_features(batch.matches[index], outcome.observations[index])
+    observe(batch.matches[index], outcome.observations[index])
 
 
 @kernel
@@ -112,7 +117,14 @@ def restart(batch, rules, index):
 
 
 @kernel
+def observe(match, rows):
+    """Write the observations `[A, F]` of a match's agents."""
+    for agent in range(num_agents(match)):
+        write_features(match, agent, rows[agent])
+
+
+@kernel
 def observe_batch(matches, where, observations):
-    """Write the observations `[N, F]` of the matches `where` (indices `[k]`)."""
+    """Write the observations `[N, A, F]` of the matches `where` (indices `[k]`)."""
     for index in where:
-        write_features(matches[index], observations[index])
+        observe(matches[index], observations[index])

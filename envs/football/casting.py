@@ -5,11 +5,13 @@ Read next: `vector_env`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
+from envs.football.control_modes import count_agents
 from envs.football.domain import SETTINGS
 from envs.football.state import Lineup, MatchConfig, kick_off
 from envs.football.world_table import THE_BALL
@@ -59,9 +61,12 @@ class Casting:
         cast: for each of the O objects its index in the match, or `THE_BALL`.
         lineup: teams and roles `[P]`.
         config: the settings that the program's parameters make.
+        num_agents: how many move players of the left and of the right team.
+
+    Raises CastingError, also for a `control` mode (see `control_modes`) that a team is too small for.
     """
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, control: str = "closest1", right_control: str = "none") -> None:
         self.program = program
         kinds = [set(info.classes) for info in program.objects]
         balls = [index for index, kind in enumerate(kinds) if "Ball" in kind]
@@ -81,11 +86,13 @@ class Casting:
         self.lineup = Lineup(
             np.array([who[index][0] for index in self.players], np.int64),
             np.array([who[index][1] for index in self.players], np.int64),
+            np.argsort(np.argsort(self.players)),
         )
         self.cast = np.full(len(kinds), THE_BALL)
         self.cast[self.players] = np.arange(len(self.players))
+        self.config = replace(_settings(program), control=control, right_control=right_control)
         self._check_teams()
-        self.config = _settings(program)
+        self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
 
     @property
     def num_players(self) -> int:
@@ -109,9 +116,16 @@ class Casting:
             raise refusal(self.program, f"{name} has {found}", place, f"give it one of {', '.join(ROLES)}")
         return TEAMS[team], ROLES[role]
 
+    def _count(self, mode: str, team: int) -> int:
+        roles = np.asarray(self.lineup.roles)[np.asarray(self.lineup.teams) == team]
+        try:
+            return count_agents(mode, roles, team)
+        except ValueError as error:
+            raise CastingError(f"{self.program.file}: {error}") from error
+
     def _check_teams(self) -> None:
         teams = np.asarray(self.lineup.teams)
-        if not (teams == LEFT).any():
+        if self.config.control != "none" and not (teams == LEFT).any():
             raise CastingError(
                 f"{self.program.file}: the learner plays on the left, and this program has no left player"
             )

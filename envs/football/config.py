@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from envs.football.constants import CONTROL_MODES
+
 OBSERVATIONS = ("features", "raw")
 REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names
 
@@ -17,6 +19,11 @@ class FootballConfig:
 
     observation: str = field(default="features", metadata={"help": "what the learner sees: features or raw"})
     rewards: str = field(default="scoring", metadata={"help": "what it is paid for: scoring or scoring,checkpoints"})
+    control: str = field(
+        default="closest1",
+        metadata={"help": "left players that agents move: closest1 to closest3, active, a number, all, allNonGK, none"},
+    )
+    right_control: str = field(default="none", metadata={"help": "right players that agents move: the same words"})
     dialect: int | None = field(
         default=None, metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
     )
@@ -26,3 +33,16 @@ class FootballConfig:
         for name, values in known:
             if getattr(self, name) not in values:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")
+        for name in ("control", "right_control"):
+            check_control(getattr(self, name))
+        if self.control == self.right_control == "none":
+            raise ValueError("control and right_control are both 'none': there must be an agent")
+
+
+def check_control(mode: str | int) -> str:
+    """Give a control mode as text. Raises ValueError for one that does not exist."""
+    text = str(mode)
+    if text not in CONTROL_MODES and not (text.isdecimal() and int(text) > 0):
+        known = ", ".join(CONTROL_MODES)
+        raise ValueError(f"control must be {known} or a whole number of players from 1, not {mode!r}")
+    return text

@@ -58,6 +58,10 @@ _DIAGONAL = 0.7071067811865476
 DIRECTION_X = (0.0, -1.0, -_DIAGONAL, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL)
 DIRECTION_Y = (0.0, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL, -1.0, -_DIAGONAL)
 
+# How the agents of a team get their players: `control_modes` says more
+NO_AGENTS, CLOSEST, ACTIVE, FIXED = range(4)
+CONTROL_MODES = ("closest1", "closest2", "closest3", "active", "all", "allNonGK", "none")  # or a number
+
 # Modes of the game
 NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
 

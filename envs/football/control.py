@@ -116,7 +116,7 @@ def steer(match, i):
     """Want the velocity that the sticky keys ask for, or the way to a free ball for which i is best placed."""
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH_REACH
-    if not at_feet and drawn_to_ball(match, i):
+    if match.use_magnet and not at_feet and drawn_to_ball(match, i):
         chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
         return
     speed = key_speed(player, match.carrier == i)

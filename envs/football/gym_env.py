@@ -35,6 +35,7 @@ class FootballEnv(gymnasium.Env):
         program: a compiled program, the path of one, or its text.
         observation: "features" (`[F]` float32) or "raw" (Google Research Football's dict).
         rewards: "scoring" or "scoring,checkpoints".
+        control, right_control: which players of the left and of the right team agents move (see `control_modes`).
         render_mode: None or "rgb_array".
         dialect: of a program given as text or path, 2 or 3; None: found out (see `scenic_lite.load`).
 
@@ -48,13 +49,17 @@ class FootballEnv(gymnasium.Env):
         program: Program | str | Path,
         observation: str = "features",
         rewards: str = "scoring",
+        control: str = "closest1",
+        right_control: str = "none",
         render_mode: str | None = None,
         dialect: int | None = None,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.render_mode = render_mode
-        self.batch = FootballVectorEnv(program, 1, config=FootballConfig(observation, rewards, dialect))
+        self.batch = FootballVectorEnv(
+            program, 1, config=FootballConfig(observation, rewards, control, right_control, dialect)
+        )
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
@@ -70,7 +75,7 @@ class FootballEnv(gymnasium.Env):
             observations, info = self.batch.reset(seed=seed)
         return self._first(observations), {"theta": info["levels"]["theta"][0], "replaced": bool(info["replaced"][0])}
 
-    def step(self, action: int) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play 0.1 s."""
         observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
         over = bool(terminated[0] or truncated[0])

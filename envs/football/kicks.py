@@ -143,6 +143,7 @@ def aim_pass(match, i, ux, uy):
     """Aim at the mate whom the original's rating prefers; without one, straight ahead."""
     player = match.players[i]
     mate = choose_mate(match, i, ux, uy)
+    player.kick_mate = mate
     if mate == NOBODY:
         player.aim_x, player.aim_y = player.x + UNAIMED_PASS * ux, player.y + UNAIMED_PASS * uy
         return
@@ -190,6 +191,7 @@ def leave_foot(match, i):
         play_pass(match, player, ux, uy, distance)
     player.facing_x, player.facing_y = ux, uy
     player.touch_wait = AFTER_KICK
+    match.receiver = player.kick_mate
     forget_kick(player)
     lose_ball(match)
     match.last_touch = i

@@ -1,7 +1,7 @@
-"""The `features` observation: a row of numbers for an MLP, as the controlled player sees the match.
+"""The `features` observation: a row of numbers for an MLP, as an agent's player sees the match.
 
-Everything is in the frame of the left team, which attacks +x, and scaled so that typical values are about 1. The
-players after the controlled one come in a fixed order: mates, then opponents, each in the order of the match.
+Everything is in the frame of his team, which attacks +x, and scaled so that typical values are about 1. The players
+after him come in a fixed order: mates, then opponents, each in the order of the match.
 Read next: `batch`, which writes these; `raw`, the same match as Google Research Football describes it.
 """
 
@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RIGHT
+from envs.football.agents import seen_by
+from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
 from scenic_lite.jit import kernel
 
 SELF_NAMES = ("self.x", "self.y", "self.vx", "self.vy", "self.facing_x", "self.facing_y", "self.tired", "self.down")
 BALL_NAMES = ("ball.dx", "ball.dy", "ball.z", "ball.vx", "ball.vy", "ball.vz", "ball.near")
-OWNER_NAMES = ("owned.self", "owned.left", "owned.right", "owned.nobody")
+OWNER_NAMES = ("owned.self", "owned.ours", "owned.theirs", "owned.nobody")
 GOAL_NAMES = ("goal.direction_x", "goal.direction_y", "goal.near", "left_post.slope", "right_post.slope")
 COMMAND_NAMES = (*(f"sticky.{d}" for d in range(1, 9)), "sticky.sprint", "sticky.dribble", "kick.asked", "kick.wait")
 CLOCK_NAMES = ("clock",)
@@ -50,63 +51,65 @@ def _limited(value):
 
 
 @kernel
-def write_features(match, row):
-    """Write the observation of the controlled player into `row` `[F]` float32; zeros without a learner."""
-    if match.controlled == NOBODY:
+def write_features(match, agent, row):
+    """Write the observation of an agent into `row` `[F]` float32; zeros if it has no player."""
+    i = match.agents[agent]
+    if i == NOBODY:
         row[:] = 0.0
         return
-    me = match.players[match.controlled]
-    at = _write_self(me, row, 0)
-    at = _write_ball(match, me, row, at)
-    at = _write_owner(match, row, at)
-    at = _write_goal(me, row, at)
+    me = match.players[i]
+    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
+    at = _write_self(me, side, row, 0)
+    at = _write_ball(match, me, side, row, at)
+    at = _write_owner(match, i, row, at)
+    at = _write_goal(me, side, row, at)
     at = _write_command(me, row, at)
     row[at] = 1.0 - match.step / match.game_duration
-    at = _write_team(match, me, LEFT, row, at + 1)
-    _write_team(match, me, RIGHT, row, at)
+    at = _write_team(match, i, me.team, side, row, at + 1)
+    _write_team(match, i, 1 - me.team, side, row, at)
 
 
 @kernel
-def _write_self(me, row, at):
-    row[at] = me.x / HALF_LENGTH
-    row[at + 1] = me.y / HALF_WIDTH
-    row[at + 2] = me.vx / RUNNING
-    row[at + 3] = me.vy / RUNNING
-    row[at + 4] = me.facing_x
-    row[at + 5] = me.facing_y
+def _write_self(me, side, row, at):
+    row[at] = side * me.x / HALF_LENGTH
+    row[at + 1] = side * me.y / HALF_WIDTH
+    row[at + 2] = side * me.vx / RUNNING
+    row[at + 3] = side * me.vy / RUNNING
+    row[at + 4] = side * me.facing_x
+    row[at + 5] = side * me.facing_y
     row[at + 6] = me.tired
     row[at + 7] = min(me.down / SOON, LIMIT)
     return at + 8
 
 
 @kernel
-def _write_ball(match, me, row, at):
+def _write_ball(match, me, side, row, at):
     ball = match.ball
-    dx, dy = ball.x - me.x, ball.y - me.y
+    dx, dy = side * (ball.x - me.x), side * (ball.y - me.y)
     row[at] = _limited(dx / NEARBY)
     row[at + 1] = _limited(dy / NEARBY)
     row[at + 2] = _limited(ball.z / ALOFT)
-    row[at + 3] = _limited(ball.vx / FLYING)
-    row[at + 4] = _limited(ball.vy / FLYING)
+    row[at + 3] = _limited(side * ball.vx / FLYING)
+    row[at + 4] = _limited(side * ball.vy / FLYING)
     row[at + 5] = _limited(ball.vz / FLYING)
     row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
     return at + 7
 
 
 @kernel
-def _write_owner(match, row, at):
+def _write_owner(match, i, row, at):
     row[at : at + 4] = 0.0
     if match.owner == NOBODY:
         row[at + 3] = 1.0
         return at + 4
-    row[at] = 1.0 if match.owner == match.controlled else 0.0
-    row[at + 1 + match.players[match.owner].team] = 1.0
+    row[at] = 1.0 if match.owner == i else 0.0
+    row[at + 1 if match.players[match.owner].team == match.players[i].team else at + 2] = 1.0
     return at + 4
 
 
 @kernel
-def _write_goal(me, row, at):
-    dx, dy = HALF_LENGTH - me.x, -me.y
+def _write_goal(me, side, row, at):
+    dx, dy = HALF_LENGTH - side * me.x, -side * me.y
     distance = math.sqrt(dx * dx + dy * dy) + 1e-6
     row[at] = dx / distance
     row[at + 1] = dy / distance
@@ -121,7 +124,7 @@ def _write_goal(me, row, at):
 def _write_command(me, row, at):
     row[at : at + 8] = 0.0
     if me.direction > 0:
-        row[at + me.direction - 1] = 1.0
+        row[at + seen_by(me.team, me.direction) - 1] = 1.0
     row[at + 8] = 1.0 if me.sprint else 0.0
     row[at + 9] = 1.0 if me.dribble else 0.0
     row[at + 10] = 1.0 if me.kick > 0 else 0.0
@@ -130,21 +133,22 @@ def _write_command(me, row, at):
 
 
 @kernel
-def _write_team(match, me, team, row, at):
-    goal_dx, goal_dy = HALF_LENGTH - me.x, -me.y
+def _write_team(match, i, team, side, row, at):
+    me = match.players[i]
+    goal_dx, goal_dy = HALF_LENGTH - side * me.x, -side * me.y
     distance = math.sqrt(goal_dx * goal_dx + goal_dy * goal_dy) + 1e-6
     ux, uy = goal_dx / distance, goal_dy / distance
     for index in range(match.num_players):
         other = match.players[index]
-        if other.team != team or index == match.controlled:
+        if other.team != team or index == i:
             continue
-        dx, dy = other.x - me.x, other.y - me.y
+        dx, dy = side * (other.x - me.x), side * (other.y - me.y)
         row[at] = _limited(dx / NEARBY)
         row[at + 1] = _limited(dy / NEARBY)
         row[at + 2] = _limited((dx * ux + dy * uy) / LANE_LENGTH)
         row[at + 3] = _limited((dy * ux - dx * uy) / LANE_WIDTH)
-        row[at + 4] = other.vx / RUNNING
-        row[at + 5] = other.vy / RUNNING
+        row[at + 4] = side * other.vx / RUNNING
+        row[at + 5] = side * other.vy / RUNNING
         row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
         row[at + 7] = min(other.down / SOON, LIMIT)
         row[at + 8] = 1.0 if other.role == GK else 0.0

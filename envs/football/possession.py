@@ -1,4 +1,4 @@
-"""Who has the ball, who can be first at it, and whom the learner controls.
+"""Who has the ball, and who can be first at it.
 
 Read next: `control`, which turns actions into wanted velocities and kicks.
 """
@@ -96,24 +96,6 @@ def owns(ball, player):
 
 
 @kernel
-def choose_controlled(match):
-    """Give the learner the left player closest to the ball; ties keep program order."""
-    match.controlled = NOBODY
-    if not match.learner:
-        return
-    closest = math.inf
-    for i in range(match.num_players):
-        player = match.players[i]
-        if player.team != LEFT:
-            continue
-        dx, dy = match.ball.x - player.x, match.ball.y - player.y
-        squared = dx * dx + dy * dy
-        if squared < closest:
-            closest = squared
-            match.controlled = i
-
-
-@kernel
 def lose_ball(match):
     """Make the ball free; who was about to kick it no longer is."""
     if match.kicker != NOBODY:
@@ -127,7 +109,7 @@ def lose_ball(match):
 def forget_kick(player):
     """Clear a player's kick."""
     player.kick, player.kick_held, player.kick_wait = 0, 0, 0.0
-    player.kick_ready, player.aimed = False, False
+    player.kick_ready, player.aimed, player.kick_mate = False, False, NOBODY
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""The rules: goals, the ball out of play, restarts, possession, checkpoints, and what ends an episode.
+"""The rules: goals, the ball out of play, restarts, possession, and what ends an episode.
 
 Read next: `simulator`, where they close a step.
 """
@@ -29,12 +29,9 @@ from envs.football.constants import (
     THROW_IN,
 )
 from envs.football.possession import forget_kick, lose_ball, update_possession
-from envs.football.vectors import apart, length, toward
+from envs.football.vectors import apart, toward
 from scenic_lite.jit import kernel
 
-CHECKPOINTS, CHECKPOINT_REWARD = 10, 0.1
-FIRST_CHECKPOINT, CHECKPOINT_SPAN = 0.99, 0.8  # pitch units of the original to (1, 0)
-ORIGINAL_X, ORIGINAL_Y = 54.4, 83.6  # m per pitch unit of the original
 GOAL_KICK_X = 0.92 * HALF_LENGTH
 WAIT_THROW_IN, WAIT_OTHERS = 3, 6  # steps
 TAKER_BEHIND = 0.5  # m from the taker to the ball
@@ -44,7 +41,7 @@ TAKER_BEHIND = 0.5  # m from the taker to the ball
 def begin_step(match):
     """Forget the events of the step before."""
     match.goal = 0
-    match.checkpoint_reward = 0.0
+    match.checkpoint_reward[:] = 0.0
     match.program_reward = 0.0
     match.possession_changed = False
 
@@ -58,7 +55,6 @@ def apply_rules(match):
     elif match.game_mode == NORMAL:
         judge_ball(match)
     update_possession(match)
-    pay_checkpoints(match)
     end_episode(match)
 
 
@@ -171,20 +167,6 @@ def nearest_of(match, team):
         if player.team == team and distance < nearest:
             nearest, best = distance, i
     return best
-
-
-@kernel
-def pay_checkpoints(match):
-    """Pay each checkpoint towards the right goal once while the left team owns the ball, the rest at a goal."""
-    reached = match.checkpoints
-    if match.goal > 0:
-        reached = CHECKPOINTS
-    elif match.owner != NOBODY and match.players[match.owner].team == LEFT and reached < CHECKPOINTS:
-        distance = length(match.ball.x / ORIGINAL_X - 1.0, match.ball.y / ORIGINAL_Y)
-        while reached < CHECKPOINTS and distance <= FIRST_CHECKPOINT - reached * CHECKPOINT_SPAN / (CHECKPOINTS - 1):
-            reached += 1
-    match.checkpoint_reward = CHECKPOINT_REWARD * (reached - match.checkpoints)
-    match.checkpoints = reached
 
 
 @kernel

@@ -6,10 +6,20 @@ section 11.1, its last paragraph). Read next: `simulator`, for the middle; `batc
 
 from __future__ import annotations
 
-from envs.football.constants import BAD_ACTION, BUILTIN_AI, NO_FAULT, PROGRAM_FAULT, REJECTED, RUNNING, TERMINATED
+from envs.football.agents import assign_actions, seen_by
+from envs.football.constants import (
+    BAD_ACTION,
+    BUILTIN_AI,
+    NO_FAULT,
+    NOBODY,
+    PROGRAM_FAULT,
+    REJECTED,
+    RUNNING,
+    TERMINATED,
+)
 from envs.football.rules import begin_step
-from envs.football.simulator import assign_actions, play
-from envs.football.world_table import THE_BALL, seen_by, write_world
+from envs.football.simulator import play
+from envs.football.world_table import THE_BALL, write_world
 from scenic_lite.dynamics import bytecode
 from scenic_lite.dynamics.bytecode import NO_COMMAND
 from scenic_lite.dynamics.vm import end, over, run_behaviors, run_watchers
@@ -19,7 +29,7 @@ _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TER
 
 
 @kernel
-def step_scripted(match, action, code, cast, registers, commands):
+def step_scripted(match, actions, code, cast, registers, commands):
     """Move a match on by a step with its program: `registers` [R] is what that remembers, `commands` [O] its wishes.
 
     An episode that a behavior ends, ends at once; a fault leaves the match as it was before the step.
@@ -32,7 +42,7 @@ def step_scripted(match, action, code, cast, registers, commands):
     heed(match, registers)
     if match.ended != RUNNING or match.fault != NO_FAULT:
         return
-    step_commanded(match, action, cast, commands)
+    step_commanded(match, actions, cast, commands)
     write_world(match, cast, registers, code.world_base)
     match.program_reward = run_watchers(code, registers, match)
     if match.ended != RUNNING and not over(registers):
@@ -52,25 +62,27 @@ def heed(match, registers):
 
 
 @kernel
-def step_commanded(match, action, cast, commands):
-    """Move a match on by a step: the learner takes `action`, objects of the program `commands` [O].
+def step_commanded(match, actions, cast, commands):
+    """Move a match on by a step: the agents take `actions` [A], objects of the program `commands` [O].
 
     A command is an action or NO_COMMAND; `cast` [O] says which player each object is, or THE_BALL.
     """
     begin_step(match)
     if match.ended != RUNNING:
         return
-    assign_actions(match, action)
+    assign_actions(match, actions)
     command_players(match, cast, commands)
     play(match)
 
 
 @kernel
 def command_players(match, cast, commands):
-    """Give players the commands of their behaviors; whom the learner moves in this step obeys the learner."""
+    """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent."""
     for o in range(len(cast)):
         i = cast[o]
-        if i == THE_BALL or i == match.controlled or commands[o] == NO_COMMAND:
+        if i == THE_BALL or commands[o] == NO_COMMAND:
+            continue
+        if match.players[i].agent != NOBODY:
             continue
         if not 0.0 <= commands[o] <= BUILTIN_AI or commands[o] != int(commands[o]):
             match.fault = BAD_ACTION

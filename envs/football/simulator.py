@@ -5,29 +5,31 @@ Each stage stands in the file of that name. Read next: `state` for the record, t
 
 from __future__ import annotations
 
+from envs.football.agents import assign_actions, choose_controlled
 from envs.football.ai import think
-from envs.football.constants import BAD_ACTION, BUILTIN_AI, NUM_ACTIONS, RUNNING
+from envs.football.constants import BUILTIN_AI, RUNNING
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
 from envs.football.keeper import hurry
 from envs.football.kicks import swing_legs
 from envs.football.motion import plan_motion
 from envs.football.physics import play_frames
-from envs.football.possession import choose_controlled, find_chasers, tick
+from envs.football.possession import find_chasers, tick
+from envs.football.reward import pay_checkpoints
 from envs.football.rules import apply_rules, begin_step
 from scenic_lite.jit import kernel
 
 
 @kernel
-def step_match(match, action):
-    """Move a match on by one step of 0.1 s in which the controlled player takes `action` (0..18).
+def step_match(match, actions):
+    """Move a match on by one step of 0.1 s in which the agents' players take `actions` [A] (0..18).
 
     A match that has ended stays as it is and pays nothing.
     """
     begin_step(match)
     if match.ended != RUNNING:
         return
-    assign_actions(match, action)
+    assign_actions(match, actions)
     play(match)
 
 
@@ -43,16 +45,7 @@ def play(match):
     tick(match)
     apply_rules(match)
     choose_controlled(match)
-
-
-@kernel
-def assign_actions(match, action):
-    """Give the controlled player the learner's action and everybody else the built-in AI's."""
-    if not 0 <= action < NUM_ACTIONS:
-        match.fault = BAD_ACTION
-        action = 0
-    for i in range(match.num_players):
-        match.players[i].action = action if i == match.controlled else BUILTIN_AI
+    pay_checkpoints(match)
 
 
 @kernel
@@ -77,6 +70,6 @@ def plan_motions(match):
 
 @kernel
 def step_matches(matches, actions):
-    """Move matches MATCH [N] on by one step each, with actions [N]; bare, one after the other (see `batch`)."""
+    """Move matches MATCH [N] on by one step each, with actions [N, A]; bare, one after the other (see `batch`)."""
     for e in range(len(matches)):
         step_match(matches[e], actions[e])

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
+from envs.football.control_modes import appoint
 from scenic_lite.stream import streams
 
 BALL_FIELDS = (
@@ -48,6 +49,8 @@ PLAYER_FIELDS = (
     ("team", "i8", (), "", "0 left, 1 right"),
     ("role", "i8", (), "", "0 keeper .. 9 forward"),
     ("shirt", "i8", (), "", "index within the team, in program order"),
+    ("order", "i8", (), "", "place among the players of the program: who comes first where two are equal"),
+    ("agent", "i8", (), "", "agent whose next action moves him, an index into `agents`; -1 none"),
     ("action", "i8", (), "", "this step's action, 0..18, or 19 when the built-in AI decides"),
     ("direction", "i8", (), "", "sticky: 1..8 as the actions are numbered, 0 none"),
     ("sprint", "?", (), "", "sticky"),
@@ -57,14 +60,16 @@ PLAYER_FIELDS = (
     ("kick_held", "i8", (), "steps", "how long the button has been held"),
     ("kick_ready", "?", (), "", "the button has been released: kick when possible"),
     ("kick_patience", "i8", (), "steps", "left until a kick that found no ball is forgotten"),
+    ("kick_mate", "i8", (), "", "player for whom the pass asked for is meant, -1 nobody"),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
     ("sliding", "?", (), "", "the player is down because he slides into a tackle"),
 )
 
 MATCH_FIELDS = (
     ("num_players", "i8", (), "", "rows of `players` in use"),
-    ("controlled", "i8", (), "", "player whom the learner's next action moves, -1 without a learner"),
-    ("learner", "?", (), "", "a learner controls the left player closest to the ball"),
+    ("control", "i8", (2,), "", "how each team's agents get their players: `constants.NO_AGENTS` to `FIXED`"),
+    ("num_agents", "i8", (2,), "", "of the left and of the right team"),
+    ("agents", "i8", (MAX_PLAYERS,), "", "player whom each agent's next action moves, left agents first; -1 nobody"),
     ("random", "u8", (), "", "state of the stream of random numbers"),
     ("step", "i8", (), "steps", "played in this episode"),
     ("ball_start_x", "f8", (), "m", "where the ball was at kick-off"),
@@ -75,6 +80,7 @@ MATCH_FIELDS = (
     ("end_episode_on_out_of_play", "?", (), "", ""),
     ("end_episode_on_possession_change", "?", (), "", ""),
     ("offsides", "?", (), "", ""),
+    ("use_magnet", "?", (), "", "a free ball pulls the best placed player whatever his agent's direction"),
     # The state of play
     ("score", "i8", (2,), "", "goals of the left and of the right team"),
     ("game_mode", "i8", (), "", "0 normal, 1 kick-off, 2 goal kick, 3 free kick, 4 corner, 5 throw-in, 6 penalty"),
@@ -87,6 +93,7 @@ MATCH_FIELDS = (
     ("kicker", "i8", (), "", "player in the middle of a kick, -1 none"),
     ("last_touch", "i8", (), "", "player, -1 none yet"),
     ("last_owned_team", "i8", (), "", "team of the last owner, -1 none yet"),
+    ("receiver", "i8", (), "", "player for whom the last kick was meant, -1 nobody; he need not have the ball yet"),
     ("offside_bits", "i8", (), "", "bit i: player i was offside when a mate last kicked"),
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
@@ -97,8 +104,8 @@ MATCH_FIELDS = (
     ("save_succeeds", "?", (), "", "drawn when the shot left the foot"),
     # What the last step brought
     ("goal", "i8", (), "", "+1 the left team scored in this step, -1 the right one"),
-    ("checkpoint_reward", "f8", (), "", "0.1 per checkpoint newly passed in this step"),
-    ("checkpoints", "i8", (), "", "of the 10, passed in this episode"),
+    ("checkpoint_reward", "f8", (MAX_PLAYERS,), "", "per agent: 0.1 for each checkpoint newly passed in this step"),
+    ("checkpoints", "i8", (MAX_PLAYERS,), "", "per agent: of the 10, passed in this episode"),
     ("program_reward", "f8", (), "", "what monitors of the program paid for this step"),
     ("possession_changed", "?", (), "", "the other team than the last owner's came into possession"),
     ("ended", "i8", (), "", "0 running, 1 goal, 2 out of play, 3 possession change, 4 duration, 5 program, 6 rejected"),
@@ -133,15 +140,21 @@ class MatchConfig:
     left_team_difficulty: npt.ArrayLike = 1.0
     right_team_difficulty: npt.ArrayLike = 0.6
     deterministic: npt.ArrayLike = False  # the same random numbers in every episode
-    learner: npt.ArrayLike = True  # a learner controls the left player closest to the ball
+    use_magnet: npt.ArrayLike = True  # a free ball pulls the best placed player whatever his agent's direction
+    control: str | int = "closest1"  # which left players agents move: see `control_modes`
+    right_control: str | int = "none"  # which right ones
 
 
 @dataclass(frozen=True)
 class Lineup:
-    """Who plays: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), in program order."""
+    """Who plays: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), the left team first.
+
+    `order` [P] is the place of each in the program, which settles ties; None: they come in that order.
+    """
 
     teams: npt.ArrayLike
     roles: npt.ArrayLike
+    order: npt.ArrayLike | None = None
 
 
 def kick_off(
@@ -154,7 +167,7 @@ def kick_off(
     """Make matches MATCH [N] about to begin: everyone stands, the ball lies still and is nobody's.
 
     `positions` [N, P, 2] and `ball` [N, 2] are in metres, `seeds` [N] start the random streams. Raises ValueError
-    if the shapes disagree or there are more than 22 players.
+    if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
     """
     positions, ball = np.asarray(positions, float), np.asarray(ball, float)
     teams, roles = np.asarray(lineup.teams, np.int64), np.asarray(lineup.roles, np.int64)
@@ -162,7 +175,7 @@ def kick_off(
     matches = np.zeros(len(positions), MATCH)
     for name in ("owner", "carrier", "holder", "kicker", "last_touch", "last_owned_team", "saver", "restart_team"):
         matches[name] = NOBODY
-    matches["chaser"] = NOBODY
+    matches["chaser"], matches["receiver"], matches["players"]["kick_mate"] = NOBODY, NOBODY, NOBODY
     _settle(matches, config, seeds)
     matches["num_players"] = len(teams)
     for axis, name in enumerate("xy"):
@@ -172,8 +185,8 @@ def kick_off(
     _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
-    matches["controlled"] = _closest_left(positions, ball, teams)
-    matches["controlled"][~matches["learner"]] = NOBODY
+    matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if lineup.order is None else lineup.order
+    appoint(matches, (config.control, config.right_control))
     return matches
 
 
@@ -189,7 +202,7 @@ def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np
 def _settle(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> None:
     """Write the settings of the episode; equal seeds, or a deterministic match, give equal streams."""
     for field in fields(config):
-        if field.name in MATCH.names:  # type: ignore[operator]
+        if field.name in MATCH.names and field.name != "control":  # type: ignore[operator]
             matches[field.name] = getattr(config, field.name)
     matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
 
@@ -205,11 +218,3 @@ def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, role
     speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
     players["top_speed"] = speeds
     players["facing_x"] = np.where(teams == LEFT, 1.0, -1.0)
-
-
-def _closest_left(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
-    """Index [N] of the left player closest to the ball; ties keep program order; -1 without a left team."""
-    if not np.any(teams == LEFT):
-        return np.full(len(positions), NOBODY)
-    distance = np.sum((positions - ball[:, None]) ** 2, axis=-1)
-    return np.argmin(np.where(teams == LEFT, distance, np.inf), axis=1)

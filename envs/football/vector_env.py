@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete, Space
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
+from gymnasium.vector.utils import batch_space
 
 from envs.football.batch import Rules, empty_batch, empty_outcome, observe_batch, restart, step_batch
 from envs.football.casting import Casting
@@ -25,20 +26,22 @@ from ued.upomdp import UPOMDP, check_theta
 
 
 class FootballVectorEnv(UPOMDP):
-    """N football matches in which the learner moves the left player closest to the ball.
+    """N football matches in which A agents move players: one the left player closest to the ball, unless said.
 
-    The program's behaviors move theirs, except whom the learner moves in that step; the built-in AI moves the rest.
+    The program's behaviors move theirs, except whom an agent moves in that step; the built-in AI moves the rest. One
+    agent has actions `[N]` and observations without an axis for agents, several have actions `[N, A]`.
 
     Args:
         program: a compiled program, the path of one, or its text.
         num_envs: N.
-        config: observation and reward.
+        config: observation, reward, and whom the agents move (see `control_modes`).
 
-    Actions are Google Research Football's 19. Observations are `features` `[N, F]` float32 (see `observation`), or
+    Actions are Google Research Football's 19. Observations are `features` `[N, (A,) F]` float32 (see `observation`), or
     the `raw` dict of Google Research Football. A match that ends by a goal, a lost ball or out of play is terminated;
     one that reaches `game_duration` is truncated. A `terminate` of the program terminates a match; one that breaks a
     requirement of the program is truncated. `info["ended"]` `[N]` gives the reason, `constants.RUNNING` to `REJECTED`.
-    What monitors set `scenic_reward` to is part of the reward.
+    What monitors set `scenic_reward` to is part of the reward. `info["agent_rewards"]` `[N, A]` is each agent's own
+    reward; `rewards` `[N]` are their mean over the left team's agents (see `reward`).
 
     Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
@@ -54,7 +57,7 @@ class FootballVectorEnv(UPOMDP):
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
-        self.casting = Casting(self.program)
+        self.casting = Casting(self.program, str(config.control), str(config.right_control))
         self.staging = Staging(self.program)
         for warning in self.staging.compiled.warnings:
             warnings.warn(warning, stacklevel=2)
@@ -65,7 +68,11 @@ class FootballVectorEnv(UPOMDP):
         self._is_raw = config.observation == "raw"
         if self._is_raw:
             space = raw_space(self._num_left, self.num_players - self._num_left)
-        super().__init__(num_envs, space, Discrete(NUM_ACTIONS), self.program.draws)
+        self.num_agents = sum(self.casting.num_agents)
+        actions: Space = Discrete(NUM_ACTIONS)
+        if self.num_agents > 1:
+            space, actions = batch_space(space, self.num_agents), MultiDiscrete([NUM_ACTIONS] * self.num_agents)
+        super().__init__(num_envs, space, actions, self.program.draws)
         self._rules = Rules(
             config.rewards == "scoring,checkpoints",
             bool(self.casting.config.deterministic),
@@ -73,7 +80,7 @@ class FootballVectorEnv(UPOMDP):
             self.staging.live,
             self.casting.cast,
         )
-        self._outcome = empty_outcome(num_envs, size)
+        self._outcome = empty_outcome(num_envs, self.num_agents, size)
         self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects))
         self._started = False
 
@@ -110,18 +117,23 @@ class FootballVectorEnv(UPOMDP):
         if out.faults.any():
             self._report_faults()
         ended = out.terminated | out.truncated
-        final = out.final_observations.copy()
+        final = self._squeezed(out.final_observations.copy())
         if self._is_raw:
             final = self._observations()
             self._restart(ended)
         info = {"final_obs": final, "_final_obs": ended, "ended": out.ended.copy()}
+        info["agent_rewards"] = out.agent_rewards.copy()
         return self._observations(), out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
     def _observations(self) -> Any:
-        """The present observations, a copy: `[N, F]`, or a dict of arrays for `raw`."""
+        """The present observations, a copy: `[N, (A,) F]`, or a dict of arrays for `raw`."""
         if self._is_raw:
             return raw_observation(self._batch.matches[:], self._num_left, self.num_players)
-        return self._outcome.observations.copy()
+        return self._squeezed(self._outcome.observations.copy())
+
+    def _squeezed(self, rows: np.ndarray) -> np.ndarray:
+        """Rows `[N, A, ...]` without the axis of the agents if there is one only."""
+        return rows[:, 0] if self.num_agents == 1 else rows
 
     def _restart(self, ended: np.ndarray) -> None:
         """Do for `raw` what the kernel does otherwise: it must not restart before the last observation is taken."""
@@ -129,13 +141,15 @@ class FootballVectorEnv(UPOMDP):
             restart(self._batch, self._rules, index)
 
     def _checked(self, actions: Any) -> np.ndarray:
-        array = np.asarray(actions)
-        if array.shape != (self.num_envs,) or array.dtype.kind not in "iu":
-            raise ValueError(f"actions must be {self.num_envs} whole numbers, got shape {array.shape} of {array.dtype}")
+        """Actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
+        array, wanted = np.asarray(actions), self.action_space.shape
+        if array.shape != wanted or array.dtype.kind not in "iu":
+            size = " x ".join(map(str, wanted))
+            raise ValueError(f"actions must be {size} whole numbers, got shape {array.shape} of {array.dtype}")
         if array.min() < 0 or array.max() >= NUM_ACTIONS:
             wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
             raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
-        return array.astype(np.int64, copy=False)
+        return array.astype(np.int64, copy=False).reshape(self.num_envs, self.num_agents)
 
     def _report_faults(self) -> None:
         """Put the matches that cannot go on back to their start, and raise the error of the first of them."""
@@ -177,9 +191,13 @@ def make_vec(
     num_envs: int = 1,
     observation: str = "features",
     rewards: str = "scoring",
+    control: str = "closest1",
+    right_control: str = "none",
     dialect: int | None = None,
 ) -> FootballVectorEnv:
     """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects."""
-    env = FootballVectorEnv(program, num_envs, config=FootballConfig(observation, rewards, dialect))
+    env = FootballVectorEnv(
+        program, num_envs, config=FootballConfig(observation, rewards, control, right_control, dialect)
+    )
     env.next_levels = env.sample_levels
     return env

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RIGHT
+from envs.football.agents import seen_by
+from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY
 from envs.football.world import FIELDS
 from scenic_lite.jit import kernel
 
@@ -41,7 +42,7 @@ def _write_player(match, i, registers, at):
     player = match.players[i]
     _write_motion(player, player.facing_x, player.facing_y, registers, at)
     registers[at + 6] = 1.0 if match.owner == i else 0.0
-    registers[at + 7] = 1.0 if match.controlled == i else 0.0
+    registers[at + 7] = 1.0 if player.agent != NOBODY else 0.0
     registers[at + 8] = player.tired
     registers[at + 9] = seen_by(player.team, player.direction)
     registers[at + 10] = 1.0 if player.sprint else 0.0
@@ -81,11 +82,3 @@ def heading(x, y):
         return 0.0
     angle = math.atan2(-x, y)
     return angle if angle >= 0.0 else angle + 2.0 * math.pi
-
-
-@kernel
-def seen_by(team, action):
-    """Turn a direction, 1..8, for a right player, who sees the pitch from the other end; other actions stay."""
-    if team == RIGHT and 1 <= action <= 8:
-        return (action + 3) % 8 + 1
-    return action

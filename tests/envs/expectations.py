@@ -18,6 +18,7 @@ from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
+from pitch import take_over
 
 from envs.football.constants import NOBODY
 from envs.football.vector_env import FootballVectorEnv
@@ -71,7 +72,7 @@ def courses(path: Path, steps: int, count: int = MATCHES) -> list[Course]:
     env = FootballVectorEnv(path, count)
     env.reset(seed=0)
     for matches in (env._batch.matches, env._batch.starts):  # nobody is the learner's
-        matches["learner"], matches["controlled"] = False, NOBODY
+        take_over(matches, NOBODY)
     played = [Course() for _ in range(count)]
     note(env, played)
     for _ in range(steps):

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from envs.football.constants import CM, FREE_KICK, GK, LEFT, RIGHT
+from envs.football.constants import CM, FIXED, FREE_KICK, GK, LEFT, NOBODY, RIGHT
 from envs.football.simulator import step_matches
 from envs.football.state import MATCH, Lineup, MatchConfig, kick_off
 
@@ -49,9 +49,18 @@ def play(matches: np.ndarray, actions: Iterable[int], player: int | None = None)
     """Play the actions one per step, the same in every match, by the given or the controlled player."""
     for action in actions:
         if player is not None:
-            matches["learner"], matches["controlled"] = False, player
-        step_matches(matches, np.full(len(matches), action))
+            take_over(matches, player)
+        step_matches(matches, np.full((len(matches), 1), action))
     return matches
+
+
+def take_over(matches: np.ndarray, player: int) -> None:
+    """Let one agent move the same player throughout; NOBODY: the built-in players have the match to themselves."""
+    matches["control"], matches["agents"], matches["players"]["agent"] = FIXED, NOBODY, NOBODY
+    matches["num_agents"] = 0
+    if player != NOBODY:
+        team = int(matches["players"]["team"][0, player])
+        matches["num_agents"][:, team], matches["agents"][:, 0], matches["players"]["agent"][:, player] = 1, player, 0
 
 
 def speeds(matches: np.ndarray, actions: Iterable[int], player: int = 0) -> tuple[np.ndarray, np.ndarray]:

@@ -49,7 +49,7 @@ class ReferenceMatch:
         if commands.terminated or commands.rejected:
             return Moment(commands, Verdict(0.0, commands.terminated, commands.rejected), 0, RUNNING)
         numbers = np.array([actions[0] if actions else -1.0 for actions in commands.actions], float)
-        step_commanded(self.matches[0], action, self.casting.cast, numbers)
+        step_commanded(self.matches[0], np.array([action]), self.casting.cast, numbers)
         verdict = self._ask(self.reference.watch)
         return Moment(commands, verdict, int(self.matches["goal"][0]), int(self.matches["ended"][0]))
 

@@ -88,7 +88,7 @@ def test_the_last_of_several_settings_counts():
 
 
 def test_settings_are_those_of_a_match():
-    assert {field.name for field in dataclasses.fields(MatchConfig)} - {"learner"} == SETTINGS
+    assert {field.name for field in dataclasses.fields(MatchConfig)} - {"control", "right_control"} == SETTINGS
 
 
 def test_parameters_of_the_model_and_of_the_original_engine_are_known():

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from pitch import OPEN, play, position
+from pitch import OPEN, play, position, take_over
 
 from envs.football.constants import (
     CB,
@@ -15,6 +15,7 @@ from envs.football.constants import (
     DIRECTION_RIGHT,
     GK,
     LEFT,
+    NOBODY,
     RELEASE_DIRECTION,
     RIGHT,
     SHOT,
@@ -32,7 +33,7 @@ Policy = Callable[[np.ndarray, int], np.ndarray]
 def goals(matches: np.ndarray, policy: Policy, steps: int = 400) -> float:
     """Share of episodes that end with a goal of the left team."""
     for step in range(steps):
-        step_matches(matches, np.asarray(policy(matches, step), np.int64))
+        step_matches(matches, np.asarray(policy(matches, step), np.int64)[:, None])
     return float(np.mean(matches["score"][:, 0] > 0))
 
 
@@ -138,7 +139,7 @@ def test_the_built_in_ai_plays_itself() -> None:
     from test_simulator import FIVES
 
     matches = position(FIVES, (0.0, 1.0), OPEN, range(30))
-    matches["learner"], matches["controlled"] = False, -1
+    take_over(matches, NOBODY)
     owned = np.zeros(2)
     for _ in range(1500):
         play(matches, [0])

@@ -141,7 +141,7 @@ def test_a_match_that_has_ended_changes_no_more_and_pays_nothing() -> None:
     before = matches.copy()
     play(matches, [5, 12, 13])
     assert same(before, matches)
-    assert matches["goal"][0] == 0 and matches["checkpoint_reward"][0] == 0.0
+    assert matches["goal"][0] == 0 and (matches["checkpoint_reward"][0] == 0.0).all()
 
 
 def test_checkpoints_pay_once_each_and_all_at_a_goal() -> None:
@@ -150,7 +150,7 @@ def test_checkpoints_pay_once_each_and_all_at_a_goal() -> None:
     paid = []
     for _ in range(80):
         play(matches, [5])
-        paid.append(matches["checkpoint_reward"][0])
+        paid.append(matches["checkpoint_reward"][0, 0])
         if matches["ended"][0]:
             break
     assert matches["ended"][0] == GOAL

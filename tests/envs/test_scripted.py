@@ -97,7 +97,7 @@ def test_the_learner_moves_whom_it_controls_whatever_his_behavior_wants() -> Non
         "RightGK at 99 @ 0\nball = Ball at -50 @ 3\n"
     )
     env = started(text)
-    assert env.matches["controlled"][0] == 0
+    assert env.matches["agents"][0, 0] == 0
     steps(env, 1, action=7)
     assert env.matches["players"]["action"][0, :2].tolist() == [7, 15]
 

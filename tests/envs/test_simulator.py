@@ -36,7 +36,7 @@ FIVES = [
 def random_play(matches: np.ndarray, steps: int, seed: int = 0) -> np.ndarray:
     actions = np.random.default_rng(seed).integers(0, 19, (steps, len(matches)))
     for row in actions:
-        step_matches(matches, row)
+        step_matches(matches, row[:, None])
     return matches
 
 
@@ -51,8 +51,8 @@ def test_a_batch_of_one_is_a_row_of_a_batch() -> None:
     batch = duel((30.0, 0.0), (45.0, 2.0), range(8))
     alone = duel((30.0, 0.0), (45.0, 2.0), [5])
     for row in actions:
-        step_matches(batch, row)
-        step_matches(alone, row[5:6])
+        step_matches(batch, row[:, None])
+        step_matches(alone, row[5:6, None])
     assert same(batch[5:6], alone)
 
 
@@ -120,7 +120,7 @@ def test_both_sides_play_alike() -> None:
         end_episode_on_out_of_play=False,
         end_episode_on_possession_change=False,
         right_team_difficulty=1.0,
-        learner=False,
+        control="none",
     )
     turned = [(-x, -y, 1 - team, role) for x, y, team, role in FIVES]
     here, there = position(FIVES, (0.3, 1.0), equal), position(turned, (-0.3, -1.0), equal)
@@ -152,7 +152,7 @@ def test_invariants_in_an_open_game_of_fives() -> None:
     matches = position(FIVES, (0.0, 1.0), seeds=range(8))
     rng = np.random.default_rng(0)
     for _ in range(600):
-        step_matches(matches, rng.integers(0, 19, 8))
+        step_matches(matches, rng.integers(0, 19, (8, 1)))
         check_sane(matches)
     assert matches["score"].sum() >= 1
 
@@ -173,20 +173,21 @@ def check_sane(matches: np.ndarray) -> None:
     rows = np.flatnonzero(matches["owner"] >= 0)
     owners = players[rows, matches["owner"][rows]]
     assert (np.hypot(owners["x"] - ball["x"][rows], owners["y"] - ball["y"][rows]) < 2.0).all()
-    assert (matches["controlled"] >= 0).all() and (players["team"][:, matches["controlled"]] == LEFT).all()
+    agents = matches["agents"][:, 0]
+    assert (agents >= 0).all() and (players["team"][:, agents] == LEFT).all()
 
 
 def test_the_controlled_player_is_the_closest_one_before_the_next_action() -> None:
     """So that the player observed is the one whom the action moves; ties keep program order."""
     tie = position([(0.0, 3.0, LEFT, CM), (0.0, -3.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (0.0, 0.0))
-    assert tie["controlled"][0] == 0
+    assert tie["agents"][0, 0] == 0
     matches = position(FIVES, (0.0, 1.0))
     rng = np.random.default_rng(5)
     for _ in range(200):
         play(matches, [int(rng.integers(19))])
         left = matches["players"][0, :5]
         distance = np.hypot(left["x"] - matches["ball"]["x"][0], left["y"] - matches["ball"]["y"][0])
-        assert matches["controlled"][0] == np.argmin(distance)
+        assert matches["agents"][0, 0] == np.argmin(distance)
 
 
 @pytest.mark.parametrize("action", [-1, 19, 400])

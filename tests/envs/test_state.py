@@ -25,7 +25,7 @@ def test_a_fresh_match() -> None:
     assert matches["players"]["x"][0, :3].tolist() == [30.0, 50.0, -53.9]
     assert matches["players"]["shirt"][0, :3].tolist() == [0, 0, 1]
     assert matches["players"]["facing_x"][0, :3].tolist() == [1.0, -1.0, 1.0]
-    assert (matches["controlled"] == 0).all()
+    assert (matches["agents"][:, 0] == 0).all()
     assert (matches["owner"] == -1).all() and (matches["last_owned_team"] == -1).all()
     assert matches["players"]["skill"][0, :2] == pytest.approx([1.0, 0.72])
     assert len(np.unique(matches["random"])) == 3

@@ -6,10 +6,21 @@ import math
 
 import numpy as np
 import pytest
-from pitch import position
+from pitch import position, take_over
 
 from envs.football.casting import Casting
-from envs.football.constants import BAD_ACTION, BUILTIN_AI, CM, GK, LEFT, METRES_PER_X, METRES_PER_Y, RIGHT, SHOT
+from envs.football.constants import (
+    BAD_ACTION,
+    BUILTIN_AI,
+    CM,
+    GK,
+    LEFT,
+    METRES_PER_X,
+    METRES_PER_Y,
+    NOBODY,
+    RIGHT,
+    SHOT,
+)
 from envs.football.domain import FOOTBALL
 from envs.football.script import command_players
 from envs.football.world import FACTS, FIELDS, FOOTBALL_WORLD
@@ -91,7 +102,7 @@ def test_the_right_team_sees_the_pitch_from_the_other_end() -> None:
 def commanded(commands: list[float]) -> tuple[list[int], int]:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = BUILTIN_AI
-    matches["controlled"] = -1
+    take_over(matches, NOBODY)
     command_players(matches[0], CAST, np.array(commands))
     return matches["players"]["action"][0, :2].tolist(), int(matches["fault"][0])
 
@@ -117,7 +128,7 @@ def test_a_command_that_is_none_is_a_fault(wrong: float) -> None:
 def test_whom_the_learner_moves_does_not_obey_his_behavior() -> None:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = 7
-    matches["controlled"] = 0
+    take_over(matches, 0)
     command_players(matches[0], CAST, np.array([2.0, -1.0, 2.0]))
     assert matches["players"]["action"][0, :2].tolist() == [7, 6]
 
