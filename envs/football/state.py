@@ -63,6 +63,9 @@ PLAYER_FIELDS = (
     ("kick_mate", "i8", (), "", "player for whom the pass asked for is meant, -1 nobody"),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
     ("sliding", "?", (), "", "the player is down because he slides into a tackle"),
+    ("cards", "i8", (), "", "1 cautioned (yellow), 2 sent off (red, or the second yellow)"),
+    ("leave_wait", "f8", (), "s", "until a player who has been sent off leaves the pitch"),
+    ("off", "?", (), "", "has left the pitch: stands far beside it, does nothing and is in nobody's way"),
 )
 
 MATCH_FIELDS = (
@@ -81,11 +84,17 @@ MATCH_FIELDS = (
     ("end_episode_on_possession_change", "?", (), "", ""),
     ("offsides", "?", (), "", ""),
     ("use_magnet", "?", (), "", "a free ball pulls the best placed player whatever his agent's direction"),
+    ("second_half", "i8", (), "steps", "played when the second half begins; beyond the duration there is none"),
     # The state of play
     ("score", "i8", (2,), "", "goals of the left and of the right team"),
     ("game_mode", "i8", (), "", "0 normal, 1 kick-off, 2 goal kick, 3 free kick, 4 corner, 5 throw-in, 6 penalty"),
     ("restart_team", "i8", (), "", "who takes the restart, -1 when none is due"),
-    ("restart_wait", "i8", (), "steps", "until the restart"),
+    ("restart_wait", "i8", (), "steps", "since play stopped"),
+    ("restart_kick", "i8", (), "steps", "until the taker meets the ball, -1 while he has not decided"),
+    ("taker", "i8", (), "", "player who takes the restart, -1 none"),
+    ("line_wait", "f8", (), "s", "after a set piece for which the side lines do not count"),
+    ("starter", "i8", (), "", "team that was nearer to the ball at the start; the other one starts the second half"),
+    ("half", "i8", (), "", "0 the first, 1 the second"),
     ("owner", "i8", (), "", "player in possession as the original reports it, -1 none"),
     ("carrier", "i8", (), "", "player who leads the ball with his feet or holds it, -1 for a free ball"),
     ("holder", "i8", (), "", "keeper with the ball in his hands, -1 none"),
@@ -95,6 +104,15 @@ MATCH_FIELDS = (
     ("last_owned_team", "i8", (), "", "team of the last owner, -1 none yet"),
     ("receiver", "i8", (), "", "player for whom the last kick was meant, -1 nobody; he need not have the ball yet"),
     ("offside_bits", "i8", (), "", "bit i: player i was offside when a mate last kicked"),
+    # A foul that has been seen (`fouls.report_foul`) and that the rules have not dealt with yet
+    ("foul_player", "i8", (), "", "who committed it, -1 none"),
+    ("foul_victim", "i8", (), "", "who was fouled, -1 none"),
+    ("foul_severity", "f8", (), "", "above 1 a foul, above 1.4 yellow, above 2 red"),
+    ("foul_x", "f8", (), "m", "where the victim was"),
+    ("foul_y", "f8", (), "m", ""),
+    ("foul_age", "f8", (), "s", "since then, while play goes on for the victim's advantage"),
+    ("advantage", "?", (), "", "a trip, for which play goes on; a slide stops it at once"),
+    # Who goes for the ball
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
     ("save_x", "f8", (), "m", "where he means to meet it"),
@@ -112,6 +130,11 @@ MATCH_FIELDS = (
     ("terminated", "?", (), "", "ended by an event"),
     ("truncated", "?", (), "", "ended by the duration alone, or rejected"),
     ("fault", "i8", (), "", "0 none, 1 a value is not a number, 2 no such action, 3 in the program"),
+)
+
+NOBODY_YET = (
+    *("owner", "carrier", "holder", "kicker", "last_touch", "last_owned_team", "saver", "chaser", "receiver"),
+    *("restart_team", "restart_kick", "taker", "foul_player", "foul_victim"),
 )
 
 
@@ -137,6 +160,7 @@ class MatchConfig:
     end_episode_on_out_of_play: npt.ArrayLike = True
     end_episode_on_possession_change: npt.ArrayLike = True
     offsides: npt.ArrayLike = False
+    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off again; never
     left_team_difficulty: npt.ArrayLike = 1.0
     right_team_difficulty: npt.ArrayLike = 0.6
     deterministic: npt.ArrayLike = False  # the same random numbers in every episode
@@ -173,9 +197,9 @@ def kick_off(
     teams, roles = np.asarray(lineup.teams, np.int64), np.asarray(lineup.roles, np.int64)
     _check(positions, ball, teams, roles)
     matches = np.zeros(len(positions), MATCH)
-    for name in ("owner", "carrier", "holder", "kicker", "last_touch", "last_owned_team", "saver", "restart_team"):
+    for name in NOBODY_YET:
         matches[name] = NOBODY
-    matches["chaser"], matches["receiver"], matches["players"]["kick_mate"] = NOBODY, NOBODY, NOBODY
+    matches["players"]["kick_mate"] = NOBODY
     _settle(matches, config, seeds)
     matches["num_players"] = len(teams)
     for axis, name in enumerate("xy"):
