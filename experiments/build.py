@@ -23,8 +23,17 @@ if TYPE_CHECKING:
 
 METHODS = {
     "dr": "domain randomisation: a new uniform level for every episode",
+    "minimax": "an adversary that is paid what the student loses",
     "paired": "protagonist, antagonist and an adversary that is paid their regret",
+    "self_regret": "an adversary that is paid what the student's later episodes bring above its earlier ones",
+    "repaired": "PAIRED's levels in a replay buffer; students learn from replayed ones alone",
+    "plr": "prioritised level replay: new and replayed levels by turns",
+    "robust_plr": "prioritised level replay that learns from replayed levels alone",
+    "accel": "robust replay of levels whose edited copies enter the buffer",
+    "sfl": "random levels that are solved about half of the time",
+    "alp_gmm": "levels where returns have been changing, by Gaussian mixtures",
 }
+CONFIG_OF = {"robust_plr": "plr"}  # the group of settings of a method that does not have one of its own name
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
 
@@ -142,16 +151,36 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     """
     import torch
 
-    from ued.methods.dr import DR
-    from ued.methods.paired import Paired
+    import ued
 
+    classes = {
+        "dr": "DR",
+        "minimax": "Minimax",
+        "paired": "Paired",
+        "self_regret": "SelfRegret",
+        "repaired": "Repaired",
+        "plr": "PLR",
+        "robust_plr": "RobustPLR",
+        "accel": "ACCEL",
+        "sfl": "SFL",
+        "alp_gmm": "ALPGMM",
+    }
+    name = find_method(config.method)
     torch.set_num_threads(config.threads)
     try:
-        if find_method(config.method) == "dr":
-            return DR(upomdp, config.ppo, config.dr, config.seed)
-        return Paired(upomdp, config.ppo, config.paired, config.seed)
-    except ValueError as error:
+        return getattr(ued, classes[name])(upomdp, config.ppo, method_config(config), config.seed)
+    except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
+
+
+def config_name(method: str) -> str:
+    """Give the name of the group of settings of a method."""
+    return CONFIG_OF.get(method, method)
+
+
+def method_config(config: TrainConfig) -> Any:
+    """Give the settings of the method of a run."""
+    return getattr(config, config_name(config.method))
 
 
 def make_painter(program: Program) -> FootballPainter:

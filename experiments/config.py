@@ -18,9 +18,16 @@ from envs.football.config import FootballConfig
 from experiments.arguments import group, positional
 from experiments.errors import CommandError, nearest
 from ued.config import (
+    ACCELConfig,
+    ALPGMMConfig,
     DRConfig,
+    MinimaxConfig,
     PairedConfig,
+    PLRConfig,
     PPOConfig,
+    RepairedConfig,
+    SelfRegretConfig,
+    SFLConfig,
     check_at_least_1,
     check_not_negative,
     setting,
@@ -57,7 +64,7 @@ class TrainConfig:
     """One training run. Two runs with equal configurations on one machine give equal numbers."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
-    method: str = setting("paired", "how levels are chosen: dr (domain randomisation) or paired")
+    method: str = setting("paired", "how levels are chosen: dr, paired, plr, accel ... (see ued/methods)")
     seed: int = setting(0, "seed of every random stream of the run")
     total_env_steps: int = setting(3_000_000, "stop when training has simulated this many steps, the antagonist's too")
     num_envs: int = setting(128, "environments that each student plays at a time")
@@ -70,7 +77,14 @@ class TrainConfig:
     env: FootballConfig = group(FootballConfig, "environment")
     ppo: PPOConfig = group(football_ppo, "PPO")
     dr: DRConfig = group(DRConfig, "domain randomisation", prefix="dr.")
+    minimax: MinimaxConfig = group(MinimaxConfig, "minimax adversary", prefix="minimax.")
     paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
+    self_regret: SelfRegretConfig = group(SelfRegretConfig, "self-regret", prefix="self-regret.")
+    repaired: RepairedConfig = group(RepairedConfig, "REPAIRED", prefix="repaired.")
+    plr: PLRConfig = group(PLRConfig, "prioritised level replay", prefix="plr.")
+    accel: ACCELConfig = group(ACCELConfig, "ACCEL", prefix="accel.")
+    sfl: SFLConfig = group(SFLConfig, "sampling for learnability", prefix="sfl.")
+    alp_gmm: ALPGMMConfig = group(ALPGMMConfig, "ALP-GMM", prefix="alp-gmm.")
 
     def __post_init__(self) -> None:
         if self.env.observation != "features":

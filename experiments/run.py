@@ -67,8 +67,10 @@ class RunFolder:
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
+        of_methods = {build.config_name(method) for method in build.METHODS}
+        others = of_methods - {build.config_name(self.config.method)}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
-            of_others = name.partition(".")[0] in set(build.METHODS) - {config.method}
+            of_others = name.partition(".")[0] in others
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         self.config = config

@@ -12,58 +12,124 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ued.adversary import Adversary
     from ued.checkpoint import CheckpointError
-    from ued.config import AdversaryConfig, DRConfig, PairedConfig, PPOConfig
+    from ued.config import (
+        ACCELConfig,
+        AdversaryConfig,
+        ALPGMMConfig,
+        BufferConfig,
+        DRConfig,
+        MinimaxConfig,
+        PairedConfig,
+        PLRConfig,
+        PPOConfig,
+        RepairedConfig,
+        SelfRegretConfig,
+        SFLConfig,
+    )
+    from ued.curriculum import Curriculum, ThetaSpace
     from ued.evaluation import Evaluation, evaluate
     from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
+    from ued.level_buffer import LevelBuffer
     from ued.methods import LevelBatch, Method
+    from ued.methods.accel import ACCEL
+    from ued.methods.alp_gmm import ALPGMM
     from ued.methods.dr import DR
+    from ued.methods.minimax import Minimax
     from ued.methods.paired import Paired
+    from ued.methods.plr import PLR, RobustPLR
+    from ued.methods.repaired import Repaired
+    from ued.methods.self_regret import SelfRegret
+    from ued.methods.sfl import SFL
     from ued.ppo import PPO
     from ued.student import Student
+    from ued.training import Training
+    from ued.trials import trial_dtype
     from ued.upomdp import UPOMDP, ThetaError, level_dtype
 
 _HOME = {
+    "ACCEL": "ued.methods.accel",
+    "ACCELConfig": "ued.config",
+    "ALPGMM": "ued.methods.alp_gmm",
+    "ALPGMMConfig": "ued.config",
     "Adversary": "ued.adversary",
     "AdversaryConfig": "ued.config",
+    "BufferConfig": "ued.config",
     "CheckpointError": "ued.checkpoint",
+    "Curriculum": "ued.curriculum",
     "DR": "ued.methods.dr",
     "DRConfig": "ued.config",
     "Evaluation": "ued.evaluation",
     "GymUPOMDP": "ued.gym_upomdp",
     "LevelBatch": "ued.methods",
+    "LevelBuffer": "ued.level_buffer",
     "Method": "ued.methods",
+    "Minimax": "ued.methods.minimax",
+    "MinimaxConfig": "ued.config",
+    "PLR": "ued.methods.plr",
+    "PLRConfig": "ued.config",
     "PPO": "ued.ppo",
     "PPOConfig": "ued.config",
     "Paired": "ued.methods.paired",
     "PairedConfig": "ued.config",
+    "Repaired": "ued.methods.repaired",
+    "RepairedConfig": "ued.config",
+    "RobustPLR": "ued.methods.plr",
+    "SFL": "ued.methods.sfl",
+    "SFLConfig": "ued.config",
+    "SelfRegret": "ued.methods.self_regret",
+    "SelfRegretConfig": "ued.config",
     "Student": "ued.student",
     "ThetaError": "ued.upomdp",
+    "ThetaSpace": "ued.curriculum",
+    "Training": "ued.training",
     "UPOMDP": "ued.upomdp",
     "UPOMDPWrapper": "ued.gym_upomdp",
     "evaluate": "ued.evaluation",
     "level_dtype": "ued.upomdp",
+    "trial_dtype": "ued.trials",
 }
 
 __all__ = [
+    "ACCEL",
+    "ALPGMM",
     "DR",
+    "PLR",
     "PPO",
+    "SFL",
     "UPOMDP",
+    "ACCELConfig",
+    "ALPGMMConfig",
     "Adversary",
     "AdversaryConfig",
+    "BufferConfig",
     "CheckpointError",
+    "Curriculum",
     "DRConfig",
     "Evaluation",
     "GymUPOMDP",
     "LevelBatch",
+    "LevelBuffer",
     "Method",
+    "Minimax",
+    "MinimaxConfig",
+    "PLRConfig",
     "PPOConfig",
     "Paired",
     "PairedConfig",
+    "Repaired",
+    "RepairedConfig",
+    "RobustPLR",
+    "SFLConfig",
+    "SelfRegret",
+    "SelfRegretConfig",
     "Student",
     "ThetaError",
+    "ThetaSpace",
+    "Training",
     "UPOMDPWrapper",
     "evaluate",
     "level_dtype",
+    "trial_dtype",
 ]
 
 

@@ -1,15 +1,16 @@
 """The adversary: a learned teacher that proposes θ in one step, a bandit with a random vector z as its context.
 
-A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3). The vector z lets the same weights propose many
-different levels; the entropy bonus is measured in θ's own space, because the entropy of the Gaussian before squashing
-is largest where tanh saturates, and would drive all levels into the corners. Read next: `methods.paired`.
+A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3), or a Beta distribution does, as in CLUTR. The
+vector z lets the same weights propose many different levels; the entropy bonus is measured in θ's own space, because
+the entropy of the Gaussian before squashing is largest where tanh saturates, and would drive all levels into the
+corners. Read next: `teacher`.
 """
 
 from __future__ import annotations
 
 import copy
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -22,49 +23,93 @@ from ued.networks import Gaussian, linear, mlp
 # tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
 UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
 LOG_STD_RANGE = (-5.0, 1.0)
+BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
 MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
 
 
 class Proposals(NamedTuple):
     """What the adversary proposed, with what it needs in order to learn from it: arrays of float32.
 
-    z `[n, Z]` the context; raw `[n, D]` θ before tanh; log_prob `[n]` of raw.
+    z `[n, Z]` the context; raw `[n, D]` what was drawn: θ before tanh, or θ itself; log_prob `[n]` of raw.
     """
 
     z: np.ndarray
     raw: np.ndarray
     log_prob: np.ndarray
 
-    @property
-    def theta(self) -> np.ndarray:
-        """The proposed θ, float64 `[n, D]` in [-1, 1]."""
-        return np.tanh(self.raw.astype(np.float64))
+
+class ThetaPolicy(Protocol):
+    """A distribution over θ for each row of a batch, drawn as `raw` `[B, D]`."""
+
+    def sample(self, generator: torch.Generator) -> Tensor: ...
+    def log_prob(self, raw: Tensor) -> Tensor: ...
+    def theta_entropy(self, generator: torch.Generator) -> Tensor: ...
+
+
+class Squashed(Gaussian):
+    """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
+        super().__init__(mean, (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE))
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Estimate the entropy `[B]` of θ from one sample each that gradients flow through.
+
+        H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution.
+        """
+        raw = self.sample(generator)
+        return self.entropy() + (2 * (math.log(2) - raw - softplus(-2 * raw))).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        """Give θ `[n, D]` for what was drawn."""
+        return np.tanh(raw.astype(np.float64))
+
+
+class Beta:
+    """θ = raw = 2 b - 1, each b from a Beta distribution with both parameters above 1: one hump (Chou et al. 2017)."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        # Both parameters begin near 1, which is uniform.
+        alpha, beta = (1 + softplus(4 * x - 3) for x in (one, other))
+        self.beta = torch.distributions.Beta(alpha, beta, validate_args=False)
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        one, other = (
+            torch._standard_gamma(c, generator=generator) for c in (self.beta.concentration1, self.beta.concentration0)
+        )
+        return (2 * one / (one + other) - 1).clamp(-BETA_EDGE, BETA_EDGE)
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        return (self.beta.log_prob((raw + 1) / 2) - math.log(2)).sum(-1)
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Give the entropy `[B]` of θ, exactly."""
+        return (self.beta.entropy() + math.log(2)).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        """Give θ `[n, D]` for what was drawn."""
+        return raw.astype(np.float64)
+
+
+DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "beta": Beta}
 
 
 class AdversaryNetwork(nn.Module):
-    """z `[B, Z]` -> a Gaussian over θ before tanh, and the regret to expect `[B]`, in normalised units."""
+    """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units."""
 
     def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator) -> None:
         super().__init__()
+        self.distribution = DISTRIBUTIONS[config.distribution]
         self.torso = mlp(config.context_size, config.hidden_size, 2, generator)
-        self.mean = linear(config.hidden_size, dim, 0.01, generator)
-        self.log_std = linear(config.hidden_size, dim, 0.01, generator)
+        self.heads = nn.ModuleList(linear(config.hidden_size, dim, 0.01, generator) for _ in range(2))
         self.value = linear(config.hidden_size, 1, 1.0, generator)
 
-    def forward(self, z: Tensor) -> tuple[Gaussian, Tensor]:
+    def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
         features = self.torso(z)
-        mean = MEAN_RANGE * torch.tanh(self.mean(features) / MEAN_RANGE)
-        log_std = (UNIFORM_LOG_STD + self.log_std(features)).clamp(*LOG_STD_RANGE)
-        return Gaussian(mean, log_std), self.value(features)[:, 0]
-
-
-def squashed_entropy(gaussian: Gaussian, generator: torch.Generator) -> Tensor:
-    """Estimate the entropy `[B]` of θ = tanh(raw) in θ's space, from one sample each that gradients flow through.
-
-    H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution on [-1, 1]^D.
-    """
-    raw = gaussian.sample(generator)
-    return gaussian.entropy() + (2 * (math.log(2) - raw - softplus(-2 * raw))).sum(-1)
+        return self.distribution(*(head(features) for head in self.heads)), self.value(features)[:, 0]
 
 
 class Adversary:
@@ -88,9 +133,13 @@ class Adversary:
     def propose(self, count: int) -> Proposals:
         """Draw `count` proposals."""
         z = torch.empty(count, self.config.context_size).normal_(generator=self.generator)
-        gaussian, _ = self.network(z)
-        raw = gaussian.sample(self.generator)
-        return Proposals(z.numpy(), raw.numpy(), gaussian.log_prob(raw).numpy())
+        policy, _ = self.network(z)
+        raw = policy.sample(self.generator)
+        return Proposals(z.numpy(), raw.numpy(), policy.log_prob(raw).numpy())
+
+    def theta(self, proposals: Proposals) -> np.ndarray:
+        """Give the proposed θ, float64 `[n, D]` in [-1, 1]."""
+        return self.network.distribution.theta(proposals.raw)
 
     def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
         """Learn from the regret `[n]` of these proposals; give the means of the losses over the epochs."""
@@ -102,13 +151,13 @@ class Adversary:
 
     def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> dict[str, float]:
         config = self.config
-        gaussian, value = self.network(z)
-        ratio = (gaussian.log_prob(raw) - log_prob).exp()  # tanh's Jacobian is the same above and below
+        policy, value = self.network(z)
+        ratio = (policy.log_prob(raw) - log_prob).exp()  # tanh's Jacobian is the same above and below
         advantage = target - value.detach()
         clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
         policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()
         value_loss = 0.5 * ((value - target) ** 2).mean()
-        entropy = squashed_entropy(gaussian, self.generator).mean()
+        entropy = policy.theta_entropy(self.generator).mean()
         loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
         self.optimizer.zero_grad()
         loss.backward()

@@ -89,6 +89,9 @@ class AdversaryConfig:
     vf_coef: float = setting(0.5, "weight of the baseline's loss")
     max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
     adam_eps: float = setting(1e-5, "Adam's epsilon")
+    distribution: Literal["squashed", "beta"] = setting(
+        "squashed", "of theta: a Gaussian squashed by tanh, or a Beta distribution of each column"
+    )
     context_size: int = setting(16, "length of the random vector z that each proposal starts from")
     hidden_size: int = setting(64, "units in each of the two hidden layers")
     min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
@@ -97,6 +100,7 @@ class AdversaryConfig:
         check_at_least_1(self, "update_epochs", "context_size", "hidden_size", "min_batch")
         check_positive(self, "learning_rate", "clip_coef", "max_grad_norm", "adam_eps")
         check_not_negative(self, "ent_coef", "vf_coef")
+        check_choices(self, "distribution")
 
     @classmethod
     def thesis(cls) -> AdversaryConfig:
@@ -105,10 +109,44 @@ class AdversaryConfig:
 
 
 @dataclass(frozen=True)
-class PairedConfig:
-    """Settings of PAIRED."""
+class TeacherConfig:
+    """Settings of every method with a learned teacher."""
 
     episodes_per_level: int = setting(2, "whole episodes that each student plays on a level")
+    dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
+    invalid_penalty: float = setting(
+        0.0, "score of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
+    )
+    adversary: AdversaryConfig = field(default_factory=AdversaryConfig, metadata={"help": "the adversary"})
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "episodes_per_level")
+        check_share(self, "dr_fraction")
+        check_not_negative(self, "invalid_penalty")
+
+
+@dataclass(frozen=True)
+class MinimaxConfig(TeacherConfig):
+    """Settings of the minimax adversary."""
+
+
+@dataclass(frozen=True)
+class SelfRegretConfig(TeacherConfig):
+    """Settings of self-regret: on a level, the student plays `episodes_per_level` episodes as each of the two."""
+
+    regret: Literal["max_mean", "mean_mean"] = setting(
+        "max_mean", "the later episodes' max or mean minus the earlier ones' mean: max_mean or mean_mean"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_choices(self, "regret")
+
+
+@dataclass(frozen=True)
+class PairedConfig(TeacherConfig):
+    """Settings of PAIRED."""
+
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )
@@ -117,22 +155,140 @@ class PairedConfig:
     student_reward: Literal["environment", "regret"] = setting(
         "environment", "what students learn from: the environment's rewards, or -regret and regret when an episode ends"
     )
-    dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
-    invalid_penalty: float = setting(
-        0.0, "regret of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
+    antagonist: Literal["student", "scripted"] = setting(
+        "student", "who plays the antagonist: a second student, or what the environment itself does there"
     )
-    adversary: AdversaryConfig = field(default_factory=AdversaryConfig, metadata={"help": "the adversary"})
+    population: int = setting(0, "students without fixed parts, of whom the best is the antagonist; 0: two with parts")
+    kl: Literal["none", "one_way", "both_ways"] = setting(
+        "none", "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other"
+    )
+    kl_coef: float = setting(0.1, "weight of the divergence of the other student's policy")
+    kl_every: int = setting(5, "updates between two in which students are drawn to each other")
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "episodes_per_level")
-        check_choices(self, "regret", "student_reward")
-        check_share(self, "dr_fraction")
-        check_not_negative(self, "invalid_penalty")
+        super().__post_init__()
+        check_at_least_1(self, "kl_every")
+        check_choices(self, "regret", "student_reward", "antagonist", "kl")
+        check_not_negative(self, "kl_coef", "population")
+        if self.population == 1:
+            raise ValueError("population must be 0 or at least 2, got 1")
+        if self.population and (self.antagonist == "scripted" or self.student_reward == "regret" or self.flexible):
+            raise ValueError("a population has no antagonist: it excludes scripted, flexible and regret as reward")
+        if self.antagonist == "scripted" and (self.kl != "none" or self.student_reward == "regret"):
+            raise ValueError("a scripted antagonist does not learn: it excludes kl and regret as reward")
 
     @classmethod
     def thesis(cls) -> PairedConfig:
         """Give the settings of the thesis (Table 4.2)."""
         return cls(adversary=AdversaryConfig.thesis())
+
+    @classmethod
+    def literal(cls) -> PairedConfig:
+        """Give PAIRED as it is usually shipped: the thesis's student rewards, no entropy bonus, no random levels."""
+        return cls(student_reward="regret", clip_regret=True, adversary=AdversaryConfig(ent_coef=0.0))
+
+
+@dataclass(frozen=True)
+class BufferConfig:
+    """Settings of a buffer of levels."""
+
+    capacity: int = setting(1000, "levels that are kept")
+    priority: Literal["rank", "power"] = setting("rank", "replay by rank of the score, or by a power of it")
+    temperature: float = setting(0.3, "the lower, the more the best levels are preferred: rank or score ^ (1 / T)")
+    staleness_coef: float = setting(0.3, "share of replays that go to levels not played for long")
+    no_duplicates: bool = setting(True, "a level that is in the buffer already is not put in again")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "capacity")
+        check_positive(self, "temperature")
+        check_share(self, "staleness_coef")
+        check_choices(self, "priority")
+
+
+ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability"]
+
+
+@dataclass(frozen=True)
+class PLRConfig:
+    """Settings of prioritised level replay, robust or not."""
+
+    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one")
+    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed")
+    score: ScoreRule = setting("max_mc", "what makes a level worth replaying")
+    episodes_per_level: int = setting(1, "whole episodes that the student plays on a level")
+    buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
+
+    def __post_init__(self) -> None:
+        check_share(self, "replay_prob", "min_fill")
+        check_at_least_1(self, "episodes_per_level")
+        check_choices(self, "score")
+        if self.score == "learnability" and self.episodes_per_level < 2:
+            raise ValueError("the score learnability needs episodes_per_level of at least 2, got 1")
+
+
+@dataclass(frozen=True)
+class ACCELConfig(PLRConfig):
+    """Settings of ACCEL."""
+
+    replay_prob: float = setting(0.8, "probability of a level from the buffer instead of a new one")
+    num_edits: int = setting(3, "columns of theta, drawn with replacement, that are changed in a child")
+    edit_size: float = setting(0.2, "by how much at most each is moved; theta lies between -1 and 1")
+    parents: Literal["all", "easy"] = setting("all", "which replayed levels have children: all, or the easier half")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_at_least_1(self, "num_edits")
+        check_positive(self, "edit_size")
+        check_choices(self, "parents")
+
+
+@dataclass(frozen=True)
+class RepairedConfig(PairedConfig):
+    """Settings of REPAIRED."""
+
+    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's")
+    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed")
+    buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_share(self, "replay_prob", "min_fill")
+        if self.student_reward == "regret":
+            raise ValueError("REPAIRED trains students on the environment's rewards, not on regret")
+
+
+@dataclass(frozen=True)
+class SFLConfig:
+    """Settings of sampling for learnability, on a budget."""
+
+    candidates: int = setting(256, "random levels that are looked at for each choice")
+    candidate_episodes: int = setting(4, "whole episodes on each of them")
+    chosen: int = setting(64, "most learnable ones that are trained on")
+    choose_every: int = setting(25, "updates between two choices")
+    chosen_share: float = setting(0.5, "share of training levels that are chosen ones; the others are random")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "candidates", "chosen", "choose_every")
+        check_share(self, "chosen_share")
+        if self.candidate_episodes < 2:
+            raise ValueError(f"candidate_episodes must be at least 2, got {self.candidate_episodes}")
+        if self.chosen > self.candidates:
+            raise ValueError(f"chosen must be at most candidates ({self.candidates}), got {self.chosen}")
+
+
+@dataclass(frozen=True)
+class ALPGMMConfig:
+    """Settings of ALP-GMM."""
+
+    fit_every: int = setting(250, "episodes between two fits, and the number each is made of")
+    random_share: float = setting(0.2, "share of levels drawn uniformly")
+    max_components: int = setting(10, "Gaussians at most; how many is decided by Akaike's criterion")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "max_components")
+        check_share(self, "random_share")
+        if self.fit_every <= self.max_components:
+            raise ValueError(f"fit_every must be above max_components ({self.max_components}), got {self.fit_every}")
 
 
 # ---------------------------------------------------------------- checks: `ValueError` for the first setting that fails

@@ -1,13 +1,13 @@
 """The networks: torsos that read observations, and heads that turn what they read into policies and values.
 
-A policy here is a small object made anew from each forward pass: `sample`, `mode`, `log_prob`, `entropy`.
+A policy here is a small object made anew from each forward pass: `sample`, `mode`, `log_prob`, `entropy`, `kl`.
 All weights are initialised from an explicit generator. Read next: `student`, which puts the parts together.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Protocol
+from typing import Any, Protocol
 
 import torch
 from gymnasium.spaces import Box, Discrete, Space
@@ -23,6 +23,7 @@ class Policy(Protocol):
     def mode(self) -> Tensor: ...
     def log_prob(self, action: Tensor) -> Tensor: ...
     def entropy(self) -> Tensor: ...
+    def kl(self, other: Any) -> Tensor: ...
 
 
 class Categorical:
@@ -44,6 +45,9 @@ class Categorical:
     def entropy(self) -> Tensor:
         return -(self.log_probs.exp() * self.log_probs).sum(-1)
 
+    def kl(self, other: Categorical) -> Tensor:
+        return (self.log_probs.exp() * (self.log_probs - other.log_probs)).sum(-1)
+
 
 class Gaussian:
     """K independent normal numbers: mean `[B, K]`, log_std `[K]` or `[B, K]`. Actions are float32 `[B, K]`."""
@@ -64,6 +68,10 @@ class Gaussian:
 
     def entropy(self) -> Tensor:
         return (self.log_std + 0.5 * (1 + LOG_2_PI)).sum(-1)
+
+    def kl(self, other: Gaussian) -> Tensor:
+        spread = (2 * (self.log_std - other.log_std)).exp() + ((self.mean - other.mean) / other.log_std.exp()) ** 2
+        return (other.log_std - self.log_std + 0.5 * (spread - 1)).sum(-1)
 
 
 def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator) -> nn.Linear:

@@ -15,11 +15,11 @@ import numpy as np
 import torch
 
 from ued.rollout import Rollout
-from ued.student import Student
+from ued.student import Scripted, Student
 from ued.upomdp import UPOMDP
 
 # Called with the environments `[k]` whose episodes have just ended and their returns `[k]`; gives the environments that
-# change their level and the levels they get. The others play their level again.
+# change their level and the trials (see `trials`) they get. The others play their level again.
 Renew = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
@@ -44,22 +44,24 @@ class Player:
     """
 
     def __init__(
-        self, student: Student, upomdp: UPOMDP, num_steps: int, generator: torch.Generator, renew: Renew
+        self, student: Student | Scripted, upomdp: UPOMDP, num_steps: int, generator: torch.Generator, renew: Renew
     ) -> None:
         self.student, self.upomdp, self.generator, self.renew = student, upomdp, generator, renew
         upomdp.next_levels = None
         spaces = upomdp.single_observation_space, upomdp.single_action_space
         self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces)
         self.observation: np.ndarray | None = None  # until `start`
+        self.training = np.ones(upomdp.num_envs, bool)  # where the student learns from what it does
         self.returns = np.zeros(upomdp.num_envs)  # of the open episodes
         self.lengths = np.zeros(upomdp.num_envs, np.int64)
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0}
         self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
-    def start(self, levels: np.ndarray) -> None:
-        """Begin an episode on each of these levels `[N]`."""
-        self.observation, _ = self.upomdp.reset_to_levels(levels)
+    def start(self, trials: np.ndarray) -> None:
+        """Begin an episode on the level of each of these trials `[N]`."""
+        self.observation, _ = self.upomdp.reset_to_levels(trials["level"])
+        self.training[:] = trials["train"]
         self.returns[:] = 0.0
         self.lengths[:] = 0
 
@@ -69,6 +71,7 @@ class Player:
         rollout.observation[t] = torch.as_tensor(self.observation)
         action, rollout.log_prob[t], rollout.value[t] = self.student.act(rollout.observation[t], self.generator)
         rollout.action[t] = action
+        rollout.train[t] = torch.as_tensor(self.training)
         acted = perf_counter()
         self.observation, reward, terminated, truncated, info = self.upomdp.step(self.student.to_environment(action))
         self.seconds["forward"] += acted - began
@@ -95,12 +98,13 @@ class Player:
         self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
-        where, levels = self.renew(ended, returns)
+        where, trials = self.renew(ended, returns)
         if len(where):
             began = perf_counter()
             mask = np.zeros(self.upomdp.num_envs, bool)
             mask[where] = True
-            self.observation, _ = self.upomdp.reset_to_levels(levels[np.argsort(where)], mask)
+            self.training[where] = trials["train"]
+            self.observation, _ = self.upomdp.reset_to_levels(trials["level"][np.argsort(where)], mask)
             self.seconds["sim"] += perf_counter() - began
 
     def finish(self) -> None:
@@ -129,6 +133,7 @@ class Player:
         return {
             "upomdp": self.upomdp.get_state() if episodes else None,
             "levels": self.upomdp.levels.copy(),
+            "training": self.training.copy(),
             "np_random": self.upomdp.np_random.bit_generator.state,
             "generator": self.generator.get_state(),
             "returns": self.returns.copy(),
@@ -140,9 +145,11 @@ class Player:
         """Take back what `state_dict` gave."""
         self.returns[:] = state["returns"]
         self.lengths[:] = state["lengths"]
+        self.training[:] = state["training"]
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
-            self.start(state["levels"])
+            self.observation, _ = self.upomdp.reset_to_levels(state["levels"])
+            self.returns[:], self.lengths[:] = 0.0, 0
         else:
             self.observation = self.upomdp.set_state(state["upomdp"])
         self.generator.set_state(state["generator"])

@@ -13,6 +13,7 @@ import torch
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
+from ued.networks import Policy
 from ued.rollout import Rollout, gae
 from ued.student import Student
 
@@ -25,22 +26,34 @@ class PPO:
         self.optimizer = torch.optim.Adam(student.parameters(), config.learning_rate, eps=config.adam_eps)
         self.updates = 0
 
-    def learn(self, rollout: Rollout, env_steps: int = 0) -> dict[str, float]:
-        """Learn from one rollout; give the means of the losses over all minibatches.
+    def learn(
+        self, rollout: Rollout, env_steps: int = 0, advantages: Tensor | None = None, guide: Guide | None = None
+    ) -> dict[str, float]:
+        """Learn from the steps of a rollout that are meant for it; give the means of the losses over all minibatches.
 
-        `env_steps` is what was simulated so far, for the annealing of the learning rate.
+        Minibatches are as large as if all steps were; where none is, nothing changes and there are no losses.
+
+        Args:
+            env_steps: simulated so far, for the annealing of the learning rate.
+            advantages: `[T, N]` where they are known already.
+            guide: another policy to stay close to.
         """
         config = self.config
         self._anneal(env_steps)
-        advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
+        if advantages is None:
+            advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
         targets = advantages + rollout.value
         old = Batch.of(rollout, advantages, targets)  # B = T * N rows
         minibatch_size = -(-len(old.value) // config.num_minibatches)
+        if not rollout.train.all():
+            old = old.rows(rollout.train.flatten().nonzero()[:, 0])
+        if not len(old.value):
+            return {}
         logs: list[dict[str, float]] = []
         for _ in range(config.update_epochs):
             order = torch.randperm(len(old.value), generator=self.generator)
             for rows in order.split(minibatch_size):
-                logs.append(self._minibatch(old.rows(rows)))
+                logs.append(self._minibatch(old.rows(rows), guide))
             if config.target_kl and logs[-1]["approx_kl"] > config.target_kl:
                 break
         self.student.normaliser.track(old.observation)  # after learning: a rollout is learned from as it was seen
@@ -55,7 +68,7 @@ class PPO:
             left = max(0.0, 1.0 - env_steps / self.config.anneal_env_steps)
             self.optimizer.param_groups[0]["lr"] = self.config.learning_rate * left
 
-    def _minibatch(self, old: Batch) -> dict[str, float]:
+    def _minibatch(self, old: Batch, guide: Guide | None) -> dict[str, float]:
         """Take one gradient step on one minibatch."""
         config = self.config
         policy, value = self.student(old.observation)
@@ -69,6 +82,8 @@ class PPO:
         value_loss = self._value_loss(value, old)
         entropy = policy.entropy().mean()
         loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+        if guide is not None:
+            loss = loss + guide.coef * guide.divergence(old.observation, policy)
         self.optimizer.zero_grad()
         loss.backward()
         grad_norm = nn.utils.clip_grad_norm_(self.student.parameters(), config.max_grad_norm)
@@ -110,6 +125,20 @@ class PPO:
         self.optimizer.load_state_dict(copy.deepcopy(state["optimizer"]))
         self.generator.set_state(state["generator"])
         self.updates = state["updates"]
+
+
+@dataclass(frozen=True)
+class Guide:
+    """A policy that a student is drawn to while it learns (behavior cloning of Mediratta et al. 2023, section 4.2)."""
+
+    student: Student
+    coef: float
+
+    def divergence(self, observation: Tensor, policy: Policy) -> Tensor:
+        """Give KL(guide ‖ policy), the mean over the minibatch; gradients flow into `policy` alone."""
+        with torch.no_grad():
+            theirs, _ = self.student(observation)
+        return theirs.kl(policy).mean()
 
 
 @dataclass

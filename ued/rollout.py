@@ -23,6 +23,7 @@ class Rollout:
         terminated: `[T, N]` the episode ended in this step, and nothing follows.
         truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
         final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0.
+        train: `[T, N]` the student is to learn from this step; otherwise it was only to be seen how it fares.
         last_value: `[N]` value of the observation after the last step.
     """
 
@@ -34,6 +35,7 @@ class Rollout:
     terminated: Tensor
     truncated: Tensor
     final_value: Tensor
+    train: Tensor
     last_value: Tensor
 
     @classmethod
@@ -51,6 +53,7 @@ class Rollout:
             terminated=torch.zeros(shape, dtype=torch.bool),
             truncated=torch.zeros(shape, dtype=torch.bool),
             final_value=torch.zeros(shape),
+            train=torch.ones(shape, dtype=torch.bool),
             last_value=torch.zeros(num_envs),
         )
 

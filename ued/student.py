@@ -113,3 +113,26 @@ class Student(nn.Module):
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         centre, reach = (bottom + top) / 2, (top - bottom) / 2
         return np.clip(centre + reach * array, low, high).astype(self.action_space.dtype)
+
+
+class Scripted:
+    """Stands in a student's place where the environment plays the learner's part itself (`UPOMDP.scripted`)."""
+
+    def __init__(self, action_space: Space) -> None:
+        discrete = isinstance(action_space, Discrete)
+        self.action_space = action_space
+        self.kind = torch.int64 if discrete else torch.float32
+
+    def act(self, observation: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
+        """Give actions that do not matter, with log-probabilities and values of 0."""
+        nothing = torch.zeros(len(observation))
+        return torch.zeros(len(observation), *self.action_space.shape, dtype=self.kind), nothing, nothing  # type: ignore[misc]
+
+    def value(self, observation: Tensor) -> Tensor:
+        """Give 0 `[B]`."""
+        return torch.zeros(len(observation))
+
+    def to_environment(self, action: Tensor) -> np.ndarray:
+        """Give some action of the space for each row."""
+        lowest = self.action_space.start if isinstance(self.action_space, Discrete) else 0
+        return action.numpy() + lowest

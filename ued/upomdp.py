@@ -132,6 +132,10 @@ class UPOMDP(VectorEnv):
         """Give a second, independent UPOMDP of the same kind in the same state."""
         raise NotImplementedError(f"{type(self).__name__} cannot be copied")
 
+    def scripted(self) -> UPOMDP:
+        """Give a copy in which the learner's part is played by the environment itself; actions are ignored there."""
+        raise NotImplementedError(f"{type(self).__name__} has no script that could play the learner's part")
+
     # ------------------------------------------------------------ levels
 
     def make_levels(self, theta: Any) -> np.ndarray:

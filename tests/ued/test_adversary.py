@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import torch
 
-from ued.adversary import Adversary, RunningScale, squashed_entropy
+from ued.adversary import Adversary, Beta, RunningScale, Squashed
 from ued.config import AdversaryConfig
-from ued.networks import Gaussian
 from ued.streams import torch_stream
 
 PEAK = 0.5
@@ -26,12 +25,14 @@ def taught(config, updates=150, seed=0, of=landscape):
     adversary, rng = Adversary(2, config, torch_stream(seed)), np.random.default_rng(seed)
     for _ in range(updates):
         proposals = adversary.propose(128)
-        metrics = adversary.learn(proposals, of(proposals.theta, rng))
-    return adversary.propose(2000).theta, metrics
+        metrics = adversary.learn(proposals, of(adversary.theta(proposals), rng))
+    return adversary.theta(adversary.propose(2000)), metrics
 
 
-def test_proposals_begin_uniform_and_inside():
-    theta = Adversary(6, AdversaryConfig(), torch_stream(0)).propose(4000).theta
+@pytest.mark.parametrize("distribution", ["squashed", "beta"])
+def test_proposals_begin_uniform_and_inside(distribution):
+    adversary = Adversary(6, AdversaryConfig(distribution=distribution), torch_stream(0))
+    theta = adversary.theta(adversary.propose(4000))
     assert theta.shape == (4000, 6) and theta.dtype == np.float64
     assert np.abs(theta).max() <= 1.0
     assert theta.std(0) == pytest.approx(np.full(6, UNIFORM_STD), abs=0.04)
@@ -47,9 +48,10 @@ def test_without_entropy_the_proposals_collapse():
     assert metrics["entropy"] < -3  # one vector z means one level
 
 
-def test_with_the_default_they_keep_their_spread_and_still_move():
-    theta, metrics = taught(AdversaryConfig())
-    assert theta.std(0).mean() > 0.12
+@pytest.mark.parametrize(("distribution", "spread"), [("squashed", 0.12), ("beta", 0.09)])
+def test_with_the_default_they_keep_their_spread_and_still_move(distribution, spread):
+    theta, metrics = taught(AdversaryConfig(distribution=distribution))
+    assert theta.std(0).mean() > spread
     assert metrics["entropy"] > -2
     assert np.abs(theta.mean(0) - PEAK).max() < 0.2
     assert landscape(theta, np.random.default_rng(0), noise=0).mean() > 0.7  # uniform proposals reach 0.23
@@ -64,12 +66,13 @@ def test_pure_entropy_keeps_them_uniform():
 
 def test_entropy_is_measured_in_the_space_of_theta():
     """Against the density of θ itself, by the change of variables."""
-    mean, log_std = torch.tensor([[0.3, -1.0]]).expand(200_000, 2), torch.tensor([-0.5, 0.2])
-    gaussian = Gaussian(mean, log_std)
-    estimate = squashed_entropy(gaussian, torch_stream(0)).mean()
-    raw = gaussian.sample(torch_stream(1))
-    log_density = gaussian.log_prob(raw) - torch.log1p(-(torch.tanh(raw.double()) ** 2)).sum(-1)
-    assert float(estimate) == pytest.approx(-float(log_density.mean()), abs=0.01)
+    policy = Squashed(torch.tensor([[0.3, -1.0]]).expand(200_000, 2), torch.tensor([[-0.5, 0.2]]).expand(200_000, 2))
+    raw = policy.sample(torch_stream(1))
+    log_density = policy.log_prob(raw) - torch.log1p(-(torch.tanh(raw.double()) ** 2)).sum(-1)
+    assert float(policy.theta_entropy(torch_stream(0)).mean()) == pytest.approx(-float(log_density.mean()), abs=0.01)
+    beta = Beta(torch.full((200_000, 2), 1.0), torch.full((200_000, 2), 1.5))
+    estimate = -beta.log_prob(beta.sample(torch_stream(2))).mean()
+    assert float(beta.theta_entropy(torch_stream(0)).mean()) == pytest.approx(float(estimate), abs=0.01)
 
 
 def test_learning_does_not_depend_on_the_unit_of_regret():

@@ -7,8 +7,9 @@ import pytest
 from probes import Choice, Free, HalfValid, Landscape
 
 from ued.config import AdversaryConfig, PairedConfig, PPOConfig
-from ued.methods.paired import NAMES, Origin, Paired
+from ued.methods.paired import NAMES, Paired
 from ued.scores import regret
+from ued.trials import Origin
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
 
@@ -38,9 +39,9 @@ def test_both_students_play_the_same_levels_and_all_steps_count():
     assert set(batch.returns) == set(batch.episodes) == set(NAMES) == set(method.students)
     assert all((count == 3).all() and len(count) == len(batch.theta) for count in batch.episodes.values())
     assert method.student is method.students["protagonist"]
-    assert method.players[0].upomdp is not method.players[1].upomdp
+    assert method.seats[0].player.upomdp is not method.seats[1].player.upomdp
     assert metrics["levels"] == len(batch.theta) > 0
-    assert metrics["levels/open"] < 3 * 32
+    assert len(method.queue.trials) < 3 * 32
 
 
 def test_negative_returns_make_regret_without_a_maximum_that_starts_at_zero():
@@ -71,8 +72,11 @@ def lessons_of(config, env=None, updates=4):
     """What the adversary is given to learn from, by origin."""
     method = Paired(env or Landscape(64), PPO, config, seed=0)
     given = []
-    learn = method.adversary.learn
-    method.adversary.learn = lambda proposals, scores: given.append((proposals, scores)) or learn(proposals, scores)
+    adversary = method.curriculum.teacher.adversary
+    learn = adversary.learn
+    adversary.learn = lambda proposals, scores: (
+        given.append((adversary.theta(proposals), scores)) or learn(proposals, scores)
+    )
     settled = []
     take = method.queue.take_settled
     method.queue.take_settled = lambda: settled.append(take()) or settled[-1]
@@ -92,19 +96,19 @@ def test_an_invalid_proposal_is_neither_played_nor_learned_from():
     given, settled, counts = lessons_of(PairedConfig(), HalfValid(64))
     replaced = settled["origin"] == Origin.REPLACED
     assert (settled["level"]["theta"][:, 0] > 0).all()
-    assert sum(count["levels/invalid"] for count in counts) == replaced.sum() > 0.3 * len(settled)
-    own = np.concatenate([proposals.theta for proposals, _ in given])
+    assert sum(count["levels/replaced"] for count in counts) == replaced.sum() > 0.3 * len(settled)
+    own = np.concatenate([theta for theta, _ in given])
     assert (own[:, 0] > 0).all()
     assert own == pytest.approx(settled["level"]["theta"][~replaced], abs=1e-6)
 
 
 def test_a_penalty_teaches_the_adversary_what_is_valid():
     given, *_ = lessons_of(PairedConfig(invalid_penalty=0.5), HalfValid(64))
-    for proposals, scores in given:
-        invalid = proposals.theta[:, 0] <= 0
+    for theta, scores in given:
+        invalid = theta[:, 0] <= 0
         assert (scores[invalid] == -0.5).all() and (scores[~invalid] >= -0.01 - 1).all()
     method = Paired(HalfValid(64), PPO, PairedConfig(invalid_penalty=0.5), seed=0)
-    share = [metrics["levels/invalid"] / metrics["levels"] for metrics in (method.update() for _ in range(30))]
+    share = [metrics["levels/replaced"] / metrics["levels"] for metrics in (method.update() for _ in range(30))]
     assert share[0] > 0.4 and np.mean(share[-5:]) < 0.2
 
 
@@ -148,9 +152,9 @@ def test_regret_can_be_the_reward_of_the_students():
     """The letter of Algorithm 1: at the end of each episode -regret and regret, on levels that both have settled."""
     method = Paired(Landscape(64), PPO, PairedConfig(student_reward="regret", episodes_per_level=4), seed=0)
     learned = []
-    for ppo in method.ppos:
-        ppo.learn = lambda rollout, env_steps: learned.append(rollout) or {}
-    method.players[0].upomdp.outcome = longer(method.players[0].upomdp.outcome)
+    for seat in method.seats:
+        seat.ppo.learn = lambda rollout, env_steps: learned.append(rollout) or {}
+    method.upomdp.outcome = longer(method.upomdp.outcome)
     metrics = method.update()
     score, protagonist, antagonist = method.last.score, *learned
     assert 0 < len(score) < 64 and metrics["levels"] == len(score)  # the longest levels take more than a rollout

@@ -10,6 +10,7 @@ from ued.player import Player, collect
 from ued.rollout import Rollout, gae
 from ued.streams import torch_stream
 from ued.student import Student
+from ued.trials import make_trials, trial_dtype
 
 
 def random_rollout(steps=40, envs=6, seed=0):
@@ -20,7 +21,8 @@ def random_rollout(steps=40, envs=6, seed=0):
     final = torch.randn(steps, envs, generator=stream)
     last = torch.randn(envs, generator=stream)
     empty = torch.zeros(steps, envs)
-    return Rollout(empty, empty, numbers[0], numbers[1], numbers[2], terminated, truncated, final, last)
+    learnt = torch.ones_like(terminated)
+    return Rollout(empty, empty, numbers[0], numbers[1], numbers[2], terminated, truncated, final, learnt, last)
 
 
 def slow_gae(rollout, gamma, gae_lambda):
@@ -60,12 +62,16 @@ def test_with_lambda_one_advantage_plus_value_is_the_return():
         assert target[0, n] == pytest.approx(float(rollout.reward[: end + 1, n].sum()), abs=1e-4)
 
 
+def trials_of(levels):
+    return make_trials(trial_dtype(levels.dtype), levels)
+
+
 def player(env, num_steps=8, renew=lambda ended, returns: (ended[:0], None)):
     spaces = env.single_observation_space, env.single_action_space
     student = Student(*spaces, PPOConfig(hidden_size=8), torch_stream(0))
     made = Player(student, env, num_steps, torch_stream(1), renew)
     env.reset(seed=0)
-    made.start(env.sample_levels(env.num_envs))
+    made.start(trials_of(env.sample_levels(env.num_envs)))
     return made
 
 
@@ -104,7 +110,7 @@ def test_renew_changes_the_level_of_the_environments_it_names():
         where = ended[ended % 2 == 1][::-1]  # in any order
         levels = env.make_levels(np.zeros((len(where), 0)))
         levels["program"] = where + 100
-        return where, levels
+        return where, trials_of(levels)
 
     env = TwoStep(4)
     playing = player(env, num_steps=2, renew=renew)

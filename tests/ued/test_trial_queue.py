@@ -3,21 +3,22 @@
 import numpy as np
 import pytest
 
-from ued.level_queue import LevelQueue, entry_dtype
+from ued.trial_queue import TrialQueue
+from ued.trials import make_trials, trial_dtype
 from ued.upomdp import level_dtype
 
 
 def make_queue(num_envs=4, episodes=2, max_lead=None):
-    dtype = entry_dtype(level_dtype(1), 1, 2, 2, episodes)
+    dtype = trial_dtype(level_dtype(1), 2, episodes)
     made = []
 
     def supply(count):
-        entries = np.zeros(count, dtype)
-        entries["level"]["program"] = np.arange(len(made), len(made) + count)
+        trials = make_trials(dtype, np.zeros(count, level_dtype(1)))
+        trials["level"]["program"] = np.arange(len(made), len(made) + count)
         made.extend(range(count))
-        return entries
+        return trials
 
-    return LevelQueue(supply, dtype, num_envs, max_lead or 2 * num_envs), made
+    return TrialQueue(supply, dtype, num_envs, max_lead or 2 * num_envs, num_envs), made
 
 
 class Crowd:
@@ -25,7 +26,7 @@ class Crowd:
 
     def __init__(self, queue, lengths, returns):
         self.queue, self.lengths, self.returns = queue, lengths, returns
-        self.level = [queue.first(s)["program"] for s in (0, 1)]
+        self.level = [queue.first(s)["level"]["program"] for s in (0, 1)]
         self.age = np.zeros((2, queue.num_envs), int)
         self.played = [{}, {}]
         self.cut = 0
@@ -41,9 +42,9 @@ class Crowd:
                 level = int(self.level[s][env])
                 self.played[s][level] = self.played[s].get(level, 0) + 1
             returns = np.array([self.returns(s, level) for level in self.level[s][ended]], float)
-            where, levels = self.queue.renew(s, ended, returns)
+            where, trials = self.queue.renew(s, ended, returns)
             assert set(where) <= set(ended)  # only an environment between episodes changes its level
-            self.level[s][where] = levels["program"]
+            self.level[s][where] = trials["level"]["program"]
             self.age[s][ended] = 0
 
 
@@ -94,13 +95,13 @@ def test_a_faster_student_stays_near_the_other_and_plays_on_meanwhile():
 def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
     queue, _ = make_queue(num_envs=4, episodes=1)
     queue.first(0)
-    assert len(queue.entries) == 4
+    assert len(queue.trials) == 4
     queue.renew(0, np.array([1]), np.array([0.0]))  # takes one of a block of four
-    assert len(queue.entries) == 8
+    assert len(queue.trials) == 8
     queue.drop_untaken()
-    assert len(queue.entries) == 5
+    assert len(queue.trials) == 5
     queue.first(1)
-    assert (queue.entries["level"]["program"] == [0, 1, 2, 3, 4]).all()
+    assert (queue.trials["level"]["program"] == [0, 1, 2, 3, 4]).all()
 
 
 def test_it_resumes_where_it_was():
@@ -113,9 +114,9 @@ def test_it_resumes_where_it_was():
         s, ended = rng.integers(2), np.flatnonzero(rng.random(4) < 0.5)
         returns = rng.normal(size=len(ended))
         left, right = (queue.renew(s, ended, returns) for queue in (one, two))
-        assert (left[0] == right[0]).all() and (left[1] == right[1]).all()
+        assert (left[0] == right[0]).all() and (left[1]["level"] == right[1]["level"]).all()
         two.load_state_dict(two.state_dict())
-    assert (one.take_settled() == two.take_settled()).all()
+    assert one.take_settled().tobytes() == two.take_settled().tobytes()
 
 
 def test_a_lead_shorter_than_the_environments_is_refused():

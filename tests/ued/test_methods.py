@@ -1,0 +1,318 @@
+"""Every method on a probe: what its paper says must change in an update, and what must not."""
+
+import copy
+
+import numpy as np
+import pytest
+import torch
+from probes import Choice
+
+from ued import (
+    ACCEL,
+    ALPGMM,
+    DR,
+    PLR,
+    SFL,
+    ACCELConfig,
+    BufferConfig,
+    Minimax,
+    MinimaxConfig,
+    Paired,
+    PairedConfig,
+    PLRConfig,
+    PPOConfig,
+    Repaired,
+    RepairedConfig,
+    RobustPLR,
+    SelfRegret,
+    SFLConfig,
+    checkpoint,
+)
+from ued.config import ALPGMMConfig
+from ued.methods.accel import edit
+from ued.probes import Frontier
+from ued.trials import NONE, Origin
+
+PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)
+SMALL = BufferConfig(capacity=64)
+METHODS = {
+    "dr": lambda env, seed=0: DR(env, PPO, seed=seed),
+    "minimax": lambda env, seed=0: Minimax(env, PPO, seed=seed),
+    "paired": lambda env, seed=0: Paired(env, PPO, seed=seed),
+    "paired_kl": lambda env, seed=0: Paired(env, PPO, PairedConfig(kl="both_ways", kl_every=1), seed),
+    "paired_population": lambda env, seed=0: Paired(env, PPO, PairedConfig(population=3), seed),
+    "paired_scripted": lambda env, seed=0: Paired(env, PPO, PairedConfig(antagonist="scripted"), seed),
+    "paired_literal": lambda env, seed=0: Paired(env, PPO, PairedConfig.literal(), seed),
+    "self_regret": lambda env, seed=0: SelfRegret(env, PPO, seed=seed),
+    "repaired": lambda env, seed=0: Repaired(env, PPO, RepairedConfig(buffer=SMALL), seed),
+    "plr": lambda env, seed=0: PLR(env, PPO, PLRConfig(buffer=SMALL), seed),
+    "robust_plr": lambda env, seed=0: RobustPLR(env, PPO, PLRConfig(buffer=SMALL), seed),
+    "accel": lambda env, seed=0: ACCEL(env, PPO, ACCELConfig(buffer=SMALL), seed),
+    "sfl": lambda env, seed=0: SFL(env, PPO, SFLConfig(candidates=32, chosen=8, choose_every=3), seed),
+    "alp_gmm": lambda env, seed=0: ALPGMM(env, PPO, ALPGMMConfig(fit_every=60, max_components=3), seed),
+}
+
+
+def frontier(num_envs=16):
+    return Frontier(num_envs, longest=8, dim=3)
+
+
+def weights(student):
+    return copy.deepcopy(student.state_dict())
+
+
+def changed(student, before):
+    return any(not torch.equal(value, before[name]) for name, value in student.state_dict().items())
+
+
+def numbers(metrics):
+    return {name: number for name, number in metrics.items() if not name.startswith("time/")}
+
+
+def observed(method):
+    """Collect the settled trials of later updates."""
+    seen, update = [], method.curriculum.update
+
+    def note(trials):
+        metrics = update(trials)
+        seen.append(trials.copy())
+        return metrics
+
+    method.curriculum.update = note
+    return seen
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_updates_count_all_steps_and_resume_bit_for_bit(name, tmp_path):
+    method = METHODS[name](frontier())
+    for _ in range(6):
+        metrics = method.update()
+    seats = len(method.seats)
+    assert metrics["env_steps"] == method.env_steps == 6 * 32 * 16 * seats
+    assert metrics["levels"] == len(method.last.theta) > 0
+    assert sum(metrics[f"levels/{origin.name.lower()}"] for origin in Origin) == metrics["levels"]
+    checkpoint.save(tmp_path / "c.pt", method.state_dict())
+    resumed = METHODS[name](frontier(), seed=5)
+    resumed.load_state_dict(checkpoint.load(tmp_path / "c.pt"))
+    for _ in range(3):
+        one, other = numbers(method.update()), numbers(resumed.update())
+        assert one.keys() == other.keys()
+        assert all(one[key] == other[key] or one[key] != one[key] for key in one)
+    assert not changed(resumed.student, weights(method.student))
+
+
+@pytest.mark.parametrize("name", ["robust_plr", "accel", "repaired"])
+def test_robust_methods_learn_nothing_from_new_levels(name):
+    method = METHODS[name](frontier(4))
+    before = {each: weights(student) for each, student in method.students.items()}
+    seen = observed(method)
+    while method.curriculum.buffer.fill < 0.5:
+        method.update()
+        assert all((trials["origin"] != Origin.REPLAYED).all() and not trials["train"].any() for trials in seen)
+        if method.curriculum.buffer.fill < 0.5:
+            assert not any(changed(method.students[each], old) for each, old in before.items())
+    for _ in range(4):
+        method.update()
+    assert all(changed(method.students[each], old) for each, old in before.items())
+
+
+def test_robust_plr_learns_from_exactly_the_replayed_steps():
+    method = METHODS["robust_plr"](frontier())
+    while method.curriculum.buffer.fill < 0.5:
+        method.update()
+    seen, learn = [], method.seats[0].ppo.learn
+
+    def look(rollout, env_steps, advantages, guide):
+        seen.append(rollout.train.float().mean().item())
+        return learn(rollout, env_steps, advantages, guide)
+
+    method.seats[0].ppo.learn = look
+    for _ in range(12):
+        method.update()
+        playing = method.queue.trials[method.queue.playing[0]]
+        assert (playing["train"] == (playing["origin"] == Origin.REPLAYED)).all()
+    assert 0.2 < np.mean(seen[3:]) < 0.8
+
+
+@pytest.mark.slow
+def test_plr_learns_from_every_level_and_replays_what_scores():
+    method = METHODS["plr"](frontier())
+    before = weights(method.student)
+    method.update()
+    assert changed(method.student, before)
+    seen = observed(method)
+    for _ in range(30):
+        method.update()
+    trials = np.concatenate(seen)
+    replayed = trials[trials["origin"] == Origin.REPLAYED]
+    assert trials["train"].all() and 0.3 < len(replayed) / len(trials) < 0.7
+    assert (replayed["slot"] != NONE).all()
+    short = method.upomdp.length(replayed["level"]["theta"]) <= 3
+    assert short.mean() > (method.upomdp.length(trials["level"]["theta"][trials["slot"] == NONE]) <= 3).mean()
+
+
+def test_plr_writes_new_scores_of_replayed_levels():
+    method = METHODS["plr"](frontier())
+    while method.curriculum.buffer.fill < 1:
+        method.update()
+    seen = observed(method)
+    method.update()
+    trials = seen[-1][seen[-1]["origin"] == Origin.REPLAYED]
+    buffer = method.curriculum.buffer
+    rows = buffer.find(trials["slot"])
+    last = {int(slot): value for slot, value in zip(trials["slot"], trials["score"], strict=True)}
+    for row, slot in zip(rows, trials["slot"], strict=True):
+        if row != NONE:
+            assert buffer.slots["score"][row] == last[int(slot)]
+
+
+def test_accel_edits_what_was_replayed_and_only_looks_at_the_children():
+    method = METHODS["accel"](frontier())
+    seen = observed(method)
+    for _ in range(30):
+        method.update()
+    trials = np.concatenate(seen)
+    children = trials[trials["origin"] == Origin.EDITED]
+    assert len(children) > 50 and not children["train"].any() and (children["slot"] != NONE).all()
+    replays = (trials["origin"] == Origin.REPLAYED).sum()
+    assert abs(len(children) - replays) < 0.2 * replays  # one child for each replay
+    assert method.curriculum.buffer.slots["generation"].max() >= 2
+
+
+def test_edits_move_few_columns_a_little_and_stay_inside():
+    rng, config = np.random.default_rng(0), ACCELConfig(num_edits=2, edit_size=0.1)
+    theta = rng.uniform(-1, 1, (500, 6))
+    moved = edit(theta, config, rng) - theta
+    assert ((moved != 0).sum(1) <= 2).all() and np.abs(moved).max() <= 0.2 and (moved != 0).any(1).all()
+    assert np.abs(edit(np.ones((50, 6)), config, rng)).max() <= 1
+
+
+def test_minimax_is_paid_the_mean_return_negated():
+    method = Minimax(frontier(), PPO, MinimaxConfig(episodes_per_level=3))
+    seen = observed(method)
+    method.update()
+    assert (seen[0]["score"] == -seen[0]["returns"][:, 0].mean(1)).all()
+
+
+def test_self_regret_compares_later_with_earlier_episodes():
+    method = METHODS["self_regret"](frontier())
+    seen = observed(method)
+    method.update()
+    returns = seen[0]["returns"][:, 0]
+    assert returns.shape[1] == 4
+    assert (seen[0]["score"] == returns[:, 2:].max(1) - returns[:, :2].mean(1)).all()
+
+
+def test_regret_is_antagonist_minus_protagonist_on_a_scripted_pair():
+    method = METHODS["paired_scripted"](frontier())
+    seen = observed(method)
+    for _ in range(3):
+        method.update()
+    trials = np.concatenate(seen)
+    assert set(method.students) == {"protagonist"}
+    solvable = ~method.upomdp.blocked(trials["level"]["theta"])
+    assert (trials["returns"][:, 1] == solvable[:, None]).all()  # it knows every turn
+    assert trials["score"] == pytest.approx(solvable - trials["returns"][:, 0].mean(1))
+
+
+def test_a_population_has_no_fixed_parts():
+    method = METHODS["paired_population"](frontier())
+    seen = observed(method)
+    method.update()
+    assert set(method.students) == {"student0", "student1", "student2"}
+    returns = seen[0]["returns"]
+    assert seen[0]["score"] == pytest.approx(returns.max(2).max(1) - returns.mean((1, 2)))
+
+
+@pytest.mark.parametrize(("kl", "drawn"), [("one_way", 1), ("both_ways", 2), ("none", 0)])
+def test_students_are_drawn_to_each_other(kl, drawn):
+    method = Paired(frontier(), PPO, PairedConfig(kl=kl, kl_every=2))
+    guides = [[method.guide_of(seat) for seat in method.seats]]
+    method.update()
+    guides.append([method.guide_of(seat) for seat in method.seats])
+    assert sum(guide is not None for guide in guides[0]) == drawn
+    assert guides[1] == [None, None]
+    if drawn:
+        assert guides[0][0].student is method.students["antagonist"]
+
+
+@pytest.mark.slow
+def test_being_drawn_to_another_brings_policies_together():
+    distances = []
+    for coef in (0.0, 5.0):
+        config = PairedConfig(kl="both_ways", kl_every=1, kl_coef=coef)
+        method = Paired(frontier(), PPO, config)
+        for _ in range(15):
+            method.update()
+        seen = method.seats[0].player.rollout.observation.flatten(0, 1)
+        with torch.no_grad():
+            one, other = (student(seen)[0] for student in method.students.values())
+            distances.append(float(one.kl(other).mean()))
+    assert distances[1] < 0.5 * distances[0]
+
+
+def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
+    method = METHODS["repaired"](frontier())
+    given, adversary = [], method.curriculum.teacher.adversary
+    learn = adversary.learn
+    adversary.learn = lambda proposals, scores: given.append(len(scores)) or learn(proposals, scores)
+    seen = observed(method)
+    for _ in range(20):
+        method.update()
+    trials = np.concatenate(seen)
+    replayed = trials["origin"] == Origin.REPLAYED
+    assert replayed.sum() > 20
+    own = int((trials["origin"] == Origin.PROPOSED).sum())
+    assert sum(given) + len(method.curriculum.teacher.lessons) == own
+    assert (trials["train"] == replayed).all()
+    assert not np.isnan(trials["returns"][replayed]).any()  # both students played the same replayed level
+
+
+def test_sfl_counts_its_looking_around_and_trains_on_the_chosen():
+    method = METHODS["sfl"](frontier())
+    seen = observed(method)
+    for _ in range(20):
+        method.update()
+    trials = np.concatenate(seen)
+    looked_at = trials["slot"] != NONE
+    assert not trials["train"][looked_at].any() and (trials["played"][looked_at] == 4).all()
+    assert (trials["played"][~looked_at] == 1).all()
+    again = trials[trials["origin"] == Origin.REPLAYED]
+    assert len(again) and np.isin(again["level"]["theta"], trials["level"]["theta"][looked_at]).all()
+
+
+@pytest.mark.slow
+def test_alp_gmm_goes_where_returns_change():
+    method = METHODS["alp_gmm"](frontier())
+    seen = observed(method)
+    for _ in range(40):
+        method.update()
+    trials = np.concatenate(seen[-15:])
+    focused, random = (trials[trials["origin"] == origin] for origin in (Origin.PROPOSED, Origin.RANDOM))
+    assert method.curriculum.mixture is not None and len(focused) > len(random) > 0
+    length = method.upomdp.length
+    assert length(focused["level"]["theta"]).mean() < length(random["level"]["theta"]).mean() - 0.5
+
+
+@pytest.mark.parametrize("name", ["minimax", "paired", "accel", "alp_gmm"])
+def test_methods_that_choose_theta_need_one(name):
+    with pytest.raises(ValueError, match="free parameters"):
+        METHODS[name](Choice(4))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: PairedConfig(population=1), "population must be 0 or at least 2, got 1"),
+        (lambda: PairedConfig(population=2, flexible=True), "a population has no antagonist"),
+        (lambda: PairedConfig(antagonist="scripted", kl="one_way"), "a scripted antagonist does not learn"),
+        (lambda: PLRConfig(score="learnability"), "learnability needs episodes_per_level of at least 2, got 1"),
+        (lambda: SFLConfig(chosen=300), r"chosen must be at most candidates \(256\), got 300"),
+        (lambda: SFLConfig(candidate_episodes=1), "candidate_episodes must be at least 2, got 1"),
+        (lambda: ALPGMMConfig(fit_every=5), r"fit_every must be above max_components \(10\), got 5"),
+        (lambda: RepairedConfig(student_reward="regret"), "REPAIRED trains students on the environment's rewards"),
+    ],
+)
+def test_settings_that_contradict_each_other_are_refused(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()

@@ -1,0 +1,115 @@
+"""Environments of known answers on which a method can be judged in seconds.
+
+`Frontier` is made so that domain randomisation wastes most of its steps: what can be learned next is a thin shell of
+levels that moves outward as the student learns. Read next: `experiments.probe`, which compares methods on it.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+from ued.gym_upomdp import Parameter
+from ued.upomdp import UPOMDP, check_theta
+
+ACTIONS = 4
+
+
+class Frontier(UPOMDP):
+    """Walks along a path of hidden turns; θ says how long the path is.
+
+    At each place k of the path one of four actions is right, the same one on every level. A path of length L pays 1 at
+    its end if all L actions were right, else 0; after a wrong one the walker is lost and has to walk on to the end.
+    Whoever knows the first K turns solves every path of length up to K, and a path of length K + 1 once in four times:
+    that is the frontier. Much longer paths teach nothing, shorter ones nothing new.
+
+    The length grows with the largest column of θ, so that of D = 4 dimensions a share of (K / longest)^4 of all levels
+    is no longer than K: short paths are rare. Where the last column exceeds `blocked_above`, the path is blocked, and
+    nobody is ever paid: a minimax adversary loves it.
+
+    Observation `[longest + 2]`: one-hot of the place, whether lost, and L / longest. Answers: a student of K turns has
+    a success rate of `min(K, L) >= L` on open levels, so the mean over lengths of `test_levels` is K / longest.
+
+    Args:
+        num_envs: N.
+        longest: of the paths.
+        dim: D.
+        blocked_above: last column of θ beyond which a path is blocked; 1: none is.
+        turns: seed of the hidden turns.
+    """
+
+    def __init__(
+        self, num_envs: int = 32, longest: int = 20, dim: int = 4, blocked_above: float = 0.8, turns: int = 0
+    ) -> None:
+        if longest < 1 or dim < 2:
+            raise ValueError(f"longest must be at least 1 and dim at least 2, got {longest} and {dim}")
+        self.longest, self.blocked_above = longest, blocked_above
+        self.turns = np.random.default_rng(turns).integers(0, ACTIONS, longest)
+        draws = [Parameter(f"length{i}", 0.0, float(longest)) for i in range(dim - 1)] + [Parameter("block", 0.0, 1.0)]
+        super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
+        self.place = np.zeros(num_envs, np.int64)
+        self.lost = np.zeros(num_envs, bool)
+
+    def length(self, theta: np.ndarray) -> np.ndarray:
+        """Give the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
+        theta = check_theta(theta, self.theta_dim)
+        return np.clip(np.ceil((theta[:, :-1].max(1) + 1) / 2 * self.longest), 1, self.longest).astype(np.int64)
+
+    def blocked(self, theta: np.ndarray) -> np.ndarray:
+        """Say which levels can be solved by nobody: bool `[n]`."""
+        return check_theta(theta, self.theta_dim)[:, -1] > self.blocked_above
+
+    def test_levels(self) -> np.ndarray:
+        """Give one open level of each length: `[longest]` records."""
+        theta = np.zeros((self.longest, self.theta_dim))
+        theta[:, :-1] = ((2 * np.arange(1, self.longest + 1) - 1) / self.longest - 1)[:, None]
+        return self.make_levels(theta)
+
+    def _look(self) -> np.ndarray:
+        seen = np.zeros((self.num_envs, self.longest + 2), np.float32)
+        seen[np.arange(self.num_envs), np.minimum(self.place, self.longest - 1)] = 1.0
+        seen[:, -2] = self.lost
+        seen[:, -1] = self.length(self.levels["theta"]) / self.longest
+        return seen
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        self.place[where], self.lost[where] = 0, False
+        return self._look()
+
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        theta = self.levels["theta"]
+        self.lost |= np.asarray(actions) != self.turns[self.place]
+        self.place += 1
+        ended = self.place >= self.length(theta)
+        reward = (ended & ~self.lost & ~self.blocked(theta)).astype(float)
+        final = self._look()
+        self.place[ended], self.lost[ended] = 0, False
+        return self._look(), reward, ended, np.zeros_like(ended), {"final_obs": final, "_final_obs": ended}
+
+    def scripted(self) -> Frontier:
+        """Give a copy that knows all turns: the scripted antagonist."""
+        twin = _KnowingFrontier(self.num_envs, self.longest, self.theta_dim, self.blocked_above)
+        twin.turns = self.turns
+        twin.set_state(self.get_state())
+        return twin
+
+    def get_state(self) -> dict[str, Any]:
+        state = {name: getattr(self, name).copy() for name in ("place", "lost", "levels")}
+        return state | {"np_random": self.np_random.bit_generator.state}
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        for name in ("place", "lost", "levels"):
+            getattr(self, name)[:] = state[name]
+        self.np_random.bit_generator.state = state["np_random"]
+        return self._look()
+
+    def copy(self) -> Frontier:
+        return copy.deepcopy(self)
+
+
+class _KnowingFrontier(Frontier):
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        return super()._step(self.turns[self.place])
