@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from envs.football.agents import assign_actions, choose_controlled
 from envs.football.ai import think
-from envs.football.constants import BUILTIN_AI, RUNNING
+from envs.football.constants import BUILTIN_AI, RUNNING, STAND
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
 from envs.football.keeper import hurry
@@ -56,9 +56,26 @@ def decide(match):
         if player.action == BUILTIN_AI:
             release_keys(match, i)
             think(match, i)
+        elif player.action == STAND:
+            release_keys(match, i)
+            player.want_x, player.want_y = 0.0, 0.0
         else:
             obey(match, i, player.action)
             hurry(match, i)
+
+
+@kernel
+def step_teams(match, actions):
+    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND.
+
+    A match that has ended stays as it is.
+    """
+    begin_step(match)
+    if match.ended != RUNNING:
+        return
+    for i in range(match.num_players):
+        match.players[i].action = actions[i]
+    play(match)
 
 
 @kernel
