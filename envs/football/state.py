@@ -51,7 +51,7 @@ PLAYER_FIELDS = (
     ("shirt", "i8", (), "", "index within the team, in program order"),
     ("order", "i8", (), "", "place among the players of the program: who comes first where two are equal"),
     ("agent", "i8", (), "", "agent whose next action moves him, an index into `agents`; -1 none"),
-    ("action", "i8", (), "", "this step's action, 0..18, 19 when the built-in AI decides, -1 to stand"),
+    ("action", "i8", (), "", "this step's action, 0..18, 19 the built-in AI decides, -1 to stand; several in base 20"),
     ("direction", "i8", (), "", "sticky: 1..8 as the actions are numbered, 0 none"),
     ("sprint", "?", (), "", "sticky"),
     ("dribble", "?", (), "", "sticky"),

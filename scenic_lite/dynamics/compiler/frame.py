@@ -119,6 +119,7 @@ class Compilation:
     session: Session
     code: Assembler
     shapes: dict[tuple, Shape]
+    simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
     shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     path: tuple = ()
     slot: int = 0  # register of the innermost block: where it goes on
@@ -128,7 +129,6 @@ class Compilation:
     commands: list[tuple[Value, ...]] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     broken: list[str] = field(default_factory=list)  # requirements that reject a match
-    simulation: Namespace | None = None
     remembering: bool = False  # the program reads `lastActions`
     guarding: int = 0  # statements with a scan around the present one: their variables all last
     clock: Any = None  # steps since the start

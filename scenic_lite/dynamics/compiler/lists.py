@@ -92,13 +92,9 @@ def item_at(c: Compilation, frame: Frame, container: Value, index: Value) -> Val
         return dictionary_item(c, container, index)
     if isinstance(container, LiveList):
         place = from_start(c, index, container.length)
-        inside = apply(LESS, place, container.length, kind="truth")
-        c.code.fault_unless(register_of(c.code, inside), "list index out of range")
-        below = apply(LESS, place, 0, kind="truth")
-        fine = Label()
-        jump(c.code, below, fine, when=False)
-        c.code.fault("list index out of range")
-        c.code.put(fine)
+        inside = c.code.temporaries.take()
+        c.code.row(Op.IS_INDEX, inside, register_of(c.code, place), container.registers[0])
+        c.code.fault_unless(inside, "list index out of range")
         return element_at(c, container, place)
     items = frame.elements(container, ast.Pass())
     if not items:

@@ -126,7 +126,7 @@ def repeat_while(c: Compilation, frame: LiveFrame, node: ast.While) -> None:
     with frame.living():
         in_loop(frame, loop, node.body)
         c.code.put(loop.again)
-        c.code.row(Op.JUMP, c=again)
+        c.code.row(Op.AGAIN, c=again)
         c.code.put(failed)
         frame.run(node.orelse)
     c.code.put(loop.exit)
@@ -166,7 +166,7 @@ def count_through(c: Compilation, frame: LiveFrame, node: ast.For, numbers: Live
     def count() -> None:
         code.row(Op.ADD, counter, counter, code.constant(numbers.step))
 
-    live_loop(c, frame, node, done, count, lambda: Live(counter, whole=numbers.whole))
+    live_loop(c, frame, node, done, count, lambda: Live(counter, whole=numbers.whole), Op.AGAIN)
 
 
 def go_through(c: Compilation, frame: LiveFrame, node: ast.For, items: LiveList) -> None:
@@ -192,8 +192,9 @@ def live_loop(
     done: Callable[[Label], None],
     count: Callable[[], None],
     element: Callable[[], Value],
+    back: Op = Op.JUMP,
 ) -> None:
-    """A loop whose rounds share their rows."""
+    """A loop whose rounds share their rows; `back` leads from one to the next."""
     code = c.code
     frame.pin(assigned_names(*node.body))
     again, over, loop = Label(), Label(), Loop(Label(), Label())
@@ -204,7 +205,7 @@ def live_loop(
         in_loop(frame, loop, node.body)
         code.put(loop.again)
         count()
-        code.row(Op.JUMP, c=again)
+        code.row(back, c=again)
         code.put(over)
         frame.run(node.orelse)
     code.put(loop.exit)
