@@ -110,6 +110,7 @@ class Op(IntEnum):
     FAULT_UNLESS = 70, "ab.", "the program's own fault unless a is not 0; its text may tell b"
     IS_INDEX = 71, "abc", "a = whether b is an integer from 0 to c - 1"
     AGAIN = 72, "..t", "a loop goes round: go on at the target; a fault if it is the 10,001st time in this step"
+    COPY_MANY = 73, "abk", "the k registers from a = those from b"
 
 
 class Fault(IntEnum):

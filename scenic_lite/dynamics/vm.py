@@ -116,6 +116,7 @@ ENDLESS, ZERO, DOMAIN, INDEX, OWN = map(int, (Fault.ENDLESS, Fault.ZERO, Fault.D
     _FAULT_UNLESS,
     _IS_INDEX,
     _AGAIN,
+    _COPY_MANY,
 ) = map(int, Op)
 
 
@@ -273,6 +274,9 @@ def run_thread(code, registers, commands, thread, holder):
                 return
         elif op == _IS_INDEX:
             registers[a] = 0 <= registers[b] < registers[c] and registers[b] == np.floor(registers[b])
+        elif op == _COPY_MANY:
+            for i in range(c):
+                registers[a + i] = registers[b + i]
         elif op == _SORT:
             sort_order(registers, a, b, int(registers[c]))
         elif op in (_FLOOR_DIVIDE, _MODULO, _REMAINDER):

@@ -196,6 +196,28 @@ class Compilation:
         return self.code.constant(1 + self.reasons.index(message))
 
 
+class Snapshot:
+    """How far a walk has come, to go back to if one way to compile a statement turns out not to do."""
+
+    def __init__(self, c: Compilation, frame: LiveFrame) -> None:
+        code = c.code
+        self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
+        self.lists = [(each, len(each)) for each in (code.rows, c.doubts, c.commands, c.reasons, c.broken)]
+        self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
+        self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
+
+    def restore(self) -> None:
+        code = self.c.code
+        for each, length in self.lists:
+            del each[length:]  # type: ignore[attr-defined]
+        for area, used in self.used:
+            area.used = used
+        code.known, code.reachable = self.known, self.reachable
+        self.frame.locals.clear()
+        self.frame.locals.update(self.names)
+        self.frame.slots, self.frame.scope.result = self.slots, self.result
+
+
 def guarded(
     compilation: Compilation, handler: Callable[[Compilation, LiveFrame, Any], None]
 ) -> Callable[[LiveFrame, Any], None]:

@@ -17,8 +17,8 @@ from scenic_lite.dynamics.compiler.choices import combination
 from scenic_lite.dynamics.compiler.code import Label, Live
 from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, assigned_names, suspends
-from scenic_lite.dynamics.compiler.lists import LiveRange, changed_item, element_at, elements
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, Snapshot, assigned_names, suspends
+from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
 from scenic_lite.dynamics.compiler.shapes import LiveList
 from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
 from scenic_lite.dynamics.threads import within
@@ -149,7 +149,7 @@ def repeat(c: Compilation, frame: LiveFrame, node: ast.For) -> None:
     elif isinstance(items, LiveList):
         go_through(c, frame, node, items)
     else:
-        unroll(c, frame, node, elements(c, frame, items, node.iter))
+        go_through_fixed(c, frame, node, elements(c, frame, items, node.iter))
 
 
 def count_through(c: Compilation, frame: LiveFrame, node: ast.For, numbers: LiveRange) -> None:
@@ -183,6 +183,35 @@ def go_through(c: Compilation, frame: LiveFrame, node: ast.For, items: LiveList)
         code.row(Op.ADD, counter, counter, code.constant(1))
 
     live_loop(c, frame, node, done, count, lambda: element_at(c, items, Live(counter, whole=True)))
+
+
+def go_through_fixed(c: Compilation, frame: LiveFrame, node: ast.For, items: list[Value]) -> None:
+    """`for x in items` of a fixed list: one body for many objects if that can be done, else one for each."""
+    if among_objects(items, 0) is None:
+        unroll(c, frame, node, items)
+        return
+    before = Snapshot(c, frame)
+    try:
+        go_through_objects(c, frame, node, items)
+    except ScenicError as error:
+        if error.kind != "unsupported":
+            raise
+        before.restore()
+        unroll(c, frame, node, items)
+
+
+def go_through_objects(c: Compilation, frame: LiveFrame, node: ast.For, items: list[Value]) -> None:
+    code = c.code
+    counter = code.variables.take()
+    register_of(code, 0, counter)
+
+    def done(label: Label) -> None:
+        code.row(Op.JUMP_NOT_LESS, counter, code.constant(len(items)), label)
+
+    def count() -> None:
+        code.row(Op.ADD, counter, counter, code.constant(1))
+
+    live_loop(c, frame, node, done, count, lambda: among_objects(items, counter))
 
 
 def live_loop(
