@@ -6,7 +6,7 @@ Each stage stands in the file of that name. Read next: `state` for the record, t
 from __future__ import annotations
 
 from envs.football.agents import assign_actions, choose_controlled
-from envs.football.ai import think
+from envs.football.ai import read_game, think
 from envs.football.constants import BUILTIN_AI, RUNNING, STAND
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
@@ -37,6 +37,7 @@ def step_match(match, actions):
 def play(match):
     """Move a match on in which every player has his action."""
     find_chasers(match)
+    read_game(match)
     decide(match)
     plan_motions(match)
     swing_legs(match)
