@@ -11,7 +11,7 @@ import math
 from envs.football.constants import DRIBBLE_SPEED, HALF_WIDTH, RUN_SPEED
 from envs.football.control import CARRY_SPRINT, chase
 from envs.football.dribble import TOUCH_REACH
-from envs.football.effort import RUNS, STANDS, WALKS
+from envs.football.effort import RUNS, WALKS
 from envs.football.passing import consider_pass
 from envs.football.shooting import consider_shot
 from envs.football.situation import attacked_goal_x
@@ -58,9 +58,7 @@ def run_by_forces(match, player):
 
 @kernel
 def carrying_speed(player, wish):
-    """The speed in m/s with the ball that suits a wish."""
-    if wish < STANDS:
-        return 0.0
+    """The speed in m/s with the ball that suits a wish; he never stands."""
     if wish < WALKS:
         return DRIBBLE_SPEED
     return RUN_SPEED if wish < RUNS else player.top_speed * CARRY_SPRINT

@@ -22,7 +22,7 @@ INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
 MARK_MOST = 3.5  # m
 LINE_POST = -0.5  # posts further back than this form the back line
-LINE_NEAREST, LINE_FARTHEST = 6.0, 40.0  # m from the goal to the back line
+LINE_NEAREST, LINE_FARTHEST = 6.0, 55.0  # m from the goal to the back line
 LINE_BEHIND = 3.0  # m behind a ball that has come close
 
 

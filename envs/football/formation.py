@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LEFT, LM, NOBODY, RB, RM, STEP
+from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LEFT, LM, RB, RM, STEP
 from envs.football.vectors import squared_apart
 from scenic_lite.jit import kernel
 
@@ -22,10 +22,10 @@ LINE_UP_WIDTH = 18.0  # m from the middle of the pitch that are as wide as the b
 # The block
 BALL_MEMORY = 2.5  # s over which the ball is averaged
 FOLLOW_SLOW, FOLLOW_FAST = 0.36, 0.22  # share of the averaged ball's and of the ball's x at which the block stands
-SET_BACK = 2.0  # m towards the own goal
+SET_BACK = 1.2  # m towards the own goal
 FOLLOW_ACROSS = 0.4
-DEPTH, WIDTH = 14.0, 19.0  # m, half of the block
-FOCUS, FOCUS_RANGE = 0.3, 30.0  # in defence posts close up to the ball by this share, fading out over m
+DEPTH, WIDTH = 11.0, 20.0  # m, half of the block
+FOCUS, FOCUS_RANGE = 0.4, 30.0  # in defence posts close up to the ball by this share, fading out over m
 EDGE = 3.0  # m from the lines
 EXCHANGE = 0.9  # of the way: two players exchange posts when that shortens their ways to less than this
 

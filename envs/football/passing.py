@@ -6,22 +6,19 @@ shorter he has had the ball. Read next: `kicks`, which carries passes out.
 
 from __future__ import annotations
 
-import math
-
-from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
+from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, SHORT_PASS
 from envs.football.formation import forward
 from envs.football.offside import second_last
 from envs.football.saves import own_goal_x
 from envs.football.situation import attacked_goal_x, nearest_opponent, situation
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
-from scenic_lite.stream import uniform
 
 DECIDED_EVERY = 2  # steps
 GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 45.0  # m
 BETTER = 0.1  # by how much a mate's situation must be better
 GAIN_MOST = 1.2  # more is not worth more
-EAGER, PATIENT, PATIENCE = 0.12, 0.6, 50  # least gain times odds after PATIENCE steps on the ball, and at once
+EAGER, PATIENT, PATIENCE = 0.08, 0.45, 50  # least gain times odds after PATIENCE steps on the ball, and at once
 KEEPER_SHARE = 0.7  # of its worth that a pass to the own keeper has
 HIGH_LOSS = 0.4  # of the odds
 LEAD_TIME, LONG_LEAD = 0.4, 0.2  # s; of the distance, towards the goal
