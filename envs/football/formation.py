@@ -81,11 +81,11 @@ def exchange_posts(match):
     """Let every two mates exchange their posts if that shortens their ways (their squares, so that no way is long)."""
     for i in range(1, match.num_players):
         a = match.players[i]
-        if a.role == GK:
+        if a.role == GK or a.off:
             continue
         for j in range(i):
             b = match.players[j]
-            if b.team == a.team and b.role != GK:
+            if b.team == a.team and b.role != GK and not b.off:
                 exchange(match, a, b)
 
 

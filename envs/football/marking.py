@@ -61,7 +61,7 @@ def most_dangerous(match, team, taken):
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
-        if rival.team == team or rival.role == GK or taken >> j & 1 == 1:
+        if rival.team == team or rival.role == GK or rival.off or taken >> j & 1 == 1:
             continue
         distance = length(goal_x - rival.x, rival.y) - (ON_THE_BALL if j == on_ball else 0.0)
         if distance < least:
@@ -79,7 +79,7 @@ def nearest_marker(match, team, rival):
     best, least = NOBODY, MARK_RANGE * MARK_RANGE
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.role == GK or player.mark != NOBODY:
+        if player.team != team or player.role == GK or player.off or player.mark != NOBODY:
             continue
         squared = squared_apart(player, x, y)
         if squared < least:

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from envs.football.agents import assign_actions, choose_controlled
 from envs.football.ai import read_game, think
-from envs.football.constants import BUILTIN_AI, RUNNING, STAND
+from envs.football.constants import BUILTIN_AI, NOBODY, RUNNING, STAND
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
 from envs.football.keeper import hurry
 from envs.football.kicks import swing_legs
 from envs.football.motion import plan_motion
+from envs.football.offside import mark_offside
 from envs.football.physics import play_frames
 from envs.football.possession import find_chasers, tick
+from envs.football.restarts import wait_for_restart
 from envs.football.reward import pay_checkpoints
 from envs.football.rules import apply_rules, begin_step
 from scenic_lite.jit import kernel
@@ -36,12 +38,16 @@ def step_match(match, actions):
 @kernel
 def play(match):
     """Move a match on in which every player has his action."""
-    find_chasers(match)
-    read_game(match)
-    decide(match)
-    plan_motions(match)
-    swing_legs(match)
-    lead_ball(match)
+    if match.taker != NOBODY:
+        wait_for_restart(match)
+    if match.taker == NOBODY:
+        find_chasers(match)
+        read_game(match)
+        decide(match)
+        plan_motions(match)
+        swing_legs(match)
+        if lead_ball(match):
+            mark_offside(match, match.carrier)
     play_frames(match)
     tick(match)
     apply_rules(match)

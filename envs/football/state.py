@@ -226,6 +226,7 @@ def kick_off(
         matches["slow_" + name] = ball[:, axis]
     matches["ball"]["z"] = BALL_RADIUS
     _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
+    matches["starter"] = _starter(positions, ball, teams)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
     matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if lineup.order is None else lineup.order
@@ -267,3 +268,10 @@ def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, role
     speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
     players["top_speed"] = speeds
     players["facing_x"] = np.where(teams == LEFT, 1.0, -1.0)
+
+
+def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are equal."""
+    squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
+    left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
+    return np.where(left < right, LEFT, RIGHT)
