@@ -117,7 +117,6 @@ def test_who_stands_where(mode: int, team: int) -> None:
     looks = (ball["x"] - players["x"]) * players["facing_x"] + (ball["y"] - players["y"]) * players["facing_y"]
     assert looks == pytest.approx(away)
     gaps = np.hypot(players["x"][:, None] - players["x"], players["y"][:, None] - players["y"]) + 9.0 * np.eye(22)
-    assert gaps.min() > 1.5 * BODY_RADIUS
     play(matches, [0] * 2)  # in which bodies that still overlap part
     gaps = np.hypot(players["x"][:, None] - players["x"], players["y"][:, None] - players["y"]) + 9.0 * np.eye(22)
     assert gaps.min() > 2 * BODY_RADIUS - 0.01
