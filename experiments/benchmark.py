@@ -2,6 +2,7 @@
 
     regista benchmark --suite sim
     regista benchmark --suite language
+    regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
     regista benchmark --json > today.json
 
 Read next: `envs.football.batch`, the loop that is measured.
@@ -14,8 +15,9 @@ import os
 import platform
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -24,6 +26,7 @@ from experiments import arguments, build
 from experiments.benchmark_behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmark_language import language_suite, render_language
 from experiments.config import TrainConfig
+from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.measuring import STRETCHES, Measurement, rate
 from experiments.results import align
 from ued.config import check_at_least_1, check_positive, setting
@@ -39,22 +42,32 @@ REFERENCE = (310, 570)
 class BenchmarkConfig:
     """What is typed after `regista benchmark`."""
 
-    suite: Literal["sim", "train", "language", "all"] = setting(
-        "all", "sim: the simulator alone; train: domain randomisation; language: programs, scenes, behaviors; all"
+    suite: Literal["sim", "train", "language", "all", "grf"] = setting(
+        "all",
+        "sim: the simulator alone; train: domain randomisation; language: programs, scenes, behaviors; all of these; "
+        "grf: likeness to Google Research Football",
     )
     minigame: str = setting("1v1Free", "what is played")
     num_envs: int = setting(256, "environments of the simulator's batch")
     seconds: float = setting(1.0, "about how long each measurement takes")
     json: bool = setting(False, "print JSON instead of a table")
+    family: tuple[str, ...] = setting((), f"of suite grf, among {', '.join(FAMILIES)}; none given: all")
+    figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
+    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual")
 
     def __post_init__(self) -> None:
         check_at_least_1(self, "num_envs")
-        check_positive(self, "seconds")
+        check_positive(self, "seconds", "effort")
+        for name in self.family:
+            if name not in FAMILIES:
+                raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
+    if config.suite == "grf":
+        return likeness(config)
     build.find_minigame(config.minigame)
     found: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
@@ -69,6 +82,21 @@ def main(argv: Sequence[str]) -> int:
         print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
     else:
         print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in found.items())]))
+    return 0
+
+
+def likeness(config: BenchmarkConfig) -> int:
+    """Compare with the measurements of the original, family by family, and print each as soon as it is there."""
+    results = {}
+    for family in config.family or FAMILIES:
+        rows = compare(family, config.effort)
+        results[family] = [asdict(row) | {"ok": row.ok} for row in rows]
+        if config.figures is not None:
+            draw(family, config.figures, config.effort)
+        if not config.json:
+            print(render_family(family, rows), end="\n\n", flush=True)
+    if config.json:
+        print(json.dumps({"machine": machine(), "results": results}, indent=2))
     return 0
 
 

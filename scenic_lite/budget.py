@@ -44,6 +44,10 @@ class Budget:
         if self.steps > self.limits.steps:
             raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
 
+    def round(self) -> None:
+        """A loop that may go on for ever goes round."""
+        self.step()
+
     def new_call(self, wanted: int = 0) -> None:
         """Scenes are asked for, some of them to be found among many: what is decided scene by scene starts anew."""
         self.scenes = -wanted * self.limits.scene // 4

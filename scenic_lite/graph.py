@@ -167,6 +167,14 @@ def array_power(base: Any, exponent: Any) -> Any:
     return np.float_power(base, exponent)
 
 
+def real_power(base: Any, exponent: Any) -> Any:
+    """`base ** exponent`. Raises ValueError where that is no real number, as of -2 ** 0.5."""
+    result = base**exponent
+    if isinstance(result, complex):
+        raise ValueError(f"({base:g}) ** {exponent:g} is no real number")
+    return result
+
+
 def plain_round(value: Any, digits: Any = None) -> Any:
     """Python's `round` on an array: to integers without `digits`."""
     if digits is None:
@@ -191,7 +199,7 @@ MULTIPLY = Operation(operator.mul, np.multiply)
 DIVIDE = Operation(operator.truediv, np.true_divide)
 FLOOR_DIVIDE = Operation(operator.floordiv, np.floor_divide)
 MODULO = Operation(operator.mod, np.mod)
-POWER = Operation(operator.pow, array_power)
+POWER = Operation(real_power, array_power)
 NEGATE = Operation(operator.neg, np.negative)
 ABSOLUTE = Operation(abs, np.absolute)
 LESS = Operation(operator.lt, np.less)

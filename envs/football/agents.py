@@ -76,7 +76,7 @@ def choose_closest(match, team, first):
         best, closest = NOBODY, math.inf
         for i in range(match.num_players):
             player = match.players[i]
-            if player.team != team or player.agent != NOBODY:
+            if player.team != team or player.off or player.agent != NOBODY:
                 continue
             dx, dy = match.ball.x - player.x, match.ball.y - player.y
             squared = dx * dx + dy * dy
@@ -105,7 +105,9 @@ def choose_active(match, team, agent):
 
 @kernel
 def active_player(match, team, old):
-    """Return who has the ball, else for whom a mate's pass is meant, else who is soonest at the ball."""
+    """Return who takes the restart or has the ball, else for whom a mate's pass is meant, else who is soonest."""
+    if match.taker != NOBODY and match.players[match.taker].team == team:
+        return match.taker
     if match.carrier != NOBODY and match.players[match.carrier].team == team:
         return match.carrier
     if match.carrier == NOBODY and receives(match, team):
@@ -116,7 +118,7 @@ def active_player(match, team, old):
         soonest = meeting_time(match, match.players[old], speed) - SWITCH
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or i == old or player.role == GK:
+        if player.team != team or player.off or i == old or player.role == GK:
             continue
         time = meeting_time(match, player, speed)
         if time < soonest or (time == soonest and player.order < match.players[best].order):

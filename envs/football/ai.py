@@ -1,16 +1,69 @@
-"""The built-in AI: one decision per player and step, for everybody without a command.
+"""The built-in AI: what both teams see of the match, then one decision per player and step for all without a command.
 
-Read next: `keeper`, `attack`, `defence`.
+Decisions of a team (posts, markers, runs) are made anew every few steps. Read next: `formation`, `marking`; then
+`keeper`, `attack`, `support`, `defence`.
 """
 
 from __future__ import annotations
 
-from envs.football.attack import play_ball, support
-from envs.football.constants import GK, NOBODY, NORMAL
+from envs.football.attack import play_ball
+from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT
 from envs.football.control import chase
-from envs.football.defence import defend, hunt
+from envs.football.defence import defend
+from envs.football.formation import exchange_posts, remember_ball
 from envs.football.keeper import think_keeper
+from envs.football.marking import choose_hunters, choose_markers
+from envs.football.possession import ball_speed, meeting_time
+from envs.football.support import start_runs, support
 from scenic_lite.jit import kernel
+
+POSTS_EVERY, MARKS_EVERY = 10, 5  # steps
+LATE = 0.3  # s behind the opponents at a free ball: further behind, nobody runs for it
+
+
+@kernel
+def read_game(match):
+    """See for both teams who has or gets the ball, and every few steps who belongs where and marks whom."""
+    remember_ball(match)
+    count_possession(match)
+    changed = favour(match)
+    if match.step % POSTS_EVERY == 0:
+        exchange_posts(match)
+    if changed or match.step % MARKS_EVERY == 0:
+        choose_markers(match)
+        start_runs(match)
+    choose_hunters(match)
+
+
+@kernel
+def count_possession(match):
+    """Count for how long the last player on the ball has had it."""
+    match.borne += 1
+    if match.carrier != NOBODY and match.carrier != match.bearer:
+        match.bearer, match.borne = match.carrier, 0
+
+
+@kernel
+def favour(match):
+    """Find the team that has the ball or will be first at it; return whether it is another than before."""
+    before = match.favoured
+    if match.carrier != NOBODY:
+        match.favoured = match.players[match.carrier].team
+        return match.favoured != before
+    match.late = lateness(match)
+    if match.late != 0.0:
+        match.favoured = LEFT if match.late < 0.0 else RIGHT
+    return match.favoured != before
+
+
+@kernel
+def lateness(match):
+    """Seconds by which the left team's first player at a free ball is later than the right team's."""
+    left, right = match.chaser[LEFT], match.chaser[RIGHT]
+    if left == NOBODY or right == NOBODY:
+        return -1.0 if right == NOBODY else 1.0
+    speed = ball_speed(match.ball)
+    return meeting_time(match, match.players[left], speed) - meeting_time(match, match.players[right], speed)
 
 
 @kernel
@@ -23,17 +76,18 @@ def think(match, i):
         think_keeper(match, i)
     elif match.carrier == i:
         play_ball(match, i)
-    elif match.carrier == NOBODY and match.chaser[player.team] == i and match.game_mode == NORMAL:
+    elif goes_for_free_ball(match, i):
         chase(match, i, player.top_speed)
-    elif ours(match, player.team):
+    elif match.favoured == player.team:
         support(match, i)
-    elif match.chaser[player.team] == i and match.carrier != NOBODY:
-        hunt(match, i)
     else:
         defend(match, i)
 
 
 @kernel
-def ours(match, team):
-    """Tell whether `team` has the ball, or had it last."""
-    return match.last_touch != NOBODY and match.players[match.last_touch].team == team
+def goes_for_free_ball(match, i):
+    """Tell whether player i runs for a free ball: first of his team at it, and not much later than the opponents."""
+    team = match.players[i].team
+    if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
+        return False
+    return (match.late if team == LEFT else -match.late) < LATE

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import FREE_KICK, GK, NOBODY, STEP
-from envs.football.rules import stop_play
+from envs.football.constants import GK, NOBODY, STEP
+from envs.football.fouls import report_foul
 from envs.football.saves import in_own_box
 from envs.football.touch import BLOCK_KEEP, deflect, hold, parry, take
 from envs.football.vectors import length, toward
@@ -27,6 +27,7 @@ SWERVE = 10.0  # m/s across the tackler's reach at which the ball cannot be won
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
 FOUL_SIDE, FOUL_BEHIND, FOUL_SPEED = 0.9, 0.75, 2.0  # chances; m/s of a carrier who runs
+SIDE_SEVERITY = 1.5  # of a slide that misses the ball, from the side: a yellow card
 
 # Keepers
 CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
@@ -106,7 +107,8 @@ def tackle(match, i):
     """Let player i try to take the ball off the carrier's feet."""
     player, carrier = match.players[i], match.players[match.carrier]
     if player.sliding and is_foul(match, i):
-        stop_play(match, FREE_KICK, carrier.team, match.ball.x, match.ball.y)
+        report_foul(match, i, match.carrier, SIDE_SEVERITY, True)
+        player.touch_wait, carrier.touch_wait = TACKLE_WAIT, ROBBED_WAIT
         return
     behind = (player.x - carrier.x) * carrier.facing_x + (player.y - carrier.y) * carrier.facing_y < -0.2
     chance = (SLIDE_CHANCE if player.sliding else TACKLE_CHANCE) * (0.4 + 0.6 * player.skill) * within_reach(match, i)

@@ -13,8 +13,10 @@ from envs.football.constants import (
     DIRECTION_Y,
     DRIBBLE,
     DRIBBLE_SPEED,
+    IDLE,
     LONG_PASS,
     NOBODY,
+    NUM_COMMANDS,
     RELEASE_DIRECTION,
     RELEASE_DRIBBLE,
     RELEASE_SPRINT,
@@ -39,12 +41,22 @@ SLIDE_SPEED = 5.0  # m/s at least
 
 
 @kernel
-def obey(match, i, action):
-    """Let player i press a key: remember the sticky ones, start or release kicks, and want a velocity."""
+def obey(match, i, actions):
+    """Let player i press a key, or several at once: remember the sticky ones, kick or slide, and want a velocity.
+
+    Of several (digits in base NUM_COMMANDS, the first highest) the first counts of those that exclude each other: of
+    directions, of a key and its release, of kicks and slides.
+    """
     player = match.players[i]
-    press(player, action)
-    hold_kick(player, action)
-    if action == SLIDING:
+    button = IDLE
+    while actions > 0:  # from the last to the first
+        action = actions % NUM_COMMANDS
+        press(player, action)
+        if LONG_PASS <= action <= SHOT or action == SLIDING:
+            button = action
+        actions //= NUM_COMMANDS
+    hold_kick(player, button)
+    if button == SLIDING:
         slide(match, i)
     steer(match, i)
 

@@ -1,69 +1,108 @@
-"""Built-in players whose team has not got the ball: hunt the carrier, hold him up, or mark.
+"""Built-in players whose team has not got the ball: hunt, hold up, mark, or keep the line.
 
-As measured of Google Research Football, a defender retreats before a carrier, staying between him and the
+As measured of Google Research Football, a lone defender retreats before a carrier, staying between him and the
 goal, and attacks the ball only near it or near his own goal. Read next: `keeper`.
 """
 
 from __future__ import annotations
 
-from envs.football.attack import formation_place
-from envs.football.constants import GK, NOBODY, RUN_SPEED
+from envs.football.constants import HALF_LENGTH, NOBODY
 from envs.football.control import go_for_ball, run_to
+from envs.football.effort import head_for, reaction_time
+from envs.football.formation import DEPTH, FOCUS, FOCUS_RANGE, block_x, formation_place, forward
+from envs.football.marking import man_on_ball
 from envs.football.saves import own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
-HUNTING_RANGE, HUNTING_STANDING = 6.0, 18.0  # m to a carrier who runs, who stands, for a player of full skill
-STANDING = 1.5  # m/s
+TACKLE_RANGE = 1.6  # m to the ball: whoever is this close tries for it
 DANGER_RANGE = 24.0  # m from the carrier to the goal: from here on he is attacked
 HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.12  # m, and share of the way to the goal, that is left to a carrier
-MARK_RANGE, MARK_GAP = 16.0, 1.6  # m
-
-
-@kernel
-def hunt(match, i):
-    """As the defender nearest to the ball: attack it when close enough to it or to the goal, else hold up."""
-    player, carrier = match.players[i], match.players[match.carrier]
-    goal_x = own_goal_x(player.team)
-    distance = apart(player, carrier)
-    to_goal = length(goal_x - carrier.x, carrier.y)
-    stands = length(carrier.vx, carrier.vy) < STANDING
-    if to_goal < DANGER_RANGE or distance < player.skill * (HUNTING_STANDING if stands else HUNTING_RANGE):
-        go_for_ball(match, i, player.top_speed)
-        return
-    gap = HOLD_UP_GAP + HOLD_UP_SHARE * to_goal
-    share = min(gap / (to_goal + 1e-9), 0.9)
-    run_to(player, carrier.x + share * (goal_x - carrier.x), carrier.y * (1.0 - share), player.top_speed)
+INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
+MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
+MARK_MOST = 3.5  # m
+LINE_POST = -0.5  # posts further back than this form the back line
+LINE_NEAREST, LINE_FARTHEST = 6.0, 55.0  # m from the goal to the back line
+LINE_BEHIND = 3.0  # m behind a ball that has come close
 
 
 @kernel
 def defend(match, i):
-    """Mark the nearest opponent without the ball, from the side of the goal, or keep the formation."""
+    """Do what suits a player whose team has not got the ball."""
     player = match.players[i]
-    goal_x = own_goal_x(player.team)
-    rival = nearest_rival(match, i)
-    if rival == NOBODY:
-        x, y = formation_place(match, i)
-        x += 0.15 * (goal_x - x)
+    on_ball = man_on_ball(match, 1 - player.team)
+    if match.carrier != NOBODY and apart(match.ball, player) < TACKLE_RANGE:
+        go_for_ball(match, i, player.top_speed)
+    elif on_ball != NOBODY and (match.hunter[player.team, 0] == i or match.hunter[player.team, 1] == i):
+        hunt(match, i, on_ball)
+    elif player.mark == NOBODY:
+        hold_post(match, player)
+    elif player.mark == on_ball:
+        hold_up(match, i, on_ball)
     else:
-        marked = match.players[rival]
-        to_x, to_y = goal_x - marked.x, -marked.y
-        size = length(to_x, to_y) + 1e-9
-        x, y = marked.x + MARK_GAP * to_x / size, marked.y + MARK_GAP * to_y / size
-    distance = length(x - player.x, y - player.y)
-    run_to(player, x, y, player.top_speed if distance > 6.0 else RUN_SPEED)
+        mark(match, player)
 
 
 @kernel
-def nearest_rival(match, i):
-    """Return the nearest outfield opponent in marking range who does not carry the ball, -1 if none."""
-    player = match.players[i]
-    nearest, best = MARK_RANGE, NOBODY
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team == player.team or rival.role == GK or j == match.carrier:
-            continue
-        distance = apart(rival, player)
-        if distance < nearest:
-            nearest, best = distance, j
-    return best
+def hunt(match, i, on_ball):
+    """Run to where the opponent on the ball can be met on his way to the goal, and there at the ball."""
+    player, rival = match.players[i], match.players[on_ball]
+    goal_x = own_goal_x(player.team)
+    to_goal = length(goal_x - rival.x, rival.y) + 1e-9
+    pace = -(rival.vx * (rival.x - goal_x) + rival.vy * rival.y) / to_goal
+    time = apart(player, rival) / (INTERCEPTION + max(pace, 0.0))
+    if time < 0.35 or pace < 1.0:
+        go_for_ball(match, i, player.top_speed)
+        return
+    share = min(pace * time / to_goal, 0.9)
+    run_to(player, rival.x + share * (goal_x - rival.x), rival.y * (1.0 - share), player.top_speed)
+
+
+@kernel
+def hold_up(match, i, on_ball):
+    """Stay between the opponent on the ball and the goal at a distance; attack the ball near the goal."""
+    player, rival = match.players[i], match.players[on_ball]
+    goal_x = own_goal_x(player.team)
+    late = reaction_time(player)
+    x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
+    to_goal = length(goal_x - x, y) + 1e-9
+    if to_goal < DANGER_RANGE:
+        hunt(match, i, on_ball)
+        return
+    share = min((HOLD_UP_GAP + HOLD_UP_SHARE * to_goal) / to_goal, 0.9)
+    run_to(player, x + share * (goal_x - x), y * (1.0 - share), player.top_speed)
+
+
+@kernel
+def mark(match, player):
+    """Stand between the opponent whom he marks and the goal."""
+    rival = match.players[player.mark]
+    goal_x = own_goal_x(player.team)
+    late = reaction_time(player)
+    x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
+    to_goal = length(goal_x - x, y) + 1e-9
+    gap = min(MARK_GAP + MARK_SHARE * apart(match.ball, rival), MARK_MOST) / to_goal
+    head_for(match, player, x + gap * (goal_x - x), y * (1.0 - gap))
+
+
+@kernel
+def hold_post(match, player):
+    """Keep the post in the block, those at the back in line, all closing up to a ball that comes near the goal."""
+    x, y = formation_place(match, player)
+    ball = match.ball
+    if player.post_x < LINE_POST:
+        x = line_x(match, player.team)
+    goal_x = own_goal_x(player.team)
+    close = FOCUS * max(1.0 - abs(goal_x - ball.x) / HALF_LENGTH, 0.0)
+    close *= max(1.0 - length(ball.x - x, ball.y - y) / FOCUS_RANGE, 0.0)
+    head_for(match, player, x + close * 0.5 * (ball.x - x), y + close * (ball.y - y))
+
+
+@kernel
+def line_x(match, team):
+    """x of a team's back line: it moves with the block, from near the goal to some way out, and not past the ball."""
+    ahead = forward(team)
+    line = ahead * block_x(match, team) - DEPTH
+    line = min(max(line, LINE_NEAREST - HALF_LENGTH), LINE_FARTHEST - HALF_LENGTH)
+    line = min(line, max(ahead * match.ball.x - LINE_BEHIND, LINE_NEAREST - HALF_LENGTH))
+    return ahead * line

@@ -17,7 +17,8 @@ ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # wh
 # Parameters of a program that are settings of the match.
 SETTINGS = frozenset(
     {
-        *("game_duration", "deterministic", "offsides", "use_magnet", "left_team_difficulty", "right_team_difficulty"),
+        *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
+        *("left_team_difficulty", "right_team_difficulty"),
         *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
     }
 )

@@ -24,17 +24,18 @@ TOUCH_SPEED = 3.0  # m/s at most, relative to the player
 
 @kernel
 def lead_ball(match):
-    """Let the carrier touch the ball if it is his turn to."""
+    """Let the carrier touch the ball if it is his turn to; return whether he did."""
     i = match.carrier
     if i == NOBODY or match.holder != NOBODY or match.game_mode != 0:
-        return
+        return False
     player, ball = match.players[i], match.ball
     if (player.touch_wait > 0.0 and match.kicker != i) or player.down > 0.0 or ball.z > TOUCH_BELOW:
-        return
+        return False
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH:
-        return
+        return False
     touch(ball, player, match.kicker == i)
+    return True
 
 
 @kernel

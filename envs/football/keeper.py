@@ -81,7 +81,7 @@ def kick_out(match, i):
     for j in range(match.num_players):
         mate = match.players[j]
         distance = length(mate.x - player.x, mate.y - player.y)
-        if j != i and mate.team == player.team and distance < nearest:
+        if j != i and mate.team == player.team and not mate.off and distance < nearest:
             nearest = distance
             player.aim_x, player.aim_y = mate.x, mate.y
     player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
@@ -134,7 +134,7 @@ def lone(match, i):
     """Tell whether keeper i's team has no other player: every ball in his half is his."""
     mates = 0
     for j in range(match.num_players):
-        mates += match.players[j].team == match.players[i].team
+        mates += match.players[j].team == match.players[i].team and not match.players[j].off
     return mates == 1
 
 
@@ -146,7 +146,7 @@ def through_on_goal(match, i):
     danger = length(goal_x - ball.x, ball.y)
     for j in range(match.num_players):
         mate = match.players[j]
-        if j == i or mate.team != match.players[i].team:
+        if j == i or mate.team != match.players[i].team or mate.off:
             continue
         if length(goal_x - mate.x, mate.y) < danger:
             return False

@@ -168,7 +168,7 @@ def choose_mate(match, i, ux, uy):
     best, best_rating = NOBODY, math.inf
     for j in range(match.num_players):
         mate = match.players[j]
-        if j == i or mate.team != player.team:
+        if j == i or mate.team != player.team or mate.off:
             continue
         off = 0.5 * quarter_turns(ux, uy, mate.x - player.x, mate.y - player.y)
         far = length(mate.x - look_x, mate.y - look_y) / LOOK_SCALE

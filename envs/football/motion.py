@@ -185,6 +185,8 @@ def advance_player(player):
 @kernel
 def keep_on_pitch(player):
     """Stop a player at the edge of the grass, a little beyond the lines."""
+    if player.off:
+        return
     if abs(player.x) > HALF_LENGTH + APRON:
         player.x = math.copysign(HALF_LENGTH + APRON, player.x)
         player.vx = 0.0

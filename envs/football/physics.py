@@ -6,12 +6,13 @@ Read next: `ball`, `motion`, `contacts`, one per line of `play_frames`.
 from __future__ import annotations
 
 from envs.football.ball import advance_ball
-from envs.football.constants import DT, FRAMES, HALF_LENGTH, HALF_WIDTH, NOBODY, NORMAL, OUT_MARGIN
+from envs.football.constants import DT, FRAMES, NOBODY, NORMAL
 from envs.football.contacts import meet_ball, reachable
 from envs.football.kicks import swing_frame
 from envs.football.motion import advance_player, crowded, keep_on_pitch, part_bodies
 from envs.football.offside import mark_offside
 from envs.football.touch import carry_in_hands
+from envs.football.whistle import off_pitch
 from scenic_lite.jit import kernel
 
 
@@ -35,16 +36,10 @@ def play_frames(match):
             carry_in_hands(match)
         else:
             advance_ball(match.ball)
-            in_play = not off_pitch(match.ball)
+            in_play = not off_pitch(match)
             if bits != 0 and in_play:
                 meet_ball(match, bits)
                 in_play = match.game_mode == NORMAL
         match.save_wait -= DT
     for i in range(match.num_players):
         keep_on_pitch(match.players[i])
-
-
-@kernel
-def off_pitch(ball):
-    """Tell whether the ball's centre is beyond a line."""
-    return abs(ball.x) > HALF_LENGTH + OUT_MARGIN or abs(ball.y) > HALF_WIDTH + OUT_MARGIN

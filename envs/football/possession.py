@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from envs.football.ball import rolled
-from envs.football.constants import LEFT, NOBODY, RIGHT, STEP
+from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
@@ -75,6 +75,19 @@ def update_possession(match):
         match.owner = match.holder
     elif match.last_touch != NOBODY and owns(match.ball, match.players[match.last_touch]):
         match.owner = match.last_touch
+    compare_owner(match)
+
+
+@kernel
+def own_at_restart(match):
+    """While play is stopped nobody owns the ball but who holds it for a throw-in."""
+    match.owner = match.taker if match.game_mode == THROW_IN else NOBODY
+    compare_owner(match)
+
+
+@kernel
+def compare_owner(match):
+    """Find out whether another team owns the ball than the last that did; without an owner nothing changes."""
     match.possession_changed = False
     if match.owner != NOBODY:
         team = match.players[match.owner].team

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from envs.football.agents import assign_actions, seen_by
 from envs.football.constants import (
-    BAD_ACTION,
     BUILTIN_AI,
     NO_FAULT,
     NOBODY,
+    NUM_COMMANDS,
     PROGRAM_FAULT,
     REJECTED,
     RUNNING,
@@ -65,7 +65,8 @@ def heed(match, registers):
 def step_commanded(match, actions, cast, commands):
     """Move a match on by a step: the agents take `actions` [A], objects of the program `commands` [O].
 
-    A command is an action or NO_COMMAND; `cast` [O] says which player each object is, or THE_BALL.
+    A command is an action, several of them (`world.packed`) or NO_COMMAND; `cast` [O] says which player each object
+    is, or THE_BALL.
     """
     begin_step(match)
     if match.ended != RUNNING:
@@ -84,7 +85,18 @@ def command_players(match, cast, commands):
             continue
         if match.players[i].agent != NOBODY:
             continue
-        if not 0.0 <= commands[o] <= BUILTIN_AI or commands[o] != int(commands[o]):
-            match.fault = BAD_ACTION
-            continue
-        match.players[i].action = seen_by(match.players[i].team, int(commands[o]))
+        match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
+
+
+@kernel
+def as_seen(team, actions):
+    """Turn every direction among some actions for a right player; the built-in AI's action counts alone."""
+    turned, digit = 0, 1
+    while actions > 0:
+        action = actions % NUM_COMMANDS
+        if action == BUILTIN_AI:
+            return BUILTIN_AI
+        turned += digit * seen_by(team, action)
+        digit *= NUM_COMMANDS
+        actions //= NUM_COMMANDS
+    return turned

@@ -6,15 +6,17 @@ Each stage stands in the file of that name. Read next: `state` for the record, t
 from __future__ import annotations
 
 from envs.football.agents import assign_actions, choose_controlled
-from envs.football.ai import think
-from envs.football.constants import BUILTIN_AI, RUNNING
+from envs.football.ai import read_game, think
+from envs.football.constants import BUILTIN_AI, NOBODY, RUNNING, STAND
 from envs.football.control import obey, release_keys
 from envs.football.dribble import lead_ball
 from envs.football.keeper import hurry
 from envs.football.kicks import swing_legs
 from envs.football.motion import plan_motion
+from envs.football.offside import mark_offside
 from envs.football.physics import play_frames
 from envs.football.possession import find_chasers, tick
+from envs.football.restarts import wait_for_restart
 from envs.football.reward import pay_checkpoints
 from envs.football.rules import apply_rules, begin_step
 from scenic_lite.jit import kernel
@@ -36,11 +38,16 @@ def step_match(match, actions):
 @kernel
 def play(match):
     """Move a match on in which every player has his action."""
-    find_chasers(match)
-    decide(match)
-    plan_motions(match)
-    swing_legs(match)
-    lead_ball(match)
+    if match.taker != NOBODY:
+        wait_for_restart(match)
+    if match.taker == NOBODY:
+        find_chasers(match)
+        read_game(match)
+        decide(match)
+        plan_motions(match)
+        swing_legs(match)
+        if lead_ball(match):
+            mark_offside(match, match.carrier)
     play_frames(match)
     tick(match)
     apply_rules(match)
@@ -56,9 +63,26 @@ def decide(match):
         if player.action == BUILTIN_AI:
             release_keys(match, i)
             think(match, i)
+        elif player.action == STAND:
+            release_keys(match, i)
+            player.want_x, player.want_y = 0.0, 0.0
         else:
             obey(match, i, player.action)
             hurry(match, i)
+
+
+@kernel
+def step_teams(match, actions):
+    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND.
+
+    A match that has ended stays as it is.
+    """
+    begin_step(match)
+    if match.ended != RUNNING:
+        return
+    for i in range(match.num_players):
+        match.players[i].action = actions[i]
+    play(match)
 
 
 @kernel

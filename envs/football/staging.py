@@ -8,10 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from envs.football.batch import Batch
-from envs.football.constants import BAD_ACTION, BUILTIN_AI, PROGRAM_FAULT
+from envs.football.constants import PROGRAM_FAULT
 from envs.football.world import FOOTBALL_WORLD
-from scenic_lite import Program, ScenicError
-from scenic_lite.dynamics.bytecode import NO_COMMAND
+from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compiler import compile_program
 
 
@@ -42,22 +41,9 @@ class Staging:
         """The error for a match that cannot go on: the program's line, the match's number and the step."""
         match = batch.matches[index]
         where = f"match {index} of {len(batch.matches)}, step {match['step']}; its level: {levels[index]}"
-        if match["fault"] not in (PROGRAM_FAULT, BAD_ACTION):
+        if match["fault"] != PROGRAM_FAULT:
             return FloatingPointError(f"impossible state (fault {match['fault']}) in {where}")
-        error = self._bad_action(batch.commands[index]) if match["fault"] == BAD_ACTION else self._fault(batch, index)
-        error.notes = (*error.notes, f"    in {where}")
-        return error
-
-    def _fault(self, batch: Batch, index: int) -> ScenicError:
         error = self.compiled.fault(batch.registers[index])
         assert error is not None
+        error.notes = (*error.notes, f"    in {where}")
         return error
-
-    def _bad_action(self, commands: np.ndarray) -> ScenicError:
-        """The error for what a behavior took and is no action."""
-        wrong = ~np.isin(commands, [NO_COMMAND, *range(BUILTIN_AI + 1)])
-        which = int(np.flatnonzero(wrong)[0])
-        info = self.program.objects[which]
-        message = f"{info.name or info.class_name} takes an action that does not exist: {commands[which]:g}"
-        assert info.behavior_place is not None
-        return self.program.error("value", message, info.behavior_place, f"actions are 0 to {BUILTIN_AI}")

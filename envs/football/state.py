@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from envs.football.control_modes import appoint
+from envs.football.formation import posts
 from scenic_lite.stream import streams
 
 BALL_FIELDS = (
@@ -51,7 +52,7 @@ PLAYER_FIELDS = (
     ("shirt", "i8", (), "", "index within the team, in program order"),
     ("order", "i8", (), "", "place among the players of the program: who comes first where two are equal"),
     ("agent", "i8", (), "", "agent whose next action moves him, an index into `agents`; -1 none"),
-    ("action", "i8", (), "", "this step's action, 0..18, or 19 when the built-in AI decides"),
+    ("action", "i8", (), "", "this step's action, 0..18, 19 the built-in AI decides, -1 to stand; several in base 20"),
     ("direction", "i8", (), "", "sticky: 1..8 as the actions are numbered, 0 none"),
     ("sprint", "?", (), "", "sticky"),
     ("dribble", "?", (), "", "sticky"),
@@ -66,6 +67,12 @@ PLAYER_FIELDS = (
     ("cards", "i8", (), "", "1 cautioned (yellow), 2 sent off (red, or the second yellow)"),
     ("leave_wait", "f8", (), "s", "until a player who has been sent off leaves the pitch"),
     ("off", "?", (), "", "has left the pitch: stands far beside it, does nothing and is in nobody's way"),
+    # What the built-in AI remembers of him
+    ("post_x", "f8", (), "", "his post in the formation: -1 back .. 1 front"),
+    ("post_y", "f8", (), "", "-1 .. 1 across the pitch, upwards"),
+    ("place_x", "f8", (), "m", "where he supports the ball, from one decision to the next"),
+    ("place_y", "f8", (), "m", ""),
+    ("mark", "i8", (), "", "opponent whom he marks, -1 none"),
 )
 
 MATCH_FIELDS = (
@@ -120,6 +127,16 @@ MATCH_FIELDS = (
     ("save_wait", "f8", (), "s", "until the ball is there"),
     ("save_gap", "f8", (), "m", "from where he was to there, when the shot left the foot"),
     ("save_succeeds", "?", (), "", "drawn when the shot left the foot"),
+    # What the built-in AI remembers of the match
+    ("slow_x", "f8", (), "m", "place of the ball, averaged over the last seconds"),
+    ("slow_y", "f8", (), "m", ""),
+    ("favoured", "i8", (), "", "team that has the ball or will be first at it, -1 none"),
+    ("late", "f8", (), "s", "by which the left team will be later at a free ball than the right one"),
+    ("bearer", "i8", (), "", "player who has the ball or had it last, as the AI counts"),
+    ("borne", "i8", (), "steps", "since he got it"),
+    ("hunter", "i8", (2, 2), "", "per team, players who hunt the opponent on the ball, -1 none"),
+    ("runner", "i8", (2,), "", "player of each team on an attacking run, -1 none"),
+    ("run_left", "i8", (2,), "steps", "until that run ends"),
     # What the last step brought
     ("goal", "i8", (), "", "+1 the left team scored in this step, -1 the right one"),
     ("checkpoint_reward", "f8", (MAX_PLAYERS,), "", "per agent: 0.1 for each checkpoint newly passed in this step"),
@@ -135,6 +152,7 @@ MATCH_FIELDS = (
 NOBODY_YET = (
     *("owner", "carrier", "holder", "kicker", "last_touch", "last_owned_team", "saver", "chaser", "receiver"),
     *("restart_team", "restart_kick", "taker", "foul_player", "foul_victim"),
+    *("favoured", "bearer", "hunter", "runner"),
 )
 
 
@@ -205,8 +223,10 @@ def kick_off(
     for axis, name in enumerate("xy"):
         matches["ball"][name] = ball[:, axis]
         matches["ball_start_" + name] = ball[:, axis]
+        matches["slow_" + name] = ball[:, axis]
     matches["ball"]["z"] = BALL_RADIUS
     _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
+    matches["starter"] = _starter(positions, ball, teams)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
     matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if lineup.order is None else lineup.order
@@ -236,9 +256,22 @@ def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, role
     for axis, name in enumerate("xy"):
         players[name] = positions[..., axis]
         players["start_" + name] = positions[..., axis]
+        players["place_" + name] = positions[..., axis]
     players["team"], players["role"] = teams, roles
+    players["mark"] = NOBODY
     for team in (LEFT, RIGHT):
-        players["shirt"][:, teams == team] = np.arange(np.count_nonzero(teams == team))
+        own = teams == team
+        players["shirt"][:, own] = np.arange(np.count_nonzero(own))
+        forward = positions[:, own, 0] * (1.0 if team == LEFT else -1.0)
+        depth_and_width = posts(forward, positions[:, own, 1], roles[own])
+        players["post_x"][:, own], players["post_y"][:, own] = depth_and_width[:, 0], depth_and_width[:, 1]
     speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
     players["top_speed"] = speeds
     players["facing_x"] = np.where(teams == LEFT, 1.0, -1.0)
+
+
+def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are equal."""
+    squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
+    left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
+    return np.where(left < right, LEFT, RIGHT)

@@ -40,6 +40,8 @@ def take(match, i):
 @kernel
 def deflect(match, i, keep):
     """Let the ball bounce off player i's body, keeping this share of its speed."""
+    if whistled(match, i):
+        return
     player, ball = match.players[i], match.ball
     dx, dy = ball.x - player.x, ball.y - player.y
     distance = math.sqrt(dx * dx + dy * dy) + 1e-9
@@ -53,7 +55,6 @@ def deflect(match, i, keep):
     player.touch_wait = MISS_WAIT
     match.last_touch = i
     match.saver = NOBODY
-    match.offside_bits = 0
 
 
 @kernel
@@ -79,6 +80,8 @@ def carry_in_hands(match):
 @kernel
 def parry(match, i):
     """Let keeper i push the ball away, forward and to the side from which it came."""
+    if whistled(match, i):
+        return
     player, ball = match.players[i], match.ball
     speed = PARRY_KEEP * length(ball.vx, ball.vy)
     side = ball.y - player.y

@@ -17,6 +17,13 @@ def length(x, y):
 
 
 @kernel
+def squared_apart(a, x, y):
+    """Return the square of the distance in m from a player or the ball to (x, y)."""
+    dx, dy = a.x - x, a.y - y
+    return dx * dx + dy * dy
+
+
+@kernel
 def apart(a, b):
     """Return the distance in m between two of players and ball."""
     return length(a.x - b.x, a.y - b.y)

@@ -6,7 +6,7 @@ importing it compiles nothing. Read next: `world_table`, which fills the tables 
 
 from __future__ import annotations
 
-from envs.football.constants import BUILTIN_AI, STEP
+from envs.football.constants import BUILTIN_AI, NUM_COMMANDS, STEP
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
@@ -92,9 +92,10 @@ def command(value: Value, instance: Instance) -> Value:
         return value
     if not isinstance(value, int | float) or isinstance(value, bool):
         hint = "write its brackets, as in take Shoot()"
-        raise ScenicError("type", f"an action of football is a number, not {describe_kind(value)}", hint=hint)
+        kind = describe_kind(value).replace("a random", "a")
+        raise ScenicError("type", f"an action of football is a number, not {kind}", hint=hint)
     if not 0 <= value <= BUILTIN_AI or value != int(value):
-        raise ScenicError("value", f"there is no action {value:g}; actions are 0 to {BUILTIN_AI}")
+        raise ScenicError("value", FOOTBALL_WORLD.no_action(f"{value:g}"))
     return value
 
 
@@ -102,4 +103,4 @@ def is_ball(instance: Instance) -> bool:
     return any(each.name == "Ball" for each in instance.cls.lineage())
 
 
-FOOTBALL_WORLD = World("football", FIELDS, FACTS, STEP, properties, simulation, command)
+FOOTBALL_WORLD = World("football", FIELDS, FACTS, STEP, properties, simulation, command, NUM_COMMANDS)

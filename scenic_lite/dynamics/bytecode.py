@@ -106,8 +106,11 @@ class Op(IntEnum):
     SORT = 66, "abc", "the c registers from a = the order of the c values from b: indices, the least first"
     REJECT = 67, "..k", "the match breaks requirement k of the program: it is none of its matches"
     TERMINATE = 68, "abt", "the match ends for reason a (a number); slot b = target; nothing more in this step"
-    FAULT = 69, "..k", "the program's own fault k"
-    FAULT_UNLESS = 70, "a.k", "the program's own fault k unless a is not 0"
+    FAULT = 69, "...", "the program's own fault"
+    FAULT_UNLESS = 70, "ab.", "the program's own fault unless a is not 0; its text may tell b"
+    IS_INDEX = 71, "abc", "a = whether b is an integer from 0 to c - 1"
+    AGAIN = 72, "..t", "a loop goes round: go on at the target; a fault if it is the 10,001st time in this step"
+    COPY_MANY = 73, "abk", "the k registers from a = those from b"
 
 
 class Fault(IntEnum):
@@ -129,7 +132,8 @@ class Fault(IntEnum):
     OWN = 5, ""  # what the row's note says
 
 
-PATIENCE = 10_000  # rows of one thread in one step; a loop that takes no action ends here
+PATIENCE = 10_000  # rounds of loops of one thread in one step; one that takes no action ends here
+MOST_ROWS = 20_000_000  # of one thread in one step: what is no loop of the program, and yet too long
 NO_COMMAND = -1.0  # of an object that does nothing in this step
 
 

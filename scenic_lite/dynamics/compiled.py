@@ -19,9 +19,10 @@ from scenic_lite.dynamics.bytecode import (
     Code,
     Fault,
     Listing,
+    Op,
     disassemble,
 )
-from scenic_lite.dynamics.compiler.code import Live
+from scenic_lite.dynamics.compiler.code import TOLD, Live
 from scenic_lite.dynamics.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.dynamics.world import Commands, Verdict
 from scenic_lite.errors import Place, ScenicError
@@ -42,7 +43,7 @@ class Compiled:
         threads: of each thread the object that it moves, or -1.
         places: of each row its place in the program.
         world_base: the first register of the world table [O, F]; the facts follow it.
-        commands: in a world of several actions at once, what each command number stands for: values with registers.
+        commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
         doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
     """
@@ -99,9 +100,11 @@ class Compiled:
         fault = Fault(int(registers[FAULT]))
         if fault is Fault.ENDLESS:
             hint = "is a take or wait missing in a loop?"
-            message = f"more than {PATIENCE:,} steps of evaluation without an action"
+            message = f"more than {PATIENCE:,} rounds of loops without an action"
             return self.program.error("budget", message, self.places[row], hint)
         message = self.listing.notes.get(row, "") or fault.words
+        if Op(self.code.rows[row, 0]) is Op.FAULT_UNLESS:
+            message = message.replace(TOLD, f"{registers[self.code.rows[row, 2]]:g}")
         return self.program.error("value", message, self.places[row])
 
     def rendered(self, number: float, registers: np.ndarray, scene: dict[Random, Value]) -> tuple[Value, ...]:
@@ -162,13 +165,12 @@ class CompiledController:
         with np.errstate(all="ignore"):
             run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
         self._check()
-        several = bool(self.compiled.commands)
-        actions = tuple(self._actions(number, several) for number in self.commands)
+        actions = tuple(self._actions(number) for number in self.commands)
         agents = tuple(each for each in self.compiled.threads if each >= 0)
         return Commands(actions, agents, self._terminated(), self._rejected())
 
-    def _actions(self, number: float, several: bool) -> tuple[Value, ...]:
-        if several:
+    def _actions(self, number: float) -> tuple[Value, ...]:
+        if self.compiled.commands:
             return self.compiled.rendered(number, self.registers, self._scene)
         return () if number == NO_COMMAND else (float(number),)
 

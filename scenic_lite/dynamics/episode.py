@@ -17,6 +17,7 @@ import numpy as np
 
 from scenic_lite.budget import Budget
 from scenic_lite.dynamics.belongings import Belongings
+from scenic_lite.dynamics.bytecode import PATIENCE
 from scenic_lite.dynamics.draws import Draws
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import ScenicError
@@ -27,7 +28,7 @@ from scenic_lite.values import Builtin, Instance, Namespace
 
 Handlers = dict[type, Callable[..., Any]]
 FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
-STEPS = 200_000  # nodes of the tree that a behavior may evaluate before it lets time pass
+STEPS = 20_000_000  # nodes of the tree that a behavior may evaluate before it lets time pass
 
 
 class Rejected(Exception):
@@ -35,13 +36,23 @@ class Rejected(Exception):
 
 
 class Patience(Budget):
-    """What one behavior may spend in one step."""
+    """What one behavior may spend in one step.
+
+    Rounds of `while`, of `for` over a range, and handlers that end count, as in the machine; a loop over a list ends.
+    """
+
+    rounds = 0
 
     def step(self) -> None:
         self.steps += 1
         if self.steps > STEPS:
+            raise ScenicError("budget", f"more than {STEPS:,} steps of evaluation without an action")
+
+    def round(self) -> None:
+        self.rounds += 1
+        if self.rounds > PATIENCE:
             hint = "is a take or wait missing in a loop?"
-            raise ScenicError("budget", f"more than {STEPS:,} steps of evaluation without an action", hint=hint)
+            raise ScenicError("budget", f"more than {PATIENCE:,} rounds of loops without an action", hint=hint)
 
 
 class Episode:

@@ -19,7 +19,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.evaluation.exceptions import fault_of
 from scenic_lite.evaluation.matching import chosen_case
-from scenic_lite.evaluation.statements import Break, Continue
+from scenic_lite.evaluation.statements import Break, Continue, went_round
 from scenic_lite.evaluation.trying import handler_for
 from scenic_lite.syntax import nodes
 
@@ -35,11 +35,12 @@ def choose(thread: Thread, node: ast.Match) -> Iterator[Step]:
 def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
     """`for`: over the elements that there are when the loop begins."""
     frame = thread.frame
-    for element in frame.elements(frame.value(node.iter), node.iter):
+    items = frame.value(node.iter)
+    for element in frame.elements(items, node.iter):
         unpack(frame, node.target, element)
-        frame.session.budget.step()
         if not (yield from one_round(thread, node.body)):
             return
+        went_round(frame, items)
     yield from thread.block(node.orelse)
 
 
@@ -47,6 +48,7 @@ def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
     while thread.frame.truth(node.test):
         if not (yield from one_round(thread, node.body)):
             return
+        thread.frame.session.budget.round()
     yield from thread.block(node.orelse)
 
 

@@ -52,7 +52,7 @@ def toy_world(timestep: float = 1.0) -> World:
         names["agents"] = [each for each in objects if each.properties["behavior"] is not None]
         return Namespace("simulation()", names)
 
-    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action, several=True)
+    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action)
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:

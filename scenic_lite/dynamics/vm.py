@@ -15,6 +15,7 @@ from scenic_lite.dynamics.bytecode import (
     COMPLETE,
     FAULT,
     FAULT_ROW,
+    MOST_ROWS,
     NO_COMMAND,
     PATIENCE,
     REJECTED,
@@ -113,6 +114,9 @@ ENDLESS, ZERO, DOMAIN, INDEX, OWN = map(int, (Fault.ENDLESS, Fault.ZERO, Fault.D
     _TERMINATE,
     _FAULT,
     _FAULT_UNLESS,
+    _IS_INDEX,
+    _AGAIN,
+    _COPY_MANY,
 ) = map(int, Op)
 
 
@@ -132,7 +136,8 @@ def run_thread(code, registers, commands, thread, holder):
     at = int(registers[code.threads[thread, 0]])
     if at == 0:
         return
-    for _ in range(PATIENCE):
+    rounds = 0
+    for _ in range(MOST_ROWS):
         op, a, b, c = rows[at, 0], rows[at, 1], rows[at, 2], rows[at, 3]
         at += 1
         if op == _COPY:
@@ -174,6 +179,12 @@ def run_thread(code, registers, commands, thread, holder):
         elif op == _JUMP_NOT_EQUAL:
             if registers[a] != registers[b]:
                 at = c
+        elif op == _AGAIN:
+            rounds += 1
+            if rounds > PATIENCE:
+                stop(registers, ENDLESS, at - 1)
+                return
+            at = c
         elif op == _TAKE:
             commands[thing] = registers[a]
             registers[b] = c
@@ -261,6 +272,11 @@ def run_thread(code, registers, commands, thread, holder):
             if registers[a] == 0:
                 stop(registers, OWN, at - 1)
                 return
+        elif op == _IS_INDEX:
+            registers[a] = 0 <= registers[b] < registers[c] and registers[b] == np.floor(registers[b])
+        elif op == _COPY_MANY:
+            for i in range(c):
+                registers[a + i] = registers[b + i]
         elif op == _SORT:
             sort_order(registers, a, b, int(registers[c]))
         elif op in (_FLOOR_DIVIDE, _MODULO, _REMAINDER):
@@ -269,11 +285,12 @@ def run_thread(code, registers, commands, thread, holder):
                 return
             registers[a] = divided(op, registers[b], registers[c])
         else:
-            registers[a], fine = computed(code, registers, op, b, c)
+            result, fine = computed(code, registers, op, b, c)
             if not fine:
-                stop(registers, DOMAIN, at - 1)
+                stop(registers, ZERO if op == _POWER and registers[b] == 0 else DOMAIN, at - 1)
                 return
-    stop(registers, ENDLESS, at)
+            registers[a] = result
+    stop(registers, ENDLESS, at - 1)
 
 
 @kernel

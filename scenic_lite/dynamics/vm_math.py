@@ -175,4 +175,5 @@ def power(base, exponent):
         return 0.0, False
     if base < 0 and exponent != math.floor(exponent):
         return 0.0, False
-    return np.float64(base) ** np.float64(exponent), True
+    result = np.float64(base) ** np.float64(exponent)
+    return result, np.isfinite(result) or not np.isfinite(base) or not np.isfinite(exponent)

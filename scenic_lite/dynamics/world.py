@@ -8,11 +8,12 @@ world; `reference`, which runs programs in one.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from scenic_lite.graph import Value
+from scenic_lite.errors import ScenicError
+from scenic_lite.graph import ADD, MULTIPLY, Value, apply
 from scenic_lite.values import Instance, Namespace
 
 
@@ -31,8 +32,8 @@ class World:
             program may set its attribute `scenic_reward`: the reward of this step, 0 unless set in it.
         command: checks one action of a `take` by an object, and gives it the form that the simulator wants. Raises
             ScenicError for what is no action of this world, or none of this object.
-        several: whether an object can do several things at once, of any kind. If not, its action is a number, and of a
-            `take` of several the first counts.
+        actions: how many actions there are, if they are the numbers from 0 on; 0 must be the one that changes nothing.
+            What an object does in a step is then one number too (`packed`). None: actions are values of any kind.
     """
 
     name: str
@@ -42,7 +43,25 @@ class World:
     properties: Callable[[Instance, dict[str, Value]], dict[str, Value]]
     simulation: Callable[[list[Instance], dict[str, Value]], Namespace]
     command: Callable[[Value, Instance], Value]
-    several: bool = False
+    actions: int | None = None
+
+    def no_action(self, number: str) -> str:
+        """What is said of a number that is none of the actions."""
+        assert self.actions is not None
+        return f"there is no action {number}; actions are 0 to {self.actions - 1}"
+
+
+MOST_AT_ONCE = 8  # actions of one `take`, where they are numbers
+
+
+def packed(actions: Sequence[Value], base: int) -> Value:
+    """Several actions of one `take` as one number, the first its highest digit in this base; one action is itself."""
+    if len(actions) > MOST_AT_ONCE:
+        raise ScenicError("value", f"{len(actions)} actions at once; at most {MOST_AT_ONCE} are possible")
+    number = actions[0]
+    for action in actions[1:]:
+        number = apply(ADD, apply(MULTIPLY, number, base), action)
+    return number
 
 
 class Commands(NamedTuple):

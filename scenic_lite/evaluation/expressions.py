@@ -30,6 +30,7 @@ from scenic_lite.graph import (
     apply,
     is_number,
     kind_of,
+    real_power,
 )
 from scenic_lite.operators import OPERATORS, ego_of
 from scenic_lite.space.geometry import Vector, as_vector
@@ -46,7 +47,7 @@ BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv,
     ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
+    ast.Pow: real_power,
     ast.LShift: operator.lshift,
     ast.RShift: operator.rshift,
     ast.BitAnd: operator.and_,

@@ -32,6 +32,7 @@ from scenic_lite.graph import (
     apply,
     as_number,
     kind_of,
+    real_power,
     to_integers,
 )
 from scenic_lite.space.geometry import TURN
@@ -80,7 +81,7 @@ def power(frame: Frame, node: ast.AST, base: Value, exp: Value, mod: Value = Non
         frame.session.budget.integer(base.bit_length() * exp)
     numeric(ABSOLUTE, base)
     numeric(ABSOLUTE, exp)
-    return base**exp
+    return real_power(base, exp)
 
 
 def integer(value: Value = 0, base: Value = None) -> Value:

@@ -45,18 +45,28 @@ def branch(frame: Frame, node: ast.If) -> None:
 
 
 def repeat(frame: Frame, node: ast.For) -> None:
-    for element in frame.elements(frame.value(node.iter), node.iter):
+    items = frame.value(node.iter)
+    for element in frame.elements(items, node.iter):
         unpack(frame, node.target, element)
-        frame.session.budget.step()
         if not one_round(frame, node.body):
             return
+        went_round(frame, items)
     frame.run(node.orelse)
+
+
+def went_round(frame: Frame, items: Value) -> None:
+    """Count a round of a `for`; only one over a range can be of any length."""
+    if isinstance(items, range):
+        frame.session.budget.round()
+    else:
+        frame.session.budget.step()
 
 
 def repeat_while(frame: Frame, node: ast.While) -> None:
     while frame.truth(node.test):
         if not one_round(frame, node.body):
             return
+        frame.session.budget.round()
     frame.run(node.orelse)
 
 

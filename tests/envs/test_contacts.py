@@ -40,9 +40,9 @@ def test_a_trapped_ball_moves_with_the_player() -> None:
 
 
 def tackled(carrier_keys: list[int], defender: tuple[float, float], steps: int = 45) -> float:
-    """Share of matches in which a built-in right defender has won the ball off a carrier at (30, 0)."""
-    players = [(30.0, 0.0, LEFT, CM), (*defender, RIGHT, CB), (-50.0, 0.0, RIGHT, GK)]
-    matches = position(players, (30.4, 0.0), OPEN, MANY)
+    """Share of matches in which a built-in right defender has won the ball off a carrier at (35, 0)."""
+    players = [(35.0, 0.0, LEFT, CM), (*defender, RIGHT, CB), (-50.0, 0.0, RIGHT, GK)]
+    matches = position(players, (35.4, 0.0), OPEN, MANY)
     won = np.zeros(len(MANY), bool)
     for action in carrier_keys + [0] * (steps - len(carrier_keys)):
         play(matches, [action])
@@ -52,14 +52,14 @@ def tackled(carrier_keys: list[int], defender: tuple[float, float], steps: int =
 
 def test_who_stands_with_the_ball_loses_it() -> None:
     """Measured: 30 of 30 from the front, 29 of 30 from behind."""
-    assert tackled([], (38.0, 0.0)) > 0.9
-    assert tackled([], (22.0, 0.5)) > 0.85
+    assert tackled([], (43.0, 0.0)) > 0.9
+    assert tackled([], (27.0, 0.5)) > 0.85
 
 
 def test_who_runs_is_caught_from_behind_and_who_sprints_is_not() -> None:
     """Measured: 24 of 25, and 0 of 25."""
-    assert tackled([DIRECTION_RIGHT], (26.0, 0.0)) > 0.5
-    assert tackled([SPRINT, DIRECTION_RIGHT], (26.0, 0.0), steps=30) == 0.0
+    assert tackled([DIRECTION_RIGHT], (31.0, 0.0)) > 0.5
+    assert tackled([SPRINT, DIRECTION_RIGHT], (31.0, 0.0), steps=24) == 0.0
 
 
 def test_a_slide_takes_a_while_and_is_no_use_with_the_ball() -> None:

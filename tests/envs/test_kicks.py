@@ -128,6 +128,7 @@ def test_passes_are_as_fast_and_high_as_measured(kick: int, distance: float, spe
     """Speed in the first free step within 6 %; apex within 0.4 m or 25 %."""
     players = [(-27.0, 0.0, LEFT, CM), (-27.0 + distance, 0.0, LEFT, CM), (50.0, 33.0, RIGHT, GK)]
     matches = position(players, (-26.6, 0.0))
+    matches["players"]["down"][:, 1] = 100.0  # he waits for the ball where he is
     play(matches, [0] * 5 + [kick], player=0)
     x, z = [], []
     for _ in range(3 + int(distance / 3)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -138,7 +139,7 @@ def test_the_built_in_ai_plays_itself() -> None:
     """Goals fall on both sides, and nobody keeps the ball for ever."""
     from test_simulator import FIVES
 
-    matches = position(FIVES, (0.0, 1.0), OPEN, range(30))
+    matches = position(FIVES, (0.0, 1.0), replace(OPEN, game_duration=1500), range(30))
     take_over(matches, NOBODY)
     owned = np.zeros(2)
     for _ in range(1500):

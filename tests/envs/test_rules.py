@@ -71,25 +71,12 @@ def test_out_of_play(x: float, y: float, vx: float, vy: float, last_touch: int, 
     assert matches["terminated"][0]
 
 
-@pytest.mark.parametrize(("last_touch", "taker"), [(0, 1), (1, 0)])
-def test_play_goes_on_with_a_restart_by_the_other_team(last_touch: int, taker: int) -> None:
-    matches = rolling(0.0, 35.5, 0.0, 10.0, last_touch, OPEN)
-    assert matches["game_mode"][0] == THROW_IN
-    assert matches["ball"]["y"][0] == 36.0
-    for _ in range(10):
-        if matches["game_mode"][0] == 0:
-            break
-        play(matches, [0])
-    assert matches["carrier"][0] == taker
-    assert matches["ended"][0] == 0
-
-
-def test_play_goes_on_after_a_goal_from_the_start_positions() -> None:
-    matches = rolling(54.5, 1.0, 15.0, 0.0, 0, OPEN)
-    assert matches["score"][0].tolist() == [1, 0]
-    assert matches["game_mode"][0] == 0
-    assert (matches["ball"]["x"][0], matches["ball"]["y"][0]) == (0.0, 0.0)
-    assert matches["players"]["x"][0, :2] == pytest.approx([-20.0, -20.0], abs=1.5)
+def test_without_a_touch_the_ball_belongs_to_the_team_whose_half_it_left() -> None:
+    for x, team in ((-10.0, LEFT), (10.0, RIGHT)):
+        matches = position(FAR, (x, 35.9), OPEN)
+        matches["ball"]["vy"] = 10.0
+        assert play(matches, [0])["restart_team"][0] == team
+    assert rolling(54.5, 12.0, 12.0, 0.0, -1, OPEN)["game_mode"][0] == GOAL_KICK
 
 
 def test_possession_changes_between_owned_states_only() -> None:

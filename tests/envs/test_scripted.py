@@ -85,9 +85,33 @@ def test_directions_of_the_right_team_are_as_its_players_see_them() -> None:
     assert env.matches["players"]["x"][0, 1] < before - 5  # towards the left goal
 
 
-def test_only_the_first_of_several_actions_counts() -> None:
-    several = "behavior Both():\n    while True:\n        take Sprint(), SetDirection(5)\n"
-    assert actions_of(started(program(several, "Both()")), 1, 2) == [13, 13]
+KEYS = ("direction", "sprint", "dribble", "kick")
+
+
+@pytest.mark.parametrize(
+    ("actions", "keys"),
+    [
+        ("Sprint(), SetDirection(5)", (1, True, False, 0)),  # right for him is left on the pitch
+        ("SetDirection(3), Dribble(), Shoot()", (7, False, True, 12)),
+        ("SetDirection(3), SetDirection(5), Sprint(), ReleaseSprint()", (7, True, False, 0)),
+        ("Pass('long'), Shoot(), NoAction()", (0, False, False, 9)),
+        ("[NoAction(), SetDirection(1)]", (5, False, False, 0)),
+        ("Sprint(), BuiltinAIAction()", (0, False, False, 0)),
+    ],
+)
+def test_all_actions_of_a_take_count_that_can_hold_together(actions, keys) -> None:
+    env = started(program(f"behavior Both():\n    while True:\n        take {actions}\n", "Both()"))
+    steps(env, 1)
+    player = env.matches["players"][0, 1]
+    assert tuple(player[key].item() for key in KEYS) == keys
+
+
+def test_a_direction_drawn_in_the_match_holds_together_with_others() -> None:
+    several = "behavior Both():\n    while True:\n        take Uniform(3, 7), Sprint()\n"
+    env = started(program(several, "Both()"), 8)
+    steps(env, 1)
+    assert set(env.matches["players"]["direction"][:, 1].tolist()) == {3, 7}
+    assert env.matches["players"]["sprint"][:, 1].all()
 
 
 def test_the_learner_moves_whom_it_controls_whatever_his_behavior_wants() -> None:
@@ -234,18 +258,39 @@ def test_the_other_matches_are_unharmed_by_a_fault() -> None:
     assert env.matches["step"].tolist() == [11, 5, 11]  # it began anew
 
 
-def test_an_action_that_does_not_exist_is_a_fault() -> None:
-    env = started(
-        program("behavior Wrong():\n    while True:\n        take simulation().currentTime + 18.5\n", "Wrong()")
-    )
+WRONG = """
+behavior Wrong(first):
+    take first
+    while True:
+        take Sprint(), {action}
+"""
+
+
+@pytest.mark.parametrize(
+    ("action", "step", "words"),
+    [
+        ("simulation().currentTime + 18.5", 1, "there is no action 19.5; actions are 0 to 19"),
+        ("simulation().currentTime + 17", 3, "there is no action 20; actions are 0 to 19"),
+        ("2 - simulation().currentTime", 3, "there is no action -1; actions are 0 to 19"),
+        ("Shoot", 1, "an action of football is a number, not a function (write its brackets, as in take Shoot())"),
+        ("Shoot() if simulation().currentTime < 3 else None", 3, "an action of football is a number, not None"),
+        ("self.owns_ball", 1, "an action of football is a number, not a truth value"),
+    ],
+)
+def test_an_action_that_does_not_exist_is_told_at_its_take(action, step, words) -> None:
+    text = program(WRONG.format(action=action), "Wrong(5)")
+    env = started(text, 2)
     with pytest.raises(ScenicError) as error:
-        steps(env, 2)
-    assert "right takes an action that does not exist: 18.5" in str(error.value)
+        steps(env, 9)
+    line = text[: text.index("take Sprint")].count("\n") + 1
+    first, *_, last = str(error.value).splitlines()
+    assert first.startswith(f"<program>:{line}:") and words in first
+    assert last.startswith(f"    in match 0 of 2, step {step};")
 
 
 def test_a_loop_that_never_acts_is_a_fault() -> None:
     endless = "behavior Endless():\n    while True:\n        if ball.x > 1000:\n            take NoAction()\n"
-    with pytest.raises(ScenicError, match="steps of evaluation without an action"):
+    with pytest.raises(ScenicError, match="rounds of loops without an action"):
         steps(started(program(endless, "Endless()")), 1)
 
 

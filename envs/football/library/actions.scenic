@@ -1,8 +1,11 @@
 """What a player can do in one step; an action is the number that Google Research Football gives it.
 
 Directions are 1 left, 2 top left, 3 top, 4 top right, 5 right, 6 bottom right, 7 bottom, 8 bottom left, as the player
-sees the pitch: the right team sees it turned by half a turn, so that 5 leads every player towards the goal that he attacks. Of
-`take A, B` only the first action counts: a player presses one key in a step.
+sees the pitch: the right team sees it turned by half a turn, so that 5 leads every player towards the goal that he attacks.
+
+`take SetDirection(5), Sprint(), Shoot()` presses all these keys in one step. Of actions that exclude each other (two
+directions, a key and its release, two kicks) the first counts; with BuiltinAIAction() the built-in AI alone decides.
+In Scenic4RL the first action of a `take` alone counts.
 
 Unlike in Scenic4RL the sectors of `lookup_direction` are 45 degrees wide and centred on the compass points (there due
 west gave top left), an action is its number (it has no `.code`), and `get_closest_player_info` of a player leaves out

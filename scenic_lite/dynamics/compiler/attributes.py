@@ -59,7 +59,6 @@ def table_of(c: Compilation, key: Key) -> dict[str, Value]:
     """Where an attribute is looked up."""
     kind, label, name = key
     if kind == "simulation":
-        assert c.simulation is not None
         return c.simulation.names
     owner = next(each for each in c.program.instances if each.label == label)
     return owner.properties if name in owner.properties else owner.attributes

@@ -12,13 +12,14 @@ from typing import Any
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.attributes import remember
 from scenic_lite.dynamics.compiler.choices import over_options
-from scenic_lite.dynamics.compiler.code import Label
+from scenic_lite.dynamics.compiler.code import TOLD, Label
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
 from scenic_lite.dynamics.compiler.slots import kept
 from scenic_lite.dynamics.temporal import is_temporal
+from scenic_lite.dynamics.world import packed
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.frame import Frame
 from scenic_lite.graph import Random, Value, is_number
@@ -45,21 +46,24 @@ def take(c: Compilation, frame: LiveFrame, node: nodes.Take) -> None:
 
 
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
-    """An action as the world wants it."""
+    """An action as the world wants it: a fault if it is none."""
     if isinstance(action, Choice):
         return over_options(c, action, lambda each: checked(c, each, node), id(node))
     assert c.agent is not None
-    return c.world.command(action, c.agent)
+    action = c.world.command(action, c.agent)
+    if c.world.actions is not None and isinstance(action, Random):
+        register, known = register_of(c.code, action), c.code.temporaries.take()
+        c.code.row(Op.IS_INDEX, known, register, c.code.constant(c.world.actions))
+        c.code.fault_unless(known, c.world.no_action(TOLD), register)
+    return action
 
 
 def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
-    """The register of a command's number: the action itself where actions are numbers, else its place in a list."""
+    """The register of a command's number: the actions as one number where they are such, else its place in a list."""
     if not actions:
         return c.code.constant(-1)
-    if not c.world.several:
-        if not isinstance(actions[0], int | float | Random):
-            raise ScenicError("type", f"an action is a number here, not {describe_kind(actions[0])}")
-        return register_of(c.code, actions[0])
+    if c.world.actions is not None:
+        return register_of(c.code, packed(actions, c.world.actions))
     c.commands.append(tuple(kept(c.code, each) for each in actions))
     return c.code.constant(len(c.commands) - 1)
 

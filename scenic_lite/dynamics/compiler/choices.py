@@ -14,14 +14,14 @@ from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.code import Label, Live
 from scenic_lite.dynamics.compiler.emit import is_live, register_of
 from scenic_lite.dynamics.compiler.frame import Compilation
-from scenic_lite.dynamics.compiler.shapes import LiveList, taken_apart
+from scenic_lite.dynamics.compiler.shapes import LiveList, put_together, taken_apart
 from scenic_lite.dynamics.compiler.slots import Slot
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of, signed
 from scenic_lite.evaluation.frame import PYTHON_FAULTS, Frame, from_python
 from scenic_lite.evaluation.texts import text_of
-from scenic_lite.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+from scenic_lite.graph import EQUAL, NOT_EQUAL, Column, Random, Value, apply
 from scenic_lite.operators import OPERATORS
 from scenic_lite.values import Choice, Function, choose
 
@@ -46,9 +46,42 @@ def over_options(c: Compilation, choice: Choice, of_one: MADE, key: object) -> V
     refuse(c, choice, errors)
     good = next(i for i, error in enumerate(errors) if error is None)
     free = all(not rows and costs_nothing(value) for rows, value in results)
+    filled = [results[good][1] if errors[i] else each for i, (_, each) in enumerate(results)]
     if free:
-        return choose(choice.index, [results[good][1] if errors[i] else each for i, (_, each) in enumerate(results)])
+        return choose(choice.index, filled)
+    if not any(rows for rows, _ in results):
+        same = aligned(choice.index, filled)
+        if same is not None:
+            return same
     return switch(c, choice, [None if errors[i] else each for i, each in enumerate(results)], key)
+
+
+def aligned(index: Value, values: list[Value]) -> Value:
+    """values[index] where all are the same computation on other numbers: the numbers are chosen, then computed with.
+
+    None if they are not, or are something that is None.
+    """
+    first = values[0]
+    if all(map(costs_nothing, values)):
+        return choose(index, values)
+    if all(isinstance(each, Random) and not isinstance(each, Live | Column) for each in values):
+        if any(each.operation is not first.operation or each.kind != first.kind for each in values):
+            return None
+        inputs = columns(index, [list(each.inputs) for each in values])
+        return None if inputs is None else Random(first.operation, tuple(inputs), first.kind)
+    apart = [None if isinstance(each, Random | Choice) else taken_apart(each) for each in values]
+    if apart[0] is None or any(each is None or each[0] != apart[0][0] for each in apart):
+        return None
+    parts = columns(index, [each[1] for each in apart if each is not None])
+    return None if parts is None else put_together(apart[0][0], parts)
+
+
+def columns(index: Value, rows: list[list[Value]]) -> list[Value] | None:
+    """One of several rows, item by item."""
+    if any(len(row) != len(rows[0]) for row in rows):
+        return None
+    found = [aligned(index, list(column)) for column in zip(*rows, strict=True)]
+    return None if any(each is None for each in found) else found
 
 
 def refuse(c: Compilation, choice: Choice, errors: list[ScenicError | None]) -> None:

@@ -19,6 +19,7 @@ from scenic_lite.graph import Column, Random
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
+TOLD = "{}"  # in the text of a fault: the number that it tells
 LABEL = -1  # in place of an opcode: the label of this row stands here
 AREA = 1 << 24  # registers are numbered by area until they are laid side by side
 FIXED, CONSTANTS, INPUTS, VARIABLES, SCRATCH, TEMPORARIES = (area * AREA for area in range(6))
@@ -140,8 +141,8 @@ class Assembler:
     def fault(self, message: str) -> None:
         self.row(Op.FAULT, note=message)
 
-    def fault_unless(self, register: int, message: str) -> None:
-        self.row(Op.FAULT_UNLESS, register, note=message)
+    def fault_unless(self, register: int, message: str, told: int = 0) -> None:
+        self.row(Op.FAULT_UNLESS, register, told, note=message)
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:
@@ -197,4 +198,4 @@ class Assembler:
             self.known.clear()
 
 
-ENDS = frozenset({Op.END, Op.JUMP, Op.RESUME, Op.REJECT, Op.FAULT})
+ENDS = frozenset({Op.END, Op.JUMP, Op.AGAIN, Op.RESUME, Op.REJECT, Op.FAULT})

@@ -64,8 +64,9 @@ def compile_program(program: Program, world: World) -> Compiled:
         message = "modular scenarios with a compose block run in the reference interpreter only"
         raise program.error("unsupported", message, program.main.place)
     shapes: dict[tuple, Shape] = {}
+    simulation = Namespace("simulation()", {}, open=True)
     for _ in range(MOST_WALKS):
-        compilation = Compilation(program, world, program.session, Assembler(), shapes)
+        compilation = Compilation(program, world, program.session, Assembler(), shapes, simulation)
         with lent(compilation):
             threads = walk(compilation)
         if not compilation.code.widened:
@@ -221,7 +222,19 @@ def show_world(c: Compilation) -> None:
         code.notes[c.fact_base + i] = name
     c.live_names = frozenset(names)
     seen = world.simulation(list(program.instances), dict(facts))
-    c.simulation = Namespace(seen.name, {**seen.names, "scenic_reward": Live(REWARD)}, open=True)
+    update(c.simulation, seen)
+    c.simulation.names["scenic_reward"] = Live(REWARD)
+
+
+def update(old: Namespace, new: Namespace) -> None:
+    """Let a namespace that variables hold since an earlier walk show this one's registers."""
+    inner = {name: value for name, value in old.names.items() if isinstance(value, Namespace)}
+    old.names.clear()
+    old.names.update(new.names)
+    for name, value in inner.items():
+        if isinstance(new.names.get(name), Namespace):
+            old.names[name] = value
+            update(value, new.names[name])
 
 
 def every(c: Compilation, threads: list, title: str, write: Callable[[], object], once: bool = False) -> None:

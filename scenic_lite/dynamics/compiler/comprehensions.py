@@ -12,7 +12,16 @@ from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.conditions import jump_on, truth
 from scenic_lite.dynamics.compiler.emit import jump
 from scenic_lite.dynamics.compiler.frame import Compilation
-from scenic_lite.dynamics.compiler.lists import LiveRange, each_number, each_of, elements, one_list, put_at_end
+from scenic_lite.dynamics.compiler.lists import (
+    LiveRange,
+    among_objects,
+    each_number,
+    each_object,
+    each_of,
+    elements,
+    one_list,
+    put_at_end,
+)
 from scenic_lite.dynamics.compiler.shapes import Items, LiveList
 from scenic_lite.dynamics.compiler.slots import Slot, settled
 from scenic_lite.errors import ScenicError
@@ -65,7 +74,12 @@ def go_through(
         for item, after in each_number(c, items) if isinstance(items, LiveRange) else each_of(c, items):
             one(item, after)
         return
-    for i, item in enumerate(elements(c, frame, items, node)):
+    items = elements(c, frame, items, node)
+    for i, item in enumerate(items):
+        if found.live and among_objects(items[i:], 0) is not None:
+            for each, after in each_object(c, items[i:], c.code.variables.take()):
+                one(each, after)
+            return
         after = Label()
         with c.round(node, i), c.code.captured() as rows:
             reachable = c.code.reachable
@@ -74,6 +88,10 @@ def go_through(
             # What was thought fixed is not: do this round again in registers.
             found.undo(i)
             found.become_live()
+            if among_objects(items[i:], 0) is not None:
+                c.code.reachable = reachable
+                go_through(c, frame, items[i:], node, one, found)
+                return
             after = Label()
             with c.round(node, i), c.code.captured() as rows:
                 one(item, after)

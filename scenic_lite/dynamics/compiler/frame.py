@@ -119,6 +119,7 @@ class Compilation:
     session: Session
     code: Assembler
     shapes: dict[tuple, Shape]
+    simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
     shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     path: tuple = ()
     slot: int = 0  # register of the innermost block: where it goes on
@@ -128,7 +129,6 @@ class Compilation:
     commands: list[tuple[Value, ...]] = field(default_factory=list)
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     broken: list[str] = field(default_factory=list)  # requirements that reject a match
-    simulation: Namespace | None = None
     remembering: bool = False  # the program reads `lastActions`
     guarding: int = 0  # statements with a scan around the present one: their variables all last
     clock: Any = None  # steps since the start
@@ -194,6 +194,28 @@ class Compilation:
         if message not in self.reasons:
             self.reasons.append(message)
         return self.code.constant(1 + self.reasons.index(message))
+
+
+class Snapshot:
+    """How far a walk has come, to go back to if one way to compile a statement turns out not to do."""
+
+    def __init__(self, c: Compilation, frame: LiveFrame) -> None:
+        code = c.code
+        self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
+        self.lists = [(each, len(each)) for each in (code.rows, c.doubts, c.commands, c.reasons, c.broken)]
+        self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
+        self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
+
+    def restore(self) -> None:
+        code = self.c.code
+        for each, length in self.lists:
+            del each[length:]  # type: ignore[attr-defined]
+        for area, used in self.used:
+            area.used = used
+        code.known, code.reachable = self.known, self.reachable
+        self.frame.locals.clear()
+        self.frame.locals.update(self.names)
+        self.frame.slots, self.frame.scope.result = self.slots, self.result
 
 
 def guarded(

@@ -14,8 +14,10 @@ from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
 from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
+    among_objects,
     appended,
     as_live_list,
+    each_object,
     each_of,
     elements,
     item_at,
@@ -121,6 +123,8 @@ def extreme(
     values = [settled(c.code, each) for each in elements(c, frame, items, node)]
     if not values:
         return default_of(keywords)
+    if among_objects(values, 0) is not None:
+        return extreme_of_objects(c, frame, node, values, key, least)
     slot = Slot(c.code, c.shapes, (*c.path, "extreme", id(node)))
     for each in values:
         slot.widen(each)
@@ -134,6 +138,24 @@ def extreme(
         slot.store(each)
         c.code.put(after)
     return slot.value
+
+
+def extreme_of_objects(
+    c: Compilation, frame: Frame, node: ast.AST, items: list[Value], key: Value, least: bool
+) -> Value:
+    """As `extreme`, of many objects."""
+    code = c.code
+    best = code.variables.take(3)
+    chosen, counter = best + 1, best + 2
+    for item, after in each_object(c, items, counter):
+        mark = settled(code, key_of(c, frame, key, item, node))
+        first = Label()
+        code.row(Op.JUMP_EQUAL, counter, code.constant(0), first)
+        jump(code, better(mark, Live(best), least), after, when=False)
+        code.put(first)
+        register_of(code, mark, best)
+        register_of(code, Live(counter), chosen)
+    return Choice(Live(chosen, whole=True, lasting=False), tuple(items))
 
 
 def extreme_of_live(

@@ -53,7 +53,7 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
                 frame.run(handler.body)
             frame.scope.aborts.pop()
             register_of(code, 0, slot)
-            code.row(Op.JUMP, c=scan)
+            code.row(Op.AGAIN, c=scan)
     code.put(end)
 
 

@@ -22,7 +22,9 @@ from scenic_lite.evaluation.expressions import item_of
 from scenic_lite.evaluation.frame import Frame
 from scenic_lite.graph import ADD, EQUAL, LESS, OR, Random, Value, apply, as_number
 from scenic_lite.space.regions import Region
-from scenic_lite.values import Choice, choose, describe_kind
+from scenic_lite.values import Choice, Instance, choose, describe_kind
+
+MANY = 8  # objects: a loop over so many has the same rows for all of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +94,9 @@ def item_at(c: Compilation, frame: Frame, container: Value, index: Value) -> Val
         return dictionary_item(c, container, index)
     if isinstance(container, LiveList):
         place = from_start(c, index, container.length)
-        inside = apply(LESS, place, container.length, kind="truth")
-        c.code.fault_unless(register_of(c.code, inside), "list index out of range")
-        below = apply(LESS, place, 0, kind="truth")
-        fine = Label()
-        jump(c.code, below, fine, when=False)
-        c.code.fault("list index out of range")
-        c.code.put(fine)
+        inside = c.code.temporaries.take()
+        c.code.row(Op.IS_INDEX, inside, register_of(c.code, place), container.registers[0])
+        c.code.fault_unless(inside, "list index out of range")
         return element_at(c, container, place)
     items = frame.elements(container, ast.Pass())
     if not items:
@@ -286,6 +284,28 @@ def each_number(c: Compilation, numbers: LiveRange) -> Iterator[tuple[Value, Lab
     c.code.row(Op.ADD, counter, counter, c.code.constant(numbers.step))
     c.code.row(Op.JUMP, c=again)
     c.code.put(over)
+
+
+def among_objects(items: Value, counter: int) -> Choice | None:
+    """One of many objects, as long a list as is worth a loop, by the index in a register; None for other lists."""
+    if not isinstance(items, list | tuple) or len(items) < MANY:
+        return None
+    if not all(isinstance(each, Instance) and each.label for each in items):
+        return None
+    return Choice(Live(counter, whole=True), tuple(items))
+
+
+def each_object(c: Compilation, items: list[Value], counter: int) -> Iterator[tuple[Choice, Label]]:
+    """As `each_of`, over many objects; the register `counter` says which one it is."""
+    found = among_objects(items, counter)
+    assert found is not None
+    register_of(c.code, 0, counter)
+    again, after = Label(), Label()
+    c.code.put_loop(again)
+    yield found, after
+    c.code.put(after)
+    c.code.row(Op.ADD, counter, counter, c.code.constant(1))
+    c.code.row(Op.JUMP_LESS, counter, c.code.constant(len(items)), again)
 
 
 def each_of(c: Compilation, items: LiveList) -> Iterator[tuple[Value, Label]]:

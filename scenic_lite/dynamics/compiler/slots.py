@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
+from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.code import Assembler, Live
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.shapes import (
@@ -32,6 +33,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.graph import Random, Value
 from scenic_lite.values import Choice, choose, describe_kind
 
+FEW = 4  # registers: more are copied by one row
 Pair = tuple[int, Value]  # a register, and the number, truth value or text that goes there
 
 
@@ -105,8 +107,11 @@ def store(code: Assembler, moves: list[Pair]) -> None:
     moves = [(to, value) for to, value in moves if not (isinstance(value, Live) and value.register == to)]
     targets = {to for to, _ in moves}
     if len(moves) == 1 or not any(targets & registers_in(value) for _, value in moves):
-        for to, value in moves:
-            register_of(code, value, to)
+        for to, value, count in runs(moves):
+            if count < FEW:
+                register_of(code, value, to)
+            else:
+                code.row(Op.COPY_MANY, to, value.register, count)
         return
     found = [register_of(code, value) for _, value in moves]
     for i, register in enumerate(found):
@@ -115,6 +120,26 @@ def store(code: Assembler, moves: list[Pair]) -> None:
             register_of(code, Live(register), found[i])
     for (to, _), register in zip(moves, found, strict=True):
         register_of(code, Live(register), to)
+
+
+def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
+    """The moves, those of many neighbours to neighbours as one: target, value, how many."""
+    at = 0
+    while at < len(moves):
+        to, value = moves[at]
+        count = 1
+        while at + count < len(moves) and isinstance(value, Live) and follows(moves[at], moves[at + count], count):
+            count += 1
+        if count >= FEW:
+            yield to, value, count
+        else:
+            yield from ((*each, 1) for each in moves[at : at + count])
+        at += count
+
+
+def follows(first: Pair, other: Pair, distance: int) -> bool:
+    (to, value), (after, following) = first, other
+    return after == to + distance and isinstance(following, Live) and following.register == value.register + distance
 
 
 def registers_in(value: Value) -> set[int]:

@@ -17,8 +17,8 @@ from scenic_lite.dynamics.compiler.choices import combination
 from scenic_lite.dynamics.compiler.code import Label, Live
 from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, assigned_names, suspends
-from scenic_lite.dynamics.compiler.lists import LiveRange, changed_item, element_at, elements
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, Snapshot, assigned_names, suspends
+from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
 from scenic_lite.dynamics.compiler.shapes import LiveList
 from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
 from scenic_lite.dynamics.threads import within
@@ -126,7 +126,7 @@ def repeat_while(c: Compilation, frame: LiveFrame, node: ast.While) -> None:
     with frame.living():
         in_loop(frame, loop, node.body)
         c.code.put(loop.again)
-        c.code.row(Op.JUMP, c=again)
+        c.code.row(Op.AGAIN, c=again)
         c.code.put(failed)
         frame.run(node.orelse)
     c.code.put(loop.exit)
@@ -149,7 +149,7 @@ def repeat(c: Compilation, frame: LiveFrame, node: ast.For) -> None:
     elif isinstance(items, LiveList):
         go_through(c, frame, node, items)
     else:
-        unroll(c, frame, node, elements(c, frame, items, node.iter))
+        go_through_fixed(c, frame, node, elements(c, frame, items, node.iter))
 
 
 def count_through(c: Compilation, frame: LiveFrame, node: ast.For, numbers: LiveRange) -> None:
@@ -166,7 +166,7 @@ def count_through(c: Compilation, frame: LiveFrame, node: ast.For, numbers: Live
     def count() -> None:
         code.row(Op.ADD, counter, counter, code.constant(numbers.step))
 
-    live_loop(c, frame, node, done, count, lambda: Live(counter, whole=numbers.whole))
+    live_loop(c, frame, node, done, count, lambda: Live(counter, whole=numbers.whole), Op.AGAIN)
 
 
 def go_through(c: Compilation, frame: LiveFrame, node: ast.For, items: LiveList) -> None:
@@ -185,6 +185,35 @@ def go_through(c: Compilation, frame: LiveFrame, node: ast.For, items: LiveList)
     live_loop(c, frame, node, done, count, lambda: element_at(c, items, Live(counter, whole=True)))
 
 
+def go_through_fixed(c: Compilation, frame: LiveFrame, node: ast.For, items: list[Value]) -> None:
+    """`for x in items` of a fixed list: one body for many objects if that can be done, else one for each."""
+    if among_objects(items, 0) is None:
+        unroll(c, frame, node, items)
+        return
+    before = Snapshot(c, frame)
+    try:
+        go_through_objects(c, frame, node, items)
+    except ScenicError as error:
+        if error.kind != "unsupported":
+            raise
+        before.restore()
+        unroll(c, frame, node, items)
+
+
+def go_through_objects(c: Compilation, frame: LiveFrame, node: ast.For, items: list[Value]) -> None:
+    code = c.code
+    counter = code.variables.take()
+    register_of(code, 0, counter)
+
+    def done(label: Label) -> None:
+        code.row(Op.JUMP_NOT_LESS, counter, code.constant(len(items)), label)
+
+    def count() -> None:
+        code.row(Op.ADD, counter, counter, code.constant(1))
+
+    live_loop(c, frame, node, done, count, lambda: among_objects(items, counter))
+
+
 def live_loop(
     c: Compilation,
     frame: LiveFrame,
@@ -192,8 +221,9 @@ def live_loop(
     done: Callable[[Label], None],
     count: Callable[[], None],
     element: Callable[[], Value],
+    back: Op = Op.JUMP,
 ) -> None:
-    """A loop whose rounds share their rows."""
+    """A loop whose rounds share their rows; `back` leads from one to the next."""
     code = c.code
     frame.pin(assigned_names(*node.body))
     again, over, loop = Label(), Label(), Loop(Label(), Label())
@@ -204,7 +234,7 @@ def live_loop(
         in_loop(frame, loop, node.body)
         code.put(loop.again)
         count()
-        code.row(Op.JUMP, c=again)
+        code.row(back, c=again)
         code.put(over)
         frame.run(node.orelse)
     code.put(loop.exit)

@@ -17,10 +17,12 @@ from scenic_lite.dynamics.compiled import CompiledController
 from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import toy_world
+from scenic_lite.dynamics.world import packed
 from tests.scenic_lite.dynamics import feature_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated
 
+BASE = FOOTBALL_WORLD.actions or 0
 REPOSITORY = Path(__file__).resolve().parents[3]
 OPEN = Path(__file__).parents[4] / "shared/language/oracle/open"
 FOOTBALL_PROGRAMS = sorted(
@@ -106,8 +108,8 @@ def test_football_programs_give_the_same_commands(path):
     players = [Reference(program, theta, FOOTBALL_WORLD, 5), CompiledController(compiled, theta, 5)]
     for table, facts in random_worlds(rng, len(program.objects), 40):
         commands = [each.act(table, facts) for each in players]
-        firsts = [tuple(tuple(map(float, actions[:1])) for actions in each.actions) for each in commands]
-        assert firsts[0] == firsts[1]
+        taken = [tuple(packed(each, BASE) for each in found.actions if each) for found in commands]
+        assert taken[0] == taken[1]
         verdicts = [each.watch(table, facts) for each in players]
         assert alike(tuple(verdicts[0]), tuple(verdicts[1]))
         if verdicts[0].terminated or verdicts[0].rejected:

@@ -1,0 +1,139 @@
+"""A situation of Google Research Football set up in our simulator: who stands where, who presses what.
+
+Places are the original's: x in [-1, 1] towards the goal of the right team, y in [-0.42, 0.42] downwards. Read next:
+`motion`, the family that is easiest to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from envs.football.simulator import step_teams
+from envs.football.state import Lineup, MatchConfig, kick_off
+from scenic_lite.jit import kernel
+
+METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
+OPEN_END = MatchConfig(
+    game_duration=3000,
+    end_episode_on_score=False,
+    end_episode_on_out_of_play=False,
+    end_episode_on_possession_change=False,
+    control="none",
+)
+
+Policy = Callable[["Stage"], npt.ArrayLike]
+
+
+def metres(places: npt.ArrayLike) -> np.ndarray:
+    """Turn places `[..., 2]` of the original into metres, y upwards."""
+    return np.asarray(places, float) * (METRES_X, -METRES_Y)
+
+
+def units(places: npt.ArrayLike) -> np.ndarray:
+    """Turn places `[..., 2]` in metres, y upwards, into the original's units."""
+    return np.asarray(places, float) / (METRES_X, -METRES_Y)
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What N matches looked like at the end of each of T steps; places in m, speeds in m/s, y upwards."""
+
+    ball: np.ndarray  # [T, N, 3]
+    ball_velocity: np.ndarray  # [T, N, 3]
+    places: np.ndarray  # [T, N, P, 2]
+    velocities: np.ndarray  # [T, N, P, 2]
+    owner: np.ndarray  # [T, N], player as in `state.MATCH_FIELDS`, -1 none
+    mode: np.ndarray  # [T, N]
+    score: np.ndarray  # [T, N, 2]
+    ended: np.ndarray  # [T, N]
+
+
+class Stage:
+    """N matches that begin alike, up to their random numbers, each player with keys of his own.
+
+    Args:
+        positions: `[P, 2]` or `[N, P, 2]`, in the original's units; left players first, as `lineup` says.
+        ball: `[2]` or `[N, 2]`.
+        lineup: teams and roles `[P]`.
+        config: settings of the episode; by default nothing but the duration of 3000 steps ends it.
+        n: matches, each with its own random numbers.
+        seed: of the first match; the others follow.
+        mirrored: right players' places are given in their own frame, as scenario files do.
+
+    `matches` are the records; change them before the first step for what the arguments cannot say.
+    """
+
+    def __init__(
+        self,
+        positions: npt.ArrayLike,
+        ball: npt.ArrayLike,
+        lineup: Lineup,
+        config: MatchConfig = OPEN_END,
+        n: int = 1,
+        seed: int = 0,
+        mirrored: bool = False,
+    ) -> None:
+        places = np.array(positions, float)
+        if mirrored:
+            places[..., np.asarray(lineup.teams) == 1, :] *= -1.0
+        places = np.broadcast_to(metres(places), (n, *places.shape[-2:]))
+        balls = np.broadcast_to(metres(ball), (n, 2))
+        self.matches = kick_off(places, balls, lineup, np.arange(seed, seed + n), config).view(np.recarray)
+        self.num_players = places.shape[1]
+        self._frames = [self._frame()]
+
+    def step(self, actions: npt.ArrayLike) -> None:
+        """Play 0.1 s: `actions` `[N, P]` (or what broadcasts) are keys 0..18, 19 the built-in AI, -1 to stand.
+
+        Directions are those of the pitch for either team.
+        """
+        wanted = np.broadcast_to(np.asarray(actions, np.int64), (len(self.matches), self.num_players))
+        step_stages(self.matches, np.ascontiguousarray(wanted))
+        self._frames.append(self._frame())
+
+    def play(self, actions: npt.ArrayLike | Policy, steps: int | None = None) -> Trace:
+        """Play a list of actions `[T, P]` or `[T, N, P]`, or a policy for so many steps; give the trace so far."""
+        if callable(actions):
+            if steps is None:
+                raise ValueError("how many steps? a policy has no length")
+            for _ in range(steps):
+                self.step(actions(self))
+        else:
+            for now in np.asarray(actions, np.int64):
+                self.step(now)
+        return self.trace()
+
+    def trace(self) -> Trace:
+        """What was seen so far: row 0 is the beginning, row t the end of step t."""
+        return Trace(*(np.stack(each) for each in zip(*self._frames, strict=True)))
+
+    def _frame(self) -> tuple[np.ndarray, ...]:
+        ball, players = self.matches["ball"], self.matches["players"][:, : self.num_players]
+        return (
+            np.stack([ball[name] for name in ("x", "y", "z")], axis=-1),
+            np.stack([ball[name] for name in ("vx", "vy", "vz")], axis=-1),
+            np.stack([players[name] for name in ("x", "y")], axis=-1),
+            np.stack([players[name] for name in ("vx", "vy")], axis=-1),
+            *(self.matches[name].copy() for name in ("owner", "game_mode", "score", "ended")),
+        )
+
+
+def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = True) -> np.ndarray:
+    """Actions `[T, P]` of one player who presses each action for so many steps, and what all others do meanwhile.
+
+    He is the first player, or with `first` off the last one.
+    """
+    mine = np.concatenate([np.full(steps, action) for action, steps in pressed])
+    rest = np.broadcast_to(np.array(others, np.int64), (len(mine), len(others)))
+    return np.column_stack([mine, rest] if first else [rest, mine])
+
+
+@kernel
+def step_stages(matches, actions):
+    """Move matches MATCH [N] on by one step each, with an action for every player: `actions` [N, P]."""
+    for e in range(len(matches)):
+        step_teams(matches[e], actions[e])

@@ -1,0 +1,292 @@
+"""Matches under random and adversarial play, watched for what must never be.
+
+    python -m tests.envs.torture MATCHES STEPS SEED
+
+plays MATCHES matches for STEPS steps each, from line-ups of 0 to 11 a side in piles, corners, on posts and on the ball,
+with players who mash keys, hold them, slide without end, run into one corner, or are the built-in AI, and with fouls
+out of the blue. It prints the player-steps played, and stops at the first match that is not sane.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+
+import numpy as np
+from numba import njit
+
+from envs.football.constants import (
+    BUILTIN_AI,
+    GK,
+    LEFT,
+    NO_FAULT,
+    NOBODY,
+    NORMAL,
+    RIGHT,
+    RUNNING,
+    SHOT,
+    SLIDING,
+    SPRINT,
+    STAND,
+    THROW_IN,
+)
+from envs.football.fouls import report_foul
+from envs.football.simulator import step_teams
+from envs.football.state import Lineup, MatchConfig, kick_off
+from scenic_lite.stream import uniform
+
+COMPLAINTS = (
+    *("sane", "a player's numbers are not finite", "a player is off the grass", "a player is too fast"),
+    *("a player looks nowhere", "the ball's numbers are not finite", "the ball is where it cannot be"),
+    *("the ball is too fast", "the score does not follow the goals", "play goes on with the ball outside"),
+    *("a mode without a restart", "a restart without a mode", "the ball moves while play is stopped"),
+    *("a restart that never ends", "somebody has the ball who cannot", "the owner is far from the ball"),
+    *("a leg swings that must not", "who has left takes part", "a card that cannot be", "an end that is none"),
+    *("the ball gained energy by itself", "a fault was raised", "the clock stands"),
+)
+STYLES = 8
+
+
+@njit(error_model="numpy")
+def complaint(match, score, energy, step):
+    """Say what is wrong with a match after a step, 0 nothing; `score` and the ball's `energy` are of before."""
+    wrong = wrong_player(match)
+    if wrong == 0:
+        wrong = wrong_ball(match)
+    if wrong == 0:
+        wrong = wrong_play(match)
+    if wrong != 0:
+        return wrong
+    if match.score[0] + match.score[1] != score + abs(match.goal):
+        return 8
+    if energy >= 0.0 and free(match) and energy_of(match.ball) > 1.001 * energy + 0.02:
+        return 20
+    if match.fault != NO_FAULT:
+        return 21
+    return 22 if match.step != step + 1 else 0
+
+
+@njit(error_model="numpy")
+def wrong_player(match):
+    for i in range(match.num_players):
+        p = match.players[i]
+        if not math.isfinite(p.x + p.y + p.vx + p.vy + p.facing_x + p.facing_y + p.want_x + p.want_y + p.tired):
+            return 1
+        if not p.off and (abs(p.x) > 58.0 + 1e-9 or abs(p.y) > 39.0 + 1e-9):
+            return 2
+        if p.vx * p.vx + p.vy * p.vy > 10.0 * 10.0:
+            return 3
+        if abs(p.facing_x * p.facing_x + p.facing_y * p.facing_y - 1.0) > 1e-6:
+            return 4
+        if p.kick_wait > 0.0 and match.kicker != i:
+            return 16
+        if p.cards < 0 or p.cards > 2 or (p.off and p.cards != 2):
+            return 18
+    return 0
+
+
+@njit(error_model="numpy")
+def wrong_ball(match):
+    b = match.ball
+    if not math.isfinite(b.x + b.y + b.z + b.vx + b.vy + b.vz + b.spin_x + b.spin_y):
+        return 5
+    if abs(b.x) > 58.5 or abs(b.y) > 60.0 or b.z < 0.1 or b.z > 60.0:
+        return 6
+    if b.vx * b.vx + b.vy * b.vy + b.vz * b.vz > 55.0 * 55.0:
+        return 7
+    outside = abs(b.x) > 55.17 + 1e-9 or (abs(b.y) > 36.17 + 1e-9 and match.line_wait <= 1e-9)
+    if outside and match.game_mode == NORMAL and match.ended == RUNNING:
+        return 9
+    return 0
+
+
+@njit(error_model="numpy")
+def wrong_play(match):
+    if match.game_mode == NORMAL:
+        if match.restart_team != NOBODY or match.taker != NOBODY:
+            return 11
+    else:
+        if match.restart_team == NOBODY or match.game_mode < 2 or match.game_mode > 6:
+            return 10
+        b = match.ball
+        if b.vx != 0.0 or b.vy != 0.0 or b.vz != 0.0:
+            return 12
+        if match.restart_wait > 30:
+            return 13
+        if match.carrier != NOBODY or match.holder != NOBODY or match.kicker != NOBODY:
+            return 14
+        if match.taker != NOBODY and match.players[match.taker].team != match.restart_team:
+            return 10
+        if match.owner != NOBODY and (match.owner != match.taker or match.game_mode != THROW_IN):
+            return 14
+    for i in (match.carrier, match.holder, match.kicker, match.taker, match.owner, match.saver):
+        if i != NOBODY and (i < 0 or i >= match.num_players or match.players[i].off):
+            return 17
+    if match.holder != NOBODY and (match.carrier != match.holder or match.players[match.holder].role != GK):
+        return 14
+    if match.owner != NOBODY:
+        o = match.players[match.owner]
+        if (o.x - match.ball.x) ** 2 + (o.y - match.ball.y) ** 2 > 3.0 * 3.0:
+            return 15
+    if (match.terminated and match.truncated) or (match.ended == RUNNING) == (match.terminated or match.truncated):
+        return 19
+    return 0
+
+
+@njit(error_model="numpy")
+def free(match):
+    """Whether nobody but the laws of nature acts on the ball."""
+    return match.carrier == NOBODY and match.game_mode == NORMAL and match.ended == RUNNING and match.goal == 0
+
+
+@njit(error_model="numpy")
+def energy_of(ball):
+    """Energy of the ball in J per kg, without that of its spin."""
+    return 0.5 * (ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz) + 9.81 * (ball.z - 0.11)
+
+
+@njit(error_model="numpy")
+def spin_energy(ball):
+    """What the spin can give back to the ball, in J per kg."""
+    return 0.5 * (ball.spin_x * ball.spin_x + ball.spin_y * ball.spin_y)
+
+
+@njit(error_model="numpy")
+def choose_actions(match, style, actions):
+    """Fill in an action per player in this style; keys held before are mostly kept."""
+    for i in range(match.num_players):
+        draw = uniform(match)
+        key = int(19 * uniform(match))
+        if style == 0:
+            actions[i] = key
+        elif style == 1:
+            actions[i] = BUILTIN_AI
+        elif style == 2:
+            actions[i] = BUILTIN_AI if draw < 0.6 else key
+        elif style == 3:
+            actions[i] = SLIDING if draw < 0.4 else (1 + int(8 * uniform(match)) if draw < 0.8 else SPRINT)
+        elif style == 4:
+            actions[i] = (2, 4, 6, 8)[match.step // 100 % 4] if draw < 0.9 else SPRINT
+        elif style == 5:
+            if draw < 0.05:
+                actions[i] = key
+        elif style == 6:
+            actions[i] = STAND if i % 2 == 0 else BUILTIN_AI
+        else:
+            actions[i] = SHOT - int(4 * draw) if uniform(match) < 0.5 else BUILTIN_AI
+
+
+@njit(error_model="numpy")
+def torment(matches, starts, styles, actions, steps, played):
+    """Play `steps` steps of every match; return the first that is not sane and why: (index, complaint), or (-1, 0)."""
+    for e in range(len(matches)):
+        match = matches[e]
+        for _ in range(steps):
+            if match.ended != RUNNING:
+                stream = match.random
+                matches[e] = starts[e]
+                match.random = stream
+            if uniform(match) < 0.01:
+                styles[e] = int(STYLES * uniform(match))
+            choose_actions(match, styles[e], actions[e])
+            if uniform(match) < 0.001:
+                foul_at_random(match)
+            score, step, toucher = match.score[0] + match.score[1], match.step, match.last_touch
+            energy = energy_of(match.ball) + spin_energy(match.ball) if free(match) else -1.0
+            waits = match.kicker == NOBODY
+            step_teams(match, actions[e])
+            if match.last_touch != toucher or not waits:
+                energy = -1.0
+            wrong = complaint(match, score, energy, step)
+            played[0] += match.num_players
+            if wrong != 0:
+                return e, wrong
+    return -1, 0
+
+
+@njit(error_model="numpy")
+def foul_at_random(match):
+    """Let somebody foul an opponent, however far away, by any severity."""
+    i, j = int(match.num_players * uniform(match)), int(match.num_players * uniform(match))
+    a, b = match.players[i], match.players[j]
+    if a.team != b.team and not a.off and not b.off:
+        report_foul(match, i, j, 2.4 * uniform(match), uniform(match) < 0.7)
+
+
+def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
+    """One match MATCH [1] about to begin from a strange position, under random settings."""
+    while True:
+        left, right = rng.integers(0, 12, 2)
+        if left + right > 0:
+            break
+    teams = np.array([LEFT] * left + [RIGHT] * right)
+    roles = rng.integers(0, 10, left + right)
+    if rng.random() < 0.7:  # one keeper a side
+        roles[roles == GK] = 5
+        roles[[0] * bool(left) + [left] * bool(right)] = GK
+    places, ball = strange_places(rng, left + right)
+    config = MatchConfig(
+        game_duration=int(rng.choice([50, 400, 3000])),
+        end_episode_on_score=rng.random() < 0.2,
+        end_episode_on_out_of_play=rng.random() < 0.2,
+        end_episode_on_possession_change=rng.random() < 0.2,
+        offsides=rng.random() < 0.5,
+        second_half=int(rng.choice([30, 1500, 10**9])),
+        left_team_difficulty=rng.random(),
+        right_team_difficulty=rng.random(),
+        control="none",
+    )
+    return kick_off(places[None], ball[None], Lineup(teams, roles), [seed], config)
+
+
+def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Places [count, 2] and the ball's [2]: anywhere, in a pile, in a corner, on a post, on the ball, on the lines."""
+    places = rng.uniform([-55, -36], [55, 36], (count, 2))
+    ball = rng.uniform([-54, -35], [54, 35])
+    kind = rng.integers(0, 7)
+    if kind == 1:  # all in one place
+        places[:] = rng.uniform([-55, -36], [55, 36])
+    elif kind == 2:  # in a corner, the ball too
+        corner = rng.choice([-1.0, 1.0], 2) * [55.0, 36.0]
+        places[:], ball = corner + rng.normal(0.0, 0.5, (count, 2)), corner
+        places = np.clip(places, [-58, -39], [58, 39])
+    elif kind == 3:  # the ball on a post, or inside it
+        ball = rng.choice([-1.0, 1.0], 2) * [55.0, 3.7] + rng.choice([0.0, 0.01, 0.17], 2)
+    elif kind == 4:  # somebody, or everybody, exactly on the ball
+        places[: rng.integers(1, count + 1)] = ball
+    elif kind == 5:  # before the goal
+        places = rng.normal([50.0, 0.0], 3.0, (count, 2))
+        ball = rng.normal([50.0, 0.0], 2.0)
+    elif kind == 6:  # on one line, evenly
+        places[:] = np.stack([np.linspace(-50, 50, count), np.zeros(count)], axis=1)
+        ball = np.zeros(2)
+    return places, ball
+
+
+def torture(count: int, steps: int, seed: int) -> int:
+    """Play and return the number of player-steps; raises AssertionError at the first match that is not sane."""
+    rng = np.random.default_rng(seed)
+    matches = np.concatenate([scene(rng, 1000 * seed + k) for k in range(count)]).view(np.recarray)
+    starts, styles = matches.copy(), rng.integers(0, STYLES, count)
+    actions, played = np.zeros((count, matches["players"].shape[1]), np.int64), np.zeros(1, np.int64)
+    where, wrong = torment(matches, starts, styles, actions, steps, played)
+    if wrong:
+        match = matches[where]
+        raise AssertionError(
+            f"{COMPLAINTS[wrong]}: match {where} of torture({count}, {steps}, {seed}) at step {match['step']}, "
+            f"mode {match['game_mode']}, style {styles[where]}, {match['num_players']} players, ball {match['ball']}"
+        )
+    return int(played[0])
+
+
+def main(count: int, steps: int, seed: int) -> None:
+    """Torture in rounds of 64 matches, and say how far it has come."""
+    begun, total = time.time(), 0
+    for k in range(0, count, 64):
+        total += torture(min(64, count - k), steps, seed + k)
+        print(f"{total:,} player-steps in {time.time() - begun:.0f} s, all sane (seed {seed + k})", flush=True)
+
+
+if __name__ == "__main__":
+    main(*(int(argument) for argument in sys.argv[1:4]))
