@@ -12,7 +12,9 @@ import os
 import re
 import shutil
 import tempfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +27,7 @@ import numba
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("scenic_lite", "envs")
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
+KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
 
 _numba_config: Any = numba.config
 _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)", re.MULTILINE)
@@ -100,10 +103,15 @@ def _cache_folder() -> Path:
 
 
 def _forget(parent: Path) -> None:
-    """Remove the caches of all but the newest few digests; leave whatever else lies there alone."""
-    ours = [path for path in parent.iterdir() if re.fullmatch(r"[0-9a-f]{16}", path.name)]
-    for stale in sorted(ours, key=lambda path: path.stat().st_mtime, reverse=True)[KEPT_CACHES:]:
-        shutil.rmtree(stale, ignore_errors=True)
+    """Remove the caches of all but the newest few digests that are days old; leave whatever else lies there alone."""
+    ages = {}
+    for path in parent.iterdir():
+        with suppress(OSError):  # another program may be tidying up, too
+            if re.fullmatch(r"[0-9a-f]{16}", path.name):
+                ages[path] = time.time() - path.stat().st_mtime
+    for path in sorted(ages, key=lambda path: ages[path])[KEPT_CACHES:]:
+        if ages[path] > KEPT_SECONDS:
+            shutil.rmtree(path, ignore_errors=True)
 
 
 CACHE = _cache_folder()

@@ -46,6 +46,13 @@ def test_old_caches_are_removed_and_foreign_files_kept(tmp_path: Path) -> None:
     assert len(left) == 1 + jit.KEPT_CACHES
 
 
+def test_a_cache_that_a_program_may_use_just_now_stays(tmp_path: Path) -> None:
+    for i in range(8):
+        (tmp_path / f"{i:016x}").mkdir()
+    cache_folder(tmp_path, NUMBA_CACHE_DIR=str(tmp_path))
+    assert len(list(tmp_path.iterdir())) == 9
+
+
 def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for package in jit.PACKAGES:
         (tmp_path / package).mkdir()
