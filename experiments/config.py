@@ -87,10 +87,8 @@ class TrainConfig:
     alp_gmm: ALPGMMConfig = group(ALPGMMConfig, "ALP-GMM", prefix="alp-gmm.")
 
     def __post_init__(self) -> None:
-        if self.env.observation != "features":
-            raise ValueError(
-                f"training needs the observation 'features'; {self.env.observation!r} is for programs of yours"
-            )
+        if self.env.representation == "raw":
+            raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
         check_at_least_1(self, "total_env_steps", "num_envs", "threads", "eval_episodes")
         check_not_negative(self, "seed", "eval_every", "record_rollouts", "checkpoint_seconds")
 

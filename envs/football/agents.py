@@ -114,7 +114,7 @@ def active_player(match, team, old):
         return match.receiver
     speed = ball_speed(match.ball)
     best, soonest = old, math.inf
-    if old != NOBODY and match.players[old].role != GK:
+    if old != NOBODY and match.players[old].role != GK and not match.players[old].off:
         soonest = meeting_time(match, match.players[old], speed) - SWITCH
     for i in range(match.num_players):
         player = match.players[i]

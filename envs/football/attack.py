@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import DRIBBLE_SPEED, HALF_WIDTH, RUN_SPEED
+from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
 from envs.football.control import CARRY_SPRINT, chase
 from envs.football.dribble import TOUCH_REACH
 from envs.football.effort import RUNS, WALKS
@@ -21,6 +21,7 @@ from scenic_lite.jit import kernel
 CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
 RIVALS_RANGE, RIVALS_PUSH = 10.0, 2.0  # m; push of an opponent at no distance, against a pull of 1
 LINES_RANGE, LINES_PUSH = 20.0, 0.8  # m
+BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
 FORCE_SPEED = 8.0  # m/s for a force of 1
 
 
@@ -49,7 +50,7 @@ def run_by_forces(match, player):
     """Dribble where the goal pulls and opponents and lines push, at the gait that suits the force."""
     force_x, force_y = pull_of_goal(player)
     push_x, push_y = push_of_rivals(match, player)
-    force_x += push_x
+    force_x += push_x + push_of_goal_line(player)
     force_y += push_y + push_of_line(HALF_WIDTH, player.y)
     size = length(force_x, force_y) + 1e-9
     speed = carrying_speed(player, FORCE_SPEED * size)
@@ -88,6 +89,13 @@ def push_of_rivals(match, player):
             force_x += push * dx
             force_y += push * dy
     return force_x, force_y
+
+
+@kernel
+def push_of_goal_line(player):
+    """Force away from the goal lines, but not before the goal."""
+    beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / BESIDE_GOAL, 0.0), 1.0)
+    return beside * push_of_line(HALF_LENGTH, player.x)
 
 
 @kernel

@@ -13,7 +13,7 @@ from numba import prange
 
 from envs.football.agents import num_agents
 from envs.football.constants import NO_FAULT
-from envs.football.observation import write_features
+from envs.football.observation import note_places, observe
 from envs.football.reward import agent_reward, team_reward
 from envs.football.script import step_scripted
 from envs.football.simulator import step_match
@@ -29,13 +29,13 @@ class Batch(NamedTuple):
     registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
     start_registers: np.ndarray  # [N, R] float64
     commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
+    places: np.ndarray  # [N, 4, P + 1, 2] float64, of the last steps, for observations that need them: see `smm`
+    place_agents: np.ndarray  # [N, 4, A] int64, the same of the agents' players
 
 
 class Outcome(NamedTuple):
     """What a step brought, one row per match; written by `step_batch`, read by the environment."""
 
-    observations: np.ndarray  # [N, A, F] float32, of the new episode where one ended
-    final_observations: np.ndarray  # [N, A, F] float32, the last of an ended episode
     rewards: np.ndarray  # [N] float64, see `reward.team_reward`
     agent_rewards: np.ndarray  # [N, A] float64
     terminated: np.ndarray  # [N] bool
@@ -50,22 +50,21 @@ class Rules(NamedTuple):
     checkpoints: bool  # checkpoints count
     deterministic: bool  # every episode repeats the same stream of random numbers
     restart: bool  # an ended match starts again at once; if not, the caller sees to it
+    observation: int  # what agents see: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; one without costs nothing
     cast: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
 
 
-def empty_batch(count: int, registers: int, objects: int) -> Batch:
+def empty_batch(count: int, registers: int, objects: int, tracks: tuple[np.ndarray, np.ndarray]) -> Batch:
     """Room for `count` matches; records whose fields are attributes even when not compiled."""
     matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
-    return Batch(matches, starts, memory, start_memory, np.zeros((count, objects)))
+    return Batch(matches, starts, memory, start_memory, np.zeros((count, objects)), *tracks)
 
 
-def empty_outcome(count: int, agents: int, size: int) -> Outcome:
-    """Room for what `count` matches bring, with observations of `size` entries for each of the agents."""
+def empty_outcome(count: int, agents: int) -> Outcome:
+    """Room for what `count` matches bring to so many agents each."""
     return Outcome(
-        np.zeros((count, agents, size), np.float32),
-        np.zeros((count, agents, size), np.float32),
         np.zeros(count),
         np.zeros((count, agents)),
         np.zeros(count, bool),
@@ -76,16 +75,19 @@ def empty_outcome(count: int, agents: int, size: int) -> Outcome:
 
 
 @kernel(parallel=True)
-def step_batch(batch, actions, outcome, rules, code):
-    """Step N matches of a program with actions `[N, A]`; an ended one starts again from its row of `batch.starts`."""
+def step_batch(batch, actions, outcome, seen, final, rules, code):
+    """Step N matches of a program with actions `[N, A]`; an ended one starts again from its row of `batch.starts`.
+
+    What the agents see goes into the View `seen`, what they saw last of an episode that ended into the View `final`.
+    """
     for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
-        _step_row(batch, actions, outcome, rules, code, index)
+        _step_row(batch, actions, outcome, seen, final, rules, code, index)
 
 
 @kernel
-def _step_row(batch, actions, outcome, rules, code, index):
+def _step_row(batch, actions, outcome, seen, final, rules, code, index):
     """Step, reward, observe and if need be restart one match."""
     match = batch.matches[index]
     if rules.scripted:
@@ -99,11 +101,12 @@ def _step_row(batch, actions, outcome, rules, code, index):
     outcome.truncated[index] = match.truncated
     outcome.ended[index] = match.ended
     outcome.faults[index] = match.fault
+    note_places(batch, index, rules.observation)
     if match.terminated or match.truncated:
-        observe(match, outcome.final_observations[index])
+        observe(batch, index, final, rules.observation)
         if rules.restart and match.fault == NO_FAULT:  # a fault is reported first
             restart(batch, rules, index)
-    observe(batch.matches[index], outcome.observations[index])
+    observe(batch, index, seen, rules.observation)
 
 
 @kernel
@@ -114,17 +117,20 @@ def restart(batch, rules, index):
     batch.registers[index] = batch.start_registers[index]
     if not rules.deterministic:
         batch.matches[index].random = stream
+    note_places(batch, index, rules.observation)
 
 
 @kernel
-def observe(match, rows):
-    """Write the observations `[A, F]` of a match's agents."""
-    for agent in range(num_agents(match)):
-        write_features(match, agent, rows[agent])
-
-
-@kernel
-def observe_batch(matches, where, observations):
-    """Write the observations `[N, A, F]` of the matches `where` (indices `[k]`)."""
+def begin(batch, where, rules):
+    """Put the matches `where` (indices `[k]`) at their start."""
     for index in where:
-        observe(matches[index], observations[index])
+        batch.matches[index] = batch.starts[index]
+        batch.registers[index] = batch.start_registers[index]
+        note_places(batch, index, rules.observation)
+
+
+@kernel
+def observe_batch(batch, seen, rules):
+    """Write what the agents of all matches see into the View `seen`."""
+    for index in range(len(batch.matches)):
+        observe(batch, index, seen, rules.observation)

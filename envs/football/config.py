@@ -9,16 +9,18 @@ from dataclasses import dataclass, field
 
 from envs.football.constants import CONTROL_MODES
 
-OBSERVATIONS = ("features", "raw")
+REPRESENTATIONS = ("features", "simple115", "smm", "smm_stacked", "raw")
 REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names
 
 
 @dataclass(frozen=True)
 class FootballConfig:
-    """What the learner sees and is paid for. Raises ValueError for a name that does not exist."""
+    """What agents see and are paid for, and whom they move. Raises ValueError for a name that does not exist."""
 
-    observation: str = field(default="features", metadata={"help": "what the learner sees: features or raw"})
-    rewards: str = field(default="scoring", metadata={"help": "what it is paid for: scoring or scoring,checkpoints"})
+    representation: str = field(
+        default="features", metadata={"help": "what agents see: features, simple115, smm, smm_stacked or raw"}
+    )
+    rewards: str = field(default="scoring", metadata={"help": "what they are paid for: scoring or scoring,checkpoints"})
     control: str = field(
         default="closest1",
         metadata={"help": "left players that agents move: closest1 to closest3, active, a number, all, allNonGK, none"},
@@ -29,7 +31,7 @@ class FootballConfig:
     )
 
     def __post_init__(self) -> None:
-        known = (("observation", OBSERVATIONS), ("rewards", REWARDS), ("dialect", (None, 2, 3)))
+        known = (("representation", REPRESENTATIONS), ("rewards", REWARDS), ("dialect", (None, 2, 3)))
         for name, values in known:
             if getattr(self, name) not in values:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")

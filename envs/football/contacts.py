@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import GK, NOBODY, STEP
+from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.fouls import report_foul
 from envs.football.saves import in_own_box
 from envs.football.touch import BLOCK_KEEP, deflect, hold, parry, take
@@ -56,6 +56,8 @@ def meet_ball(match, bits):
     """Let every player named in `bits` try for the ball in this frame; who goes first alternates between steps."""
     for k in range(match.num_players):
         i = k if match.step % 2 == 0 else match.num_players - 1 - k
+        if match.game_mode != NORMAL:
+            return
         if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
             continue
         player = match.players[i]

@@ -6,6 +6,8 @@ goal, and attacks the ball only near it or near his own goal. Read next: `keeper
 
 from __future__ import annotations
 
+import math
+
 from envs.football.constants import HALF_LENGTH, NOBODY
 from envs.football.control import go_for_ball, run_to
 from envs.football.effort import head_for, reaction_time
@@ -15,7 +17,8 @@ from envs.football.saves import own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
-TACKLE_RANGE = 1.6  # m to the ball: whoever is this close tries for it
+CLEAR_BY = 2.5  # m by which the opponent on the ball is passed on the way back
+TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
 DANGER_RANGE = 24.0  # m from the carrier to the goal: from here on he is attacked
 HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.12  # m, and share of the way to the goal, that is left to a carrier
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
@@ -31,7 +34,7 @@ def defend(match, i):
     """Do what suits a player whose team has not got the ball."""
     player = match.players[i]
     on_ball = man_on_ball(match, 1 - player.team)
-    if match.carrier != NOBODY and apart(match.ball, player) < TACKLE_RANGE:
+    if tackles(match, player):
         go_for_ball(match, i, player.top_speed)
     elif on_ball != NOBODY and (match.hunter[player.team, 0] == i or match.hunter[player.team, 1] == i):
         hunt(match, i, on_ball)
@@ -41,6 +44,17 @@ def defend(match, i):
         hold_up(match, i, on_ball)
     else:
         mark(match, player)
+
+
+@kernel
+def tackles(match, player):
+    """Tell whether a player tries for a led ball that comes close to him, from where he is not behind it."""
+    ball = match.ball
+    dx, dy = ball.x - player.x, ball.y - player.y
+    if match.carrier == NOBODY or dx * dx + dy * dy > TACKLE_RANGE * TACKLE_RANGE:
+        return False
+    coming = -(dx * ball.vx + dy * ball.vy) / (length(dx, dy) + 1e-9)
+    return coming > COMING and forward(player.team) * dx > 0.0
 
 
 @kernel
@@ -70,7 +84,21 @@ def hold_up(match, i, on_ball):
         hunt(match, i, on_ball)
         return
     share = min((HOLD_UP_GAP + HOLD_UP_SHARE * to_goal) / to_goal, 0.9)
-    run_to(player, x + share * (goal_x - x), y * (1.0 - share), player.top_speed)
+    run_round(player, rival, x + share * (goal_x - x), y * (1.0 - share))
+
+
+@kernel
+def run_round(player, rival, x, y):
+    """Run to (x, y), keeping clear of an opponent who is in between."""
+    dx, dy = x - player.x, y - player.y
+    distance = length(dx, dy) + 1e-9
+    to_x, to_y = rival.x - player.x, rival.y - player.y
+    along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
+    if 0.0 < along < distance and abs(across) < CLEAR_BY:
+        aside = math.copysign(CLEAR_BY - abs(across), across)  # to the side on which he is not
+        x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
+        x, y = x + dx / distance, y + dy / distance
+    run_to(player, x, y, player.top_speed)
 
 
 @kernel

@@ -129,7 +129,7 @@ def leave(match, i):
     if match.receiver == i:
         match.receiver = NOBODY
     if match.last_touch == i:
-        match.last_touch = NOBODY
+        match.last_touch, match.owner = NOBODY, NOBODY
     stand_still(player)
     player.off = True
     player.down, player.touch_wait = math.inf, math.inf

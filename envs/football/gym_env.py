@@ -13,6 +13,7 @@ import numpy as np
 
 from envs.football.config import FootballConfig
 from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
+from envs.football.raw import row
 from envs.football.render import FootballPainter, picture
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import Program
@@ -33,7 +34,7 @@ class FootballEnv(gymnasium.Env):
 
     Args:
         program: a compiled program, the path of one, or its text.
-        observation: "features" (`[F]` float32) or "raw" (Google Research Football's dict).
+        representation: what agents see: "features", "simple115", "smm", "smm_stacked", "raw" (see `observation`).
         rewards: "scoring" or "scoring,checkpoints".
         control, right_control: which players of the left and of the right team agents move (see `control_modes`).
         render_mode: None or "rgb_array".
@@ -47,7 +48,7 @@ class FootballEnv(gymnasium.Env):
     def __init__(
         self,
         program: Program | str | Path,
-        observation: str = "features",
+        representation: str = "features",
         rewards: str = "scoring",
         control: str = "closest1",
         right_control: str = "none",
@@ -58,7 +59,7 @@ class FootballEnv(gymnasium.Env):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.render_mode = render_mode
         self.batch = FootballVectorEnv(
-            program, 1, config=FootballConfig(observation, rewards, control, right_control, dialect)
+            program, 1, config=FootballConfig(representation, rewards, control, right_control, dialect)
         )
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
@@ -105,9 +106,7 @@ class FootballEnv(gymnasium.Env):
         return picture(self._painter, self._painter.frame(self.batch)) if self.render_mode else None
 
     def _first(self, observations: Any) -> Any:
-        """Row 0 of a batch, scalars as the spaces of one match want them."""
-        if isinstance(observations, dict):
-            return {
-                name: values[0].item() if values[0].ndim == 0 else values[0] for name, values in observations.items()
-            }
-        return observations[0]
+        """Row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""
+        if isinstance(observations, tuple):
+            return tuple(row(each, 0) for each in observations)
+        return row(observations, 0) if isinstance(observations, dict) else observations[0]

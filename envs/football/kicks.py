@@ -183,7 +183,9 @@ def leave_foot(match, i):
     """Send the ball off player i's foot."""
     player = match.players[i]
     dx, dy = player.aim_x - match.ball.x, player.aim_y - match.ball.y
-    distance = max(length(dx, dy), 0.1)
+    distance = length(dx, dy)
+    if distance < 0.1:  # to his own feet: straight ahead
+        dx, dy, distance = 0.1 * player.facing_x, 0.1 * player.facing_y, 0.1
     ux, uy = dx / distance, dy / distance
     if player.kick == SHOT:
         shoot(match, player, ux, uy)

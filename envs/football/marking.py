@@ -14,7 +14,6 @@ from scenic_lite.jit import kernel
 
 MARKED = 3  # opponents
 MARK_RANGE = 22.0  # m to the place from where an opponent is marked
-ON_THE_BALL = 12.0  # m to the goal that having the ball is worth
 HUNT_NEAR, HUNT_FAR = 10.0, 20.0  # m to an opponent on the ball far from the goal, close to it
 HUNT_FAR_FROM, HUNT_CLOSE_TO = 60.0, 20.0  # m from the goal
 TIRED_HUNT = 0.4  # share of the range that the tired lack
@@ -57,13 +56,12 @@ def mark_the_dangerous(match, team):
 def most_dangerous(match, team, taken):
     """The opponent of `team` closest to its goal, keepers and those in the bits `taken` apart; -1 none."""
     goal_x = own_goal_x(team)
-    on_ball = man_on_ball(match, 1 - team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
         if rival.team == team or rival.role == GK or rival.off or taken >> j & 1 == 1:
             continue
-        distance = length(goal_x - rival.x, rival.y) - (ON_THE_BALL if j == on_ball else 0.0)
+        distance = length(goal_x - rival.x, rival.y)
         if distance < least:
             best, least = j, distance
     return best

@@ -1,156 +1,111 @@
-"""The `features` observation: a row of numbers for an MLP, as an agent's player sees the match.
+"""What agents observe: each representation by its name, its space, and the arrays that kernels write it into.
 
-Everything is in the frame of his team, which attacks +x, and scaled so that typical values are about 1. The players
-after him come in a fixed order: mates, then opponents, each in the order of the match.
-Read next: `batch`, which writes these; `raw`, the same match as Google Research Football describes it.
+    features       a vector for small networks, sized to the program's players     [F] float32      `features`
+    simple115      the original's vector                                           [115] float32    `simple115`
+    smm            its planes                                                      [72, 96, 4] uint8    `smm`
+    smm_stacked    those of the last four steps, oldest first                      [72, 96, 16] uint8   `smm`
+    raw            its dict                                                                         `raw`
+
+One agent's observation has no axis for agents; several have one, and of `raw` there is a tuple of dicts.
+Read next: `batch`.
 """
 
 from __future__ import annotations
 
-import math
+from typing import Any, NamedTuple
 
-from envs.football.agents import seen_by
-from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
+import numpy as np
+from gymnasium.spaces import Box, Space, Tuple
+from gymnasium.vector.utils import batch_space
+
+from envs.football.agents import num_agents
+from envs.football.casting import Casting
+from envs.football.config import REPRESENTATIONS
+from envs.football.constants import LEFT
+from envs.football.features import LIMIT, features_size, write_features
+from envs.football.raw import raw_observation, raw_space
+from envs.football.simple115 import SIZE, write_simple115
+from envs.football.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_tracks, remember, write_planes
 from scenic_lite.jit import kernel
 
-SELF_NAMES = ("self.x", "self.y", "self.vx", "self.vy", "self.facing_x", "self.facing_y", "self.tired", "self.down")
-BALL_NAMES = ("ball.dx", "ball.dy", "ball.z", "ball.vx", "ball.vy", "ball.vz", "ball.near")
-OWNER_NAMES = ("owned.self", "owned.ours", "owned.theirs", "owned.nobody")
-GOAL_NAMES = ("goal.direction_x", "goal.direction_y", "goal.near", "left_post.slope", "right_post.slope")
-COMMAND_NAMES = (*(f"sticky.{d}" for d in range(1, 9)), "sticky.sprint", "sticky.dribble", "kick.asked", "kick.wait")
-CLOCK_NAMES = ("clock",)
-OTHER_NAMES = ("dx", "dy", "along", "across", "vx", "vy", "near", "down", "keeper")
-
-BASE_SIZE = sum(map(len, (SELF_NAMES, BALL_NAMES, OWNER_NAMES, GOAL_NAMES, COMMAND_NAMES, CLOCK_NAMES)))
-OTHER_SIZE = len(OTHER_NAMES)
-
-LIMIT = 6.0  # every entry lies in [-LIMIT, LIMIT]
-NEARBY = 20.0  # m, unit of distances to others
-CLOSE = 4.0  # m, at which `near` is one half
-LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the learner to the goal's centre
-RUNNING = 8.0  # m/s, unit of players' speeds
-FLYING = 20.0  # m/s, unit of the ball's speed
-ALOFT = 2.5  # m, unit of height: the crossbar
-SOON = 1.0  # s, unit of waits
+FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
 
 
-def features_size(num_players: int) -> int:
-    """Number of entries for matches of so many players."""
-    return BASE_SIZE + OTHER_SIZE * (num_players - 1)
+class View(NamedTuple):
+    """What kernels write the observations of N matches into; at most one of the arrays has entries."""
 
-
-def features_names(num_players: int) -> tuple[str, ...]:
-    """Names of the entries, in order."""
-    others = tuple(f"other{i}.{name}" for i in range(1, num_players) for name in OTHER_NAMES)
-    return (*SELF_NAMES, *BALL_NAMES, *OWNER_NAMES, *GOAL_NAMES, *COMMAND_NAMES, *CLOCK_NAMES, *others)
+    vectors: np.ndarray  # [N, A, F] float32
+    planes: np.ndarray  # [N, A, 72, 96, C] uint8
 
 
 @kernel
-def _limited(value):
-    return min(max(value, -LIMIT), LIMIT)
+def observe(batch, index, view, kind):
+    """Write what the agents of match number `index` see."""
+    match = batch.matches[index]
+    for agent in range(num_agents(match)):
+        if kind == FEATURES:
+            write_features(match, agent, view.vectors[index, agent])
+        elif kind == SIMPLE115:
+            write_simple115(match, agent, view.vectors[index, agent])
+        elif kind != RAW:
+            write_planes(match, agent, batch.places[index], batch.place_agents[index], view.planes[index, agent])
 
 
 @kernel
-def write_features(match, agent, row):
-    """Write the observation of an agent into `row` `[F]` float32; zeros if it has no player."""
-    i = match.agents[agent]
-    if i == NOBODY:
-        row[:] = 0.0
-        return
-    me = match.players[i]
-    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
-    at = _write_self(me, side, row, 0)
-    at = _write_ball(match, me, side, row, at)
-    at = _write_owner(match, i, row, at)
-    at = _write_goal(me, side, row, at)
-    at = _write_command(me, row, at)
-    row[at] = 1.0 - match.step / match.game_duration
-    at = _write_team(match, i, me.team, side, row, at + 1)
-    _write_team(match, i, 1 - me.team, side, row, at)
+def note_places(batch, index, kind):
+    """Remember what later observations of match number `index` need."""
+    if kind in (SMM, SMM_STACKED):
+        remember(batch.matches[index], batch.places[index], batch.place_agents[index])
 
 
-@kernel
-def _write_self(me, side, row, at):
-    row[at] = side * me.x / HALF_LENGTH
-    row[at + 1] = side * me.y / HALF_WIDTH
-    row[at + 2] = side * me.vx / RUNNING
-    row[at + 3] = side * me.vy / RUNNING
-    row[at + 4] = side * me.facing_x
-    row[at + 5] = side * me.facing_y
-    row[at + 6] = me.tired
-    row[at + 7] = min(me.down / SOON, LIMIT)
-    return at + 8
+class Observer:
+    """One representation for the matches of one casting.
 
+    Attributes:
+        kind: its number, for kernels.
+        space: of one environment's observation.
+    """
 
-@kernel
-def _write_ball(match, me, side, row, at):
-    ball = match.ball
-    dx, dy = side * (ball.x - me.x), side * (ball.y - me.y)
-    row[at] = _limited(dx / NEARBY)
-    row[at + 1] = _limited(dy / NEARBY)
-    row[at + 2] = _limited(ball.z / ALOFT)
-    row[at + 3] = _limited(side * ball.vx / FLYING)
-    row[at + 4] = _limited(side * ball.vy / FLYING)
-    row[at + 5] = _limited(ball.vz / FLYING)
-    row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
-    return at + 7
+    def __init__(self, representation: str, casting: Casting) -> None:
+        self.kind = REPRESENTATIONS.index(representation)
+        self._players, self._agents = casting.num_players, sum(casting.num_agents)
+        left = int(np.count_nonzero(np.asarray(casting.lineup.teams) == LEFT))
+        self._sizes = left, casting.num_players - left
+        self._rights = [agent >= casting.num_agents[LEFT] for agent in range(self._agents)]
+        if self.kind == RAW:
+            spaces = [raw_space(*(self._sizes[::-1] if right else self._sizes)) for right in self._rights]
+            self.space: Space = spaces[0] if self._agents == 1 else Tuple(spaces)
+        else:
+            space = self._space()
+            self.space = space if self._agents == 1 else batch_space(space, self._agents)
 
+    def _space(self) -> Box:
+        """Of one agent's array."""
+        if self.kind == FEATURES:
+            return Box(-LIMIT, LIMIT, (features_size(self._players),), np.float32)
+        if self.kind == SIMPLE115:
+            return Box(-np.inf, np.inf, (SIZE,), np.float32)
+        channels = CHANNELS * (FRAMES if self.kind == SMM_STACKED else 1)
+        return Box(0, 255, (HEIGHT, WIDTH, channels), np.uint8)
 
-@kernel
-def _write_owner(match, i, row, at):
-    row[at : at + 4] = 0.0
-    if match.owner == NOBODY:
-        row[at + 3] = 1.0
-        return at + 4
-    row[at] = 1.0 if match.owner == i else 0.0
-    row[at + 1 if match.players[match.owner].team == match.players[i].team else at + 2] = 1.0
-    return at + 4
+    def room(self, count: int) -> View:
+        """Fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
+        vectors, planes = (0,), (0, 0, 0)
+        if self.kind in (FEATURES, SIMPLE115):
+            vectors = self._space().shape
+        elif self.kind != RAW:
+            planes = self._space().shape
+        shape = (count, self._agents)
+        return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 
+    def tracks(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Room for what must be remembered of `count` matches, see `smm`."""
+        return empty_tracks(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
 
-@kernel
-def _write_goal(me, side, row, at):
-    dx, dy = HALF_LENGTH - side * me.x, -side * me.y
-    distance = math.sqrt(dx * dx + dy * dy) + 1e-6
-    row[at] = dx / distance
-    row[at + 1] = dy / distance
-    row[at + 2] = CLOSE / (CLOSE + distance)
-    ahead = max(dx, 1.0)
-    row[at + 3] = _limited((dy + GOAL_HALF_WIDTH) / ahead)
-    row[at + 4] = _limited((dy - GOAL_HALF_WIDTH) / ahead)
-    return at + 5
-
-
-@kernel
-def _write_command(me, row, at):
-    row[at : at + 8] = 0.0
-    if me.direction > 0:
-        row[at + seen_by(me.team, me.direction) - 1] = 1.0
-    row[at + 8] = 1.0 if me.sprint else 0.0
-    row[at + 9] = 1.0 if me.dribble else 0.0
-    row[at + 10] = 1.0 if me.kick > 0 else 0.0
-    row[at + 11] = min(me.kick_wait / SOON, LIMIT)
-    return at + 12
-
-
-@kernel
-def _write_team(match, i, team, side, row, at):
-    me = match.players[i]
-    goal_dx, goal_dy = HALF_LENGTH - side * me.x, -side * me.y
-    distance = math.sqrt(goal_dx * goal_dx + goal_dy * goal_dy) + 1e-6
-    ux, uy = goal_dx / distance, goal_dy / distance
-    for index in range(match.num_players):
-        other = match.players[index]
-        if other.team != team or index == i:
-            continue
-        dx, dy = side * (other.x - me.x), side * (other.y - me.y)
-        row[at] = _limited(dx / NEARBY)
-        row[at + 1] = _limited(dy / NEARBY)
-        row[at + 2] = _limited((dx * ux + dy * uy) / LANE_LENGTH)
-        row[at + 3] = _limited((dy * ux - dx * uy) / LANE_WIDTH)
-        row[at + 4] = side * other.vx / RUNNING
-        row[at + 5] = side * other.vy / RUNNING
-        row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
-        row[at + 7] = min(other.down / SOON, LIMIT)
-        row[at + 8] = 1.0 if other.role == GK else 0.0
-        at += OTHER_SIZE
-    return at
+    def read(self, view: View, matches: np.ndarray) -> Any:
+        """The observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH `[N]`."""
+        if self.kind == RAW:
+            dicts = [raw_observation(matches, agent, self._sizes, right) for agent, right in enumerate(self._rights)]
+            return dicts[0] if self._agents == 1 else tuple(dicts)
+        rows = view.vectors if self.kind in (FEATURES, SIMPLE115) else view.planes
+        return rows[:, 0] if self._agents == 1 else rows

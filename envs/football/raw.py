@@ -1,22 +1,27 @@
 """The `raw` observation: a match as Google Research Football's own dict describes it, for N matches at once.
 
-x and y in its units (x/54.4 m; y/83.6 m, pointing down), z in metres, directions per step. The left team is ours.
+x and y in its units (x/54.4 m; y/83.6 m, pointing down), z in metres, directions per step. An agent of the right team
+sees the pitch turned by 180°, its own team as `left_team`. `row` gives the dict of one match with the original's types.
 Read next: `vector_env`.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, Space
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y, STEP
+from envs.football.constants import BALL_RADIUS, STEP
+from envs.football.original import UNIT_X, UNIT_Y
 
-UNIT_X, UNIT_Y = 100 * METRES_PER_X, -100 * METRES_PER_Y  # m per unit of the original
 FAR = 1e6
+MANY = 2**31  # goals, steps
+SPIN_UNIT = 1e-4  # of `ball_rotation`: rad/s into tenths of rad/ms
 
 
-def raw_space(num_left: int, num_right: int) -> Dict:
-    """Give the space of one match's observation with so many players in the left and the right team."""
+def raw_space(ours: int, theirs: int) -> Dict:
+    """Give the space of one agent's observation with so many players in its team and in the other one."""
     real, whole = np.float64, np.int64
     spaces: dict[str, Space] = {
         "ball": Box(-FAR, FAR, (3,), real),
@@ -27,11 +32,11 @@ def raw_space(num_left: int, num_right: int) -> Dict:
         "active": Discrete(12, start=-1),
         "designated": Discrete(12, start=-1),
         "sticky_actions": MultiBinary(10),
-        "score": Box(0, 2**31, (2,), whole),
-        "steps_left": Box(0, 2**31, (1,), whole),
+        "score": MultiDiscrete([MANY, MANY]),
+        "steps_left": Discrete(MANY),
         "game_mode": Discrete(7),
     }
-    for team, count in (("left_team", num_left), ("right_team", num_right)):
+    for team, count in (("left_team", ours), ("right_team", theirs)):
         spaces[team] = Box(-FAR, FAR, (count, 2), real)
         spaces[team + "_direction"] = Box(-FAR, FAR, (count, 2), real)
         spaces[team + "_tired_factor"] = Box(0, 1, (count,), real)
@@ -41,35 +46,53 @@ def raw_space(num_left: int, num_right: int) -> Dict:
     return Dict(spaces)
 
 
-def raw_observation(matches: np.ndarray, num_left: int, num_players: int) -> dict[str, np.ndarray]:
-    """Describe MATCH `[N]`: a dict of arrays, each with N as its first axis.
+def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], right: bool) -> dict[str, np.ndarray]:
+    """Describe MATCH `[N]` to an agent of the left or the right team: a dict of arrays, each with N as its first axis.
 
-    Nobody is -1. Cards are not given yet, so nobody is yellow and everyone is active; the ball's rotation is not
-    simulated as angles and is 0.
+    `sizes` are the numbers of players of both teams. Nobody is -1.
     """
-    ball, players = matches["ball"], matches["players"][:, :num_players]
-    count = len(matches)
+    ball, players = matches["ball"], matches["players"][:, : sum(sizes)]
+    me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
+    plane = side * np.array([1 / UNIT_X, 1 / UNIT_Y])
+    spin = SPIN_UNIT / BALL_RADIUS * side
+    owners = _of(players, "team", matches["owner"])
+    alone = matches["num_agents"][:, us] == 1
     observation = {
-        "ball": np.stack([ball["x"] / UNIT_X, ball["y"] / UNIT_Y, ball["z"]], axis=-1),
-        "ball_direction": STEP * np.stack([ball["vx"] / UNIT_X, ball["vy"] / UNIT_Y, ball["vz"]], axis=-1),
-        "ball_rotation": np.zeros((count, 3)),
-        "ball_owned_team": _of(players, "team", matches["owner"]),
+        "ball": _vectors(plane, ball["x"], ball["y"], ball["z"]),
+        "ball_direction": STEP * _vectors(plane, ball["vx"], ball["vy"], ball["vz"]),
+        "ball_rotation": np.stack([-spin * ball["spin_y"], spin * ball["spin_x"], np.zeros(len(ball))], axis=-1),
+        "ball_owned_team": np.where(owners < 0, -1, owners ^ us),
         "ball_owned_player": _of(players, "shirt", matches["owner"]),
-        "active": _of(players, "shirt", matches["agents"][:, 0]),
-        "designated": _of(players, "shirt", matches["agents"][:, 0]),
-        "sticky_actions": _sticky(players, matches["agents"][:, 0]),
-        "score": matches["score"].copy(),
-        "steps_left": (matches["game_duration"] - matches["step"])[:, None],
+        "active": _of(players, "shirt", me),
+        "designated": _of(players, "shirt", np.where(alone, me, matches["chaser"][:, us])),
+        "sticky_actions": _sticky(players, me, right),
+        "score": matches["score"][:, ::-1].copy() if right else matches["score"].copy(),
+        "steps_left": matches["game_duration"] - matches["step"],
         "game_mode": matches["game_mode"].copy(),
     }
-    for name, team in (("left_team", players[:, :num_left]), ("right_team", players[:, num_left:])):
-        observation[name] = np.stack([team["x"] / UNIT_X, team["y"] / UNIT_Y], axis=-1)
-        observation[name + "_direction"] = STEP * np.stack([team["vx"] / UNIT_X, team["vy"] / UNIT_Y], axis=-1)
+    teams = players[:, : sizes[0]], players[:, sizes[0] :]
+    for name, team in (("left_team", teams[us]), ("right_team", teams[1 - us])):
+        observation[name] = _vectors(plane, team["x"], team["y"])
+        observation[name + "_direction"] = STEP * _vectors(plane, team["vx"], team["vy"])
         observation[name + "_tired_factor"] = team["tired"].copy()
-        observation[name + "_yellow_card"] = np.zeros(team.shape, np.int8)
-        observation[name + "_active"] = np.ones(team.shape, np.int8)
+        observation[name + "_yellow_card"] = team["cards"] > 0
+        observation[name + "_active"] = ~team["off"]
         observation[name + "_roles"] = team["role"].copy()
     return observation
+
+
+def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
+    """One match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
+    found: dict[str, Any] = {name: values[index] for name, values in observation.items()}
+    for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
+        found[name] = int(found[name])
+    found["score"] = found["score"].tolist()
+    return found
+
+
+def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) -> np.ndarray:
+    """Vectors `[..., 2]` or `[..., 3]` in the units and the frame of the observation."""
+    return np.stack([x * plane[0], y * plane[1], *z], axis=-1)
 
 
 def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
@@ -77,13 +100,13 @@ def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
     return np.where(index < 0, -1, players[field][np.arange(len(players)), index])
 
 
-def _sticky(players: np.ndarray, controlled: np.ndarray) -> np.ndarray:
-    """The ten sticky actions `[N, 10]` of the controlled player: eight directions, sprint, dribble."""
+def _sticky(players: np.ndarray, me: np.ndarray, right: bool) -> np.ndarray:
+    """The ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
     rows = np.arange(len(players))
-    sticky = np.zeros((len(players), 10), np.int8)
-    direction = players["direction"][rows, controlled]
-    moving = (direction > 0) & (controlled >= 0)
-    sticky[rows[moving], direction[moving] - 1] = 1
-    sticky[:, 8] = players["sprint"][rows, controlled] & (controlled >= 0)
-    sticky[:, 9] = players["dribble"][rows, controlled] & (controlled >= 0)
+    sticky = np.zeros((len(players), 10), np.uint8)
+    direction = players["direction"][rows, me]
+    pressed = (direction > 0) & (me >= 0)
+    sticky[rows[pressed], (direction[pressed] - 1 + 4 * right) % 8] = 1
+    sticky[:, 8] = players["sprint"][rows, me] & (me >= 0)
+    sticky[:, 9] = players["dribble"][rows, me] & (me >= 0)
     return sticky

@@ -30,11 +30,12 @@ def consider_shot(match, i):
     spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
     if length(spot_x - player.x, player.y) > (FREE_RANGE if alone(match, player, goal_x) else SHOT_RANGE):
         return False
+    far_y = -math.copysign(CORNER_AIM, player.y)
     best, best_y = lane_odds(match, player, goal_x, 0.0), 0.0
-    for side in range(-1, 2, 2):
-        odds = lane_odds(match, player, goal_x, side * CORNER_AIM)
-        if odds > best or (odds == best and side * player.y < 0.0):
-            best, best_y = odds, side * CORNER_AIM
+    for aim_y in (far_y, -far_y):
+        odds = lane_odds(match, player, goal_x, aim_y)
+        if odds > best:
+            best, best_y = odds, aim_y
     if math.sqrt(best) + 0.5 * uniform(match) < SHOT_CHANCE:
         return False
     ask_kick(player, SHOT, goal_x, best_y)

@@ -10,16 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
-from gymnasium.vector.utils import batch_space
+from gymnasium.spaces import Discrete, MultiDiscrete
 
-from envs.football.batch import Rules, empty_batch, empty_outcome, observe_batch, restart, step_batch
+from envs.football.batch import Rules, begin, empty_batch, empty_outcome, observe_batch, restart, step_batch
 from envs.football.casting import Casting
 from envs.football.config import FootballConfig
-from envs.football.constants import LEFT, NO_FAULT, NUM_ACTIONS
+from envs.football.constants import NO_FAULT, NUM_ACTIONS
 from envs.football.domain import FOOTBALL
-from envs.football.observation import LIMIT, features_size
-from envs.football.raw import raw_observation, raw_space
+from envs.football.observation import RAW, Observer
 from envs.football.staging import Staging
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta
@@ -36,12 +34,11 @@ class FootballVectorEnv(UPOMDP):
         num_envs: N.
         config: observation, reward, and whom the agents move (see `control_modes`).
 
-    Actions are Google Research Football's 19. Observations are `features` `[N, (A,) F]` float32 (see `observation`), or
-    the `raw` dict of Google Research Football. A match that ends by a goal, a lost ball or out of play is terminated;
-    one that reaches `game_duration` is truncated. A `terminate` of the program terminates a match; one that breaks a
-    requirement of the program is truncated. `info["ended"]` `[N]` gives the reason, `constants.RUNNING` to `REJECTED`.
-    What monitors set `scenic_reward` to is part of the reward. `info["agent_rewards"]` `[N, A]` is each agent's own
-    reward; `rewards` `[N]` are their mean over the left team's agents (see `reward`).
+    Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a lost
+    ball or out of play is terminated; one that reaches `game_duration` is truncated. A `terminate` of the program
+    terminates a match; one that breaks a requirement of the program is truncated. `info["ended"]` `[N]` gives the
+    reason, `constants.RUNNING` to `REJECTED`. What monitors set `scenic_reward` to is part of the reward:
+    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents.
 
     Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
@@ -62,26 +59,22 @@ class FootballVectorEnv(UPOMDP):
         for warning in self.staging.compiled.warnings:
             warnings.warn(warning, stacklevel=2)
         self.num_players = self.casting.num_players
-        size = features_size(self.num_players)
-        space: Space = Box(-LIMIT, LIMIT, (size,), np.float32)
-        self._num_left = int((np.asarray(self.casting.lineup.teams) == LEFT).sum())
-        self._is_raw = config.observation == "raw"
-        if self._is_raw:
-            space = raw_space(self._num_left, self.num_players - self._num_left)
         self.num_agents = sum(self.casting.num_agents)
-        actions: Space = Discrete(NUM_ACTIONS)
-        if self.num_agents > 1:
-            space, actions = batch_space(space, self.num_agents), MultiDiscrete([NUM_ACTIONS] * self.num_agents)
-        super().__init__(num_envs, space, actions, self.program.draws)
+        self._observer = Observer(config.representation, self.casting)
+        several = MultiDiscrete([NUM_ACTIONS] * self.num_agents)
+        actions = Discrete(NUM_ACTIONS) if self.num_agents == 1 else several
+        super().__init__(num_envs, self._observer.space, actions, self.program.draws)
         self._rules = Rules(
             config.rewards == "scoring,checkpoints",
             bool(self.casting.config.deterministic),
-            not self._is_raw,
+            self._observer.kind != RAW,
+            self._observer.kind,
             self.staging.live,
             self.casting.cast,
         )
-        self._outcome = empty_outcome(num_envs, self.num_agents, size)
-        self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects))
+        self._outcome = empty_outcome(num_envs, self.num_agents)
+        tracks = self._observer.tracks(num_envs)
+        self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects), tracks)
         self._started = False
 
     @property
@@ -102,38 +95,32 @@ class FootballVectorEnv(UPOMDP):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch = self._batch
         batch.starts[where] = self.casting.starts(levels["theta"], levels["seed"])
-        batch.matches[where] = batch.starts[where]
         batch.start_registers[where] = self.staging.registers(levels["theta"])
-        batch.registers[where] = batch.start_registers[where]
-        observe_batch(batch.matches, where, self._outcome.observations)
+        begin(batch, where, self._rules)
         self._started = True
         return self._observations()
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._started:
             raise RuntimeError("call reset() before step()")
-        out = self._outcome
-        step_batch(self._batch, self._checked(actions), out, self._rules, self.staging.code)
+        out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
+        step_batch(self._batch, self._checked(actions), out, seen, final, self._rules, self.staging.code)
         if out.faults.any():
             self._report_faults()
         ended = out.terminated | out.truncated
-        final = self._squeezed(out.final_observations.copy())
-        if self._is_raw:
-            final = self._observations()
+        last = self._observer.read(final, self._batch.matches)
+        if not self._rules.restart:
             self._restart(ended)
-        info = {"final_obs": final, "_final_obs": ended, "ended": out.ended.copy()}
+        info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
         info["agent_rewards"] = out.agent_rewards.copy()
-        return self._observations(), out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
+        observations = self._observer.read(seen, self._batch.matches)
+        return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
     def _observations(self) -> Any:
-        """The present observations, a copy: `[N, (A,) F]`, or a dict of arrays for `raw`."""
-        if self._is_raw:
-            return raw_observation(self._batch.matches[:], self._num_left, self.num_players)
-        return self._squeezed(self._outcome.observations.copy())
-
-    def _squeezed(self, rows: np.ndarray) -> np.ndarray:
-        """Rows `[N, A, ...]` without the axis of the agents if there is one only."""
-        return rows[:, 0] if self.num_agents == 1 else rows
+        """The present observations, in arrays of their own."""
+        seen = self._observer.room(self.num_envs)
+        observe_batch(self._batch, seen, self._rules)
+        return self._observer.read(seen, self._batch.matches)
 
     def _restart(self, ended: np.ndarray) -> None:
         """Do for `raw` what the kernel does otherwise: it must not restart before the last observation is taken."""
@@ -156,25 +143,40 @@ class FootballVectorEnv(UPOMDP):
         faulted = self._outcome.faults != NO_FAULT
         error = self.staging.error(self._batch, int(np.flatnonzero(faulted)[0]), self.levels)
         self._restart(faulted)
-        observe_batch(self._batch.matches, np.flatnonzero(faulted), self._outcome.observations)
         raise error
 
     def get_state(self) -> dict[str, Any]:
+        batch = self._batch
         return {
-            "matches": np.asarray(self._batch.matches).copy(),
-            "starts": np.asarray(self._batch.starts).copy(),
-            "registers": self._batch.registers.copy(),
-            "start_registers": self._batch.start_registers.copy(),
+            "matches": np.asarray(batch.matches).copy(),
+            "starts": np.asarray(batch.starts).copy(),
+            "registers": batch.registers.copy(),
+            "start_registers": batch.start_registers.copy(),
+            "places": batch.places.copy(),
+            "place_agents": batch.place_agents.copy(),
             "levels": self.levels.copy(),
             "np_random": self.np_random.bit_generator.state,
         }
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        self._batch.matches[:], self._batch.starts[:] = state["matches"], state["starts"]
-        self._batch.registers[:], self._batch.start_registers[:] = state["registers"], state["start_registers"]
-        self.levels[:] = state["levels"]
+        """Take back what `get_state` gave; give the observations of that moment.
+
+        Raises ValueError for a state of other matches: another number, another program or representation.
+        """
+        batch = self._batch
+        pairs = {
+            "matches": batch.matches,
+            "starts": batch.starts,
+            "registers": batch.registers,
+            "start_registers": batch.start_registers,
+            "places": batch.places,
+            "place_agents": batch.place_agents,
+            "levels": self.levels,
+        }
+        check_state(state, pairs)
+        for name, array in pairs.items():
+            array[:] = state[name]
         self.np_random.bit_generator.state = state["np_random"]
-        observe_batch(self._batch.matches, np.arange(self.num_envs), self._outcome.observations)
         self._started = True
         return self._observations()
 
@@ -186,18 +188,29 @@ class FootballVectorEnv(UPOMDP):
         return twin
 
 
-def make_vec(
-    program: str,
-    num_envs: int = 1,
-    observation: str = "features",
-    rewards: str = "scoring",
-    control: str = "closest1",
-    right_control: str = "none",
-    dialect: int | None = None,
-) -> FootballVectorEnv:
-    """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects."""
-    env = FootballVectorEnv(
-        program, num_envs, config=FootballConfig(observation, rewards, control, right_control, dialect)
-    )
+def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
+    """Raise ValueError unless the arrays of a state have the shapes and fields that are wanted."""
+    for name, array in wanted.items():
+        found = state.get(name)
+        kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
+        if (
+            not isinstance(found, np.ndarray)
+            or found.shape != array.shape
+            or (found.dtype.fields or found.dtype) != kind
+        ):
+            what = f"{found.dtype} {list(found.shape)}" if isinstance(found, np.ndarray) else repr(found)
+            what = what if len(what) < 80 else f"{what[:76]} ..."
+            raise ValueError(
+                f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
+                "program, number of matches, control and representation must be those of the environment that gave it"
+            )
+
+
+def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVectorEnv:
+    """Make the native batch for `gymnasium.make_vec`: a new random level every episode, as a stock trainer expects.
+
+    `settings` are those of `FootballConfig`.
+    """
+    env = FootballVectorEnv(program, num_envs, config=FootballConfig(**settings))
     env.next_levels = env.sample_levels
     return env

@@ -15,8 +15,8 @@ from gymnasium.utils.env_checker import check_env
 import minigames
 from envs.football.config import FootballConfig
 from envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRES_PER_Y, SHOT
+from envs.football.features import features_names
 from envs.football.gym_env import FootballEnv
-from envs.football.observation import features_names
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 from ued.upomdp import ThetaError
@@ -37,11 +37,11 @@ def rollout(env, steps=120, seed=7):
 
 
 @pytest.mark.parametrize("name", minigames.MINIGAMES)
-@pytest.mark.parametrize("observation", ["features", "raw"])
-def test_the_single_environment_passes_gymnasiums_check(name, observation):
+@pytest.mark.parametrize("representation", ["features", "raw"])
+def test_the_single_environment_passes_gymnasiums_check(name, representation):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # about wide boxes and unwrapped environments
-        check_env(gymnasium.make(f"regista/{name}-v0", observation=observation).unwrapped, skip_render_check=True)
+        check_env(gymnasium.make(f"regista/{name}-v0", representation=representation).unwrapped, skip_render_check=True)
 
 
 def test_the_single_environment_passes_stable_baselines_check():
@@ -148,13 +148,13 @@ def test_features_have_a_name_each_and_stay_within_the_space():
 
 
 def test_raw_agrees_with_the_record():
-    env = FootballVectorEnv(FREE, 3, config=FootballConfig(observation="raw"))
+    env = FootballVectorEnv(FREE, 3, config=FootballConfig(representation="raw"))
     observations, _ = env.reset(seed=2)
     matches = env.matches
     assert observations["ball"][:, 0] == pytest.approx(matches["ball"]["x"] / 54.4)
     assert observations["ball"][:, 1] == pytest.approx(-matches["ball"]["y"] / 83.6)
     assert observations["left_team"].shape == (3, 2, 2) and observations["right_team"].shape == (3, 1, 2)
-    assert observations["steps_left"].tolist() == [[400]] * 3
+    assert observations["steps_left"].tolist() == [400] * 3
     assert (observations["ball_owned_team"] == -1).all()
     for _ in range(60):
         observations, _, terminated, truncated, info = env.step(np.full(3, SHOT))
@@ -291,7 +291,10 @@ def test_a_step_before_the_first_reset_is_refused():
 @pytest.mark.parametrize(
     ("config", "message"),
     [
-        ({"observation": "pixels"}, "observation must be one of 'features', 'raw', not 'pixels'"),
+        (
+            {"representation": "pixels"},
+            "representation must be one of 'features', 'simple115', 'smm', 'smm_stacked', 'raw', not 'pixels'",
+        ),
         ({"rewards": "goals"}, "rewards must be one of 'scoring', 'scoring,checkpoints', not 'goals'"),
     ],
 )

@@ -14,7 +14,6 @@ import sys
 import time
 
 import numpy as np
-from numba import njit
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -34,6 +33,7 @@ from envs.football.constants import (
 from envs.football.fouls import report_foul
 from envs.football.simulator import step_teams
 from envs.football.state import Lineup, MatchConfig, kick_off
+from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
 
 COMPLAINTS = (
@@ -48,7 +48,7 @@ COMPLAINTS = (
 STYLES = 8
 
 
-@njit(error_model="numpy")
+@kernel
 def complaint(match, score, energy, step):
     """Say what is wrong with a match after a step, 0 nothing; `score` and the ball's `energy` are of before."""
     wrong = wrong_player(match)
@@ -67,7 +67,7 @@ def complaint(match, score, energy, step):
     return 22 if match.step != step + 1 else 0
 
 
-@njit(error_model="numpy")
+@kernel
 def wrong_player(match):
     for i in range(match.num_players):
         p = match.players[i]
@@ -86,7 +86,7 @@ def wrong_player(match):
     return 0
 
 
-@njit(error_model="numpy")
+@kernel
 def wrong_ball(match):
     b = match.ball
     if not math.isfinite(b.x + b.y + b.z + b.vx + b.vy + b.vz + b.spin_x + b.spin_y):
@@ -101,7 +101,7 @@ def wrong_ball(match):
     return 0
 
 
-@njit(error_model="numpy")
+@kernel
 def wrong_play(match):
     if match.game_mode == NORMAL:
         if match.restart_team != NOBODY or match.taker != NOBODY:
@@ -134,25 +134,25 @@ def wrong_play(match):
     return 0
 
 
-@njit(error_model="numpy")
+@kernel
 def free(match):
     """Whether nobody but the laws of nature acts on the ball."""
     return match.carrier == NOBODY and match.game_mode == NORMAL and match.ended == RUNNING and match.goal == 0
 
 
-@njit(error_model="numpy")
+@kernel
 def energy_of(ball):
     """Energy of the ball in J per kg, without that of its spin."""
     return 0.5 * (ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz) + 9.81 * (ball.z - 0.11)
 
 
-@njit(error_model="numpy")
+@kernel
 def spin_energy(ball):
     """What the spin can give back to the ball, in J per kg."""
     return 0.5 * (ball.spin_x * ball.spin_x + ball.spin_y * ball.spin_y)
 
 
-@njit(error_model="numpy")
+@kernel
 def choose_actions(match, style, actions):
     """Fill in an action per player in this style; keys held before are mostly kept."""
     for i in range(match.num_players):
@@ -177,7 +177,7 @@ def choose_actions(match, style, actions):
             actions[i] = SHOT - int(4 * draw) if uniform(match) < 0.5 else BUILTIN_AI
 
 
-@njit(error_model="numpy")
+@kernel
 def torment(matches, starts, styles, actions, steps, played):
     """Play `steps` steps of every match; return the first that is not sane and why: (index, complaint), or (-1, 0)."""
     for e in range(len(matches)):
@@ -205,7 +205,7 @@ def torment(matches, starts, styles, actions, steps, played):
     return -1, 0
 
 
-@njit(error_model="numpy")
+@kernel
 def foul_at_random(match):
     """Let somebody foul an opponent, however far away, by any severity."""
     i, j = int(match.num_players * uniform(match)), int(match.num_players * uniform(match))

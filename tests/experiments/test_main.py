@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[2]
         (["train", "--resume", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
         (["train", "--num-envs", "0"], 2, "regista: num_envs must be at least 1, got 0"),
         (["train", "--clip-coef", "-1"], 2, "regista: clip_coef must be positive, got -1"),
-        (["train", "--observation", "raw"], 2, "regista: training needs the observation 'features'; 'raw' is for"),
+        (["train", "--representation", "raw"], 2, "regista: training needs observations that are arrays; 'raw' is for"),
         (["train", "--out", "/dev/null/run"], 1, "regista: cannot write /dev/null/run: Not a directory"),
         (["evaluate"], 2, "regista: evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0"),
         (["evaluate", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),

@@ -17,7 +17,8 @@ from scenic_lite.evaluation.frame import near
 from scenic_lite.graph import Value, kind_of
 from scenic_lite.values import Choice, Instance, describe_kind
 
-Key = tuple[str, str, str]  # "object" and its label or "simulation" and "", then the attribute
+# "object" and its label, "simulation" and "", "global" and its module's number; then the attribute or variable
+Key = tuple[str, str | int, str]
 
 
 def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner: Value, value: Value) -> None:
@@ -58,6 +59,9 @@ def keep(c: Compilation, key: Key, value: Value) -> None:
 def table_of(c: Compilation, key: Key) -> dict[str, Value]:
     """Where an attribute is looked up."""
     kind, label, name = key
+    if kind == "global":
+        assert isinstance(label, int)
+        return c.modules[label]
     if kind == "simulation":
         return c.simulation.names
     owner = next(each for each in c.program.instances if each.label == label)
@@ -67,6 +71,11 @@ def table_of(c: Compilation, key: Key) -> dict[str, Value]:
 def shared(c: Compilation, key: Key) -> Slot:
     """The slot of an attribute; at the start of a match it holds what the program gave it."""
     if key not in c.shared:
+        if key[0] == "global" and key[2] in table_of(c, key):
+            assert isinstance(key[1], int)
+            c.before.setdefault(key[1], {})[key[2]] = table_of(c, key)[key[2]]
+        if key not in c.shapes:  # what was read of it before was taken for fixed
+            c.code.widened.add(key)
         slot = c.shared[key] = Slot(c.code, c.shapes, key, shared=True)
         table, name = table_of(c, key), key[2]
         if name in table:
@@ -79,7 +88,7 @@ def shared(c: Compilation, key: Key) -> Slot:
 
 def show_shared(c: Compilation) -> None:
     """Let the attributes that a program is known to set be read from their registers."""
-    for key in [key for key in c.shapes if key[:1] in (("object",), ("simulation",))]:
+    for key in [key for key in c.shapes if key[:1] in (("object",), ("simulation",), ("global",))]:
         slot = shared(c, key)
         table_of(c, key)[key[2]] = slot.value
 

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import ast
 
+from scenic_lite.dynamics.compiler.attributes import set_attribute
+from scenic_lite.dynamics.compiler.changing import METHODS, mutated
 from scenic_lite.dynamics.compiler.choices import over_options
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.frame import MUTATORS, Compilation, LiveFrame, Scope
-from scenic_lite.dynamics.compiler.functions import FUNCTIONS, mutated
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.functions import FUNCTIONS
 from scenic_lite.dynamics.compiler.lists import put_with_room
 from scenic_lite.dynamics.compiler.shapes import LiveList, shape_of, varies
 from scenic_lite.dynamics.compiler.slots import copied, pairs, registers_in, settled
@@ -136,9 +138,11 @@ def value_of(c: Compilation, inner: LiveFrame, function: Function, scope: Scope)
 
 
 def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | None:
-    """`items.append(x)` and the like where `items` is a variable: it becomes a changed list."""
+    """`items.append(x)` and the like where `items` is a variable or an attribute: it becomes a changed list."""
     function = node.func
-    if not (isinstance(function, ast.Attribute) and function.attr in MUTATORS and isinstance(function.value, ast.Name)):
+    if not (isinstance(function, ast.Attribute) and function.attr in METHODS):
+        return None
+    if not isinstance(function.value, ast.Name | ast.Attribute):
         return None
     items = frame.value(function.value)
     if not isinstance(items, list | LiveList):
@@ -147,16 +151,24 @@ def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | Non
     while not isinstance(holder, LiveFrame):
         assert holder.outer is not None
         holder = holder.outer
-    name = function.value.id
-    if name not in holder.locals:
-        hint = "copy it first: items = list(items)"
-        raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be changed in a match", hint=hint)
     arguments = [frame.value(each) for each in node.args]
-    slot = holder.slots.get(name)
-    if function.attr == "append" and isinstance(items, LiveList) and slot is not None and len(arguments) == 1:
-        slot.widen(LiveList(shape_of(arguments[0]), ()))
-        put_with_room(c, slot.value, arguments[0])
+    keywords = {each.arg: frame.value(each.value) for each in node.keywords if each.arg is not None}
+    if appended_in_place(c, holder, function, items, arguments):
         return (None,)
-    changed, result = mutated(c, frame, items, function.attr, arguments)
-    holder.assign(name, changed)
+    changed, result = mutated(c, frame, node, items, function.attr, arguments, keywords)
+    if changed is not items:
+        if isinstance(function.value, ast.Name):
+            holder.assign_where_it_is(function.value.id, changed)
+        else:
+            set_attribute(c, holder, function.value, frame.value(function.value.value), changed)
     return (result,)
+
+
+def appended_in_place(c: Compilation, frame: LiveFrame, function: ast.Attribute, items: Value, arguments: list) -> bool:
+    """Whether an element could be put at the end of the list of a variable as it stands in registers."""
+    slot = frame.slots.get(function.value.id) if isinstance(function.value, ast.Name) else None
+    if function.attr != "append" or not isinstance(items, LiveList) or slot is None or len(arguments) != 1:
+        return False
+    slot.widen(LiveList(shape_of(arguments[0]), ()))
+    put_with_room(c, slot.value, arguments[0])
+    return True

@@ -185,17 +185,24 @@ def subscript(c: Compilation, frame: Frame, node: ast.Subscript) -> Value:
 
 def item(c: Compilation, frame: Frame, node: ast.Subscript, container: Value, index: Value) -> Value:
     """`container[index]`."""
-    from scenic_lite.dynamics.compiler.lists import item_at, slice_of
+    from scenic_lite.dynamics.compiler.changing import slice_of
+    from scenic_lite.dynamics.compiler.lists import as_live_list, item_at
 
     if isinstance(container, Choice):
         return over_options(c, container, lambda each: item(c, frame, node, each, index), (id(node), 0))
     if isinstance(index, Choice):
         return over_options(c, index, lambda each: item(c, frame, node, container, each), (id(node), 1))
-    if isinstance(index, slice) and isinstance(container, LiveList):
-        return slice_of(c, container, index)
+    if isinstance(index, slice) and (isinstance(container, LiveList) or varies_in(index)):
+        if not isinstance(container, LiveList | list):
+            raise ScenicError("unsupported", "only lists can be cut where the match decides")
+        return slice_of(c, as_live_list(c, container), index)
     if isinstance(container, LiveList) or isinstance(index, Random):
         return item_at(c, frame, container, index)
     return item_of(frame, container, index)
+
+
+def varies_in(part: slice) -> bool:
+    return any(isinstance(each, Random) for each in (part.start, part.stop, part.step))
 
 
 def formatted(c: Compilation, frame: Frame, node: ast.FormattedValue) -> Value:

@@ -65,8 +65,9 @@ def compile_program(program: Program, world: World) -> Compiled:
         raise program.error("unsupported", message, program.main.place)
     shapes: dict[tuple, Shape] = {}
     simulation = Namespace("simulation()", {}, open=True)
+    modules: dict[int, dict[str, Value]] = {}
     for _ in range(MOST_WALKS):
-        compilation = Compilation(program, world, program.session, Assembler(), shapes, simulation)
+        compilation = Compilation(program, world, program.session, Assembler(), shapes, simulation, modules)
         with lent(compilation):
             threads = walk(compilation)
         if not compilation.code.widened:
@@ -97,6 +98,8 @@ def lent(c: Compilation) -> Iterator[None]:
         vars(session).update(outside)
         for each, (properties, attributes) in zip(instances, loaded, strict=True):
             each.properties, each.attributes = properties, attributes
+        for number, before in c.before.items():
+            c.modules[number].update(before)
 
 
 def meanings(c: Compilation) -> dict[str, Any]:

@@ -78,9 +78,13 @@ class LiveFrame(Frame):
             super().run((node,))
 
     def assign(self, name: str, value: Value) -> None:
-        if name in self.globals or name in self.nonlocals:
-            hint = "keep it in an attribute: self.count = ..."
-            raise ScenicError("unsupported", f"'{name}' belongs to others and cannot be assigned in a match", hint=hint)
+        if name in self.globals:
+            self.compilation.keep_global(self, name, value)
+            return
+        if name in self.nonlocals:
+            owner = self.owner_of(name)
+            owner.assign(name, value)
+            return
         slot = self.slots.get(name)
         if slot is not None:
             slot.store(value)
@@ -88,10 +92,34 @@ class LiveFrame(Frame):
         else:
             self.locals[name] = kept(self.compilation.code, value)
 
+    def owner_of(self, name: str) -> LiveFrame:
+        """The frame around this one whose variable it is."""
+        frame = self.outer
+        while frame is not None and name not in frame.locals:
+            frame = frame.outer
+        if not isinstance(frame, LiveFrame):
+            message = f"'{name}' belongs to a function that is over, and cannot be assigned in a match"
+            raise ScenicError("unsupported", message)
+        return frame
+
+    def assign_where_it_is(self, name: str, value: Value) -> None:
+        """Change what a name stands for, whoever it belongs to."""
+        frame: Frame | None = self
+        while frame is not None and name not in frame.locals and frame.locals is not frame.module_names:
+            frame = frame.outer
+        if isinstance(frame, LiveFrame):
+            frame.assign(name, value)
+        elif name in self.module_names:
+            self.compilation.keep_global(self, name, value)
+        else:
+            message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
+            raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
+
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
         for name in sorted(names):
-            if name in self.slots or name in self.globals or name in self.nonlocals:
+            others = name in self.globals or name in self.nonlocals or name not in self.assigned | self.locals.keys()
+            if others or name in self.slots:
                 continue
             slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name), varying=True)
             self.slots[name] = slot
@@ -120,10 +148,12 @@ class Compilation:
     code: Assembler
     shapes: dict[tuple, Shape]
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
+    modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
     shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     path: tuple = ()
     slot: int = 0  # register of the innermost block: where it goes on
     agent: Instance | None = None
+    before: dict[int, dict[str, Value]] = field(default_factory=dict)  # what `modules` held before this walk
     inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
     doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
     commands: list[tuple[Value, ...]] = field(default_factory=list)
@@ -179,6 +209,14 @@ class Compilation:
         finally:
             self.guarding -= 1
 
+    def keep_global(self, frame: Frame, name: str, value: Value) -> None:
+        """Assign a variable of a module, which all behaviors of a match see."""
+        from scenic_lite.dynamics.compiler.attributes import keep
+
+        number = id(frame.module_names)
+        self.modules[number] = frame.module_names
+        keep(self, ("global", number, name), value)
+
     def time(self) -> Any:
         """Steps since the start. Raises ScenicError if the world does not tell."""
         if self.clock is None:
@@ -209,7 +247,7 @@ class Snapshot:
     def restore(self) -> None:
         code = self.c.code
         for each, length in self.lists:
-            del each[length:]  # type: ignore[attr-defined]
+            del each[length:]
         for area, used in self.used:
             area.used = used
         code.known, code.reachable = self.known, self.reachable

@@ -15,19 +15,21 @@ from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
     among_objects,
-    appended,
     as_live_list,
+    each_number,
     each_object,
     each_of,
+    element_at,
     elements,
     item_at,
     one_list,
+    rebuilt,
 )
 from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, varies
-from scenic_lite.dynamics.compiler.slots import Slot, kept, settled
+from scenic_lite.dynamics.compiler.slots import Slot, settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import ADD, AND, LESS, NEGATE, OR, Random, Value, apply, kind_of
+from scenic_lite.graph import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT, Random, Value, apply, kind_of
 from scenic_lite.values import Choice, describe_kind
 
 Own = Callable[[Compilation, Frame, ast.AST, list, dict[str, Value]], Value]
@@ -242,38 +244,73 @@ def signed_key(mark: Value, reverse: bool) -> Value:
 
 def permuted(c: Compilation, items: LiveList, order: int) -> LiveList:
     """The elements in the order of some indices."""
-    code = c.code
-    start = code.variables.take(len(items.registers))
-    out = LiveList(items.element, tuple(range(start, start + len(items.registers))))
-    counter, source, value = code.variables.take(3), 0, 0
-    source, value = counter + 1, counter + 2
-    register_of(code, items.length, out.registers[0])
-    register_of(code, 0, counter)
-    again, over = Label(), Label()
-    code.put_loop(again)
-    code.row(Op.JUMP_NOT_LESS, counter, out.registers[0], over)
-    code.row(Op.FETCH, source, order, counter)
-    for leaf in range(0 if items.element is None else items.element.size):
-        code.row(Op.FETCH, value, items.registers[1 + leaf * CAPACITY], source)
-        code.row(Op.STORE, out.registers[1 + leaf * CAPACITY], counter, value)
-    code.row(Op.ADD, counter, counter, code.constant(1))
-    code.row(Op.JUMP, c=again)
-    code.put(over)
-    return out
+
+    def source(at: Live) -> Live:
+        found = c.code.temporaries.take()
+        c.code.row(Op.FETCH, found, order, at.register)
+        return Live(found, lasting=False)
+
+    return rebuilt(c, items, items.length, source)
 
 
 def reversed_list(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
     if not arguments or not isinstance(arguments[0], LiveList):
         return NotImplemented
-    code, items = c.code, arguments[0]
-    order, place = code.variables.take(CAPACITY), code.variables.take(2)
-    register_of(code, items.length, place)
-    register_of(code, 0, place + 1)
-    for _ in each_of(c, items):
-        code.row(Op.SUBTRACT, place, place, code.constant(1))
-        code.row(Op.STORE, order, place + 1, place)
-        code.row(Op.ADD, place + 1, place + 1, code.constant(1))
-    return permuted(c, items, order)
+    items = arguments[0]
+    return rebuilt(c, items, items.length, lambda at: apply(SUBTRACT, apply(SUBTRACT, items.length, 1), at))
+
+
+def numbered(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`enumerate` of a list of varying length: a list of pairs."""
+    from scenic_lite.dynamics.compiler.comprehensions import Gathered
+
+    if not arguments or not isinstance(arguments[0], LiveList):
+        return NotImplemented
+    start = arguments[1] if len(arguments) > 1 else keywords.get("start", 0)
+    found = Gathered(c, (*c.path, "enumerated", id(node)))
+    found.become_live()
+    counter = Live(c.code.variables.take(), whole=True)
+    register_of(c.code, start, counter.register)
+    for item, _ in each_of(c, arguments[0]):
+        found.add((counter, item))
+        c.code.row(Op.ADD, counter.register, counter.register, c.code.constant(1))
+    return found.value
+
+
+def side_by_side(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`zip` of lists of which at least one varies in length."""
+    from scenic_lite.dynamics.compiler.comprehensions import Gathered
+
+    if not any(isinstance(each, LiveList) for each in arguments):
+        return NotImplemented
+    parts = [as_live_list(c, each) if isinstance(each, LiveList | list | tuple) else None for each in arguments]
+    if None in parts or keywords:
+        raise ScenicError("unsupported", "zip() in a match takes lists")
+    shortest: Value = parts[0].length  # type: ignore[union-attr]
+    for each in parts[1:]:
+        shortest = apply(MINIMUM, shortest, each.length)  # type: ignore[union-attr]
+    found = Gathered(c, (*c.path, "zipped", id(node)))
+    found.become_live()
+    for place, _ in each_number(c, LiveRange(0, settled(c.code, shortest), 1)):
+        found.add(tuple(element_at(c, each, place) for each in parts))  # type: ignore[arg-type]
+    return found.value
+
+
+def first_of(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
+    """`next` of a comprehension in brackets, with or without a default; what stands behind it is evaluated too."""
+    if not arguments or not isinstance(arguments[0], LiveList):
+        return NotImplemented
+    items = arguments[0]
+    if len(arguments) == 1:
+        return item_at(c, frame, items, 0)
+    slot = Slot(c.code, c.shapes, (*c.path, "first", id(node)))
+    slot.store(arguments[1])
+    none = Label()
+    jump(c.code, apply(LESS, 0, items.length, kind="truth"), none, when=False)
+    if items.element is not None:
+        slot.store(element_at(c, items, 0))
+    c.code.put(none)
+    return slot.value
 
 
 def kept_by(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywords: dict[str, Value]) -> Value:
@@ -304,36 +341,6 @@ def rounded(c: Compilation, frame: Frame, node: ast.AST, arguments: list, keywor
     return Live(out, lasting=False)
 
 
-CHANGES: dict[str, Callable[..., Value]] = {
-    "pop": list.pop,
-    "insert": list.insert,
-    "remove": list.remove,
-    "reverse": list.reverse,
-}
-
-
-def mutated(c: Compilation, frame: Frame, items: Value, name: str, arguments: list) -> tuple[Value, Value]:
-    """A list after one of its methods has changed it, and what the method returns."""
-    if name == "append":
-        return appended(c, items, arguments[0]), None
-    if name == "extend":
-        for each in elements(c, frame, arguments[0], ast.Pass()):
-            items = appended(c, items, each)
-        return items, None
-    if name == "clear":
-        return [], None
-    if not isinstance(items, LiveList) and not any(map(varies, arguments)):
-        changed = list(items)
-        if name in CHANGES:
-            return changed, CHANGES[name](changed, *arguments)
-    if name == "pop" and isinstance(items, LiveList) and not arguments:
-        last = settled(c.code, kept(c.code, item_at(c, frame, items, -1)))
-        rest = kept(c.code, items)
-        c.code.row(Op.SUBTRACT, rest.registers[0], rest.registers[0], c.code.constant(1))
-        return rest, last
-    raise ScenicError("unsupported", f"{name}() of this list cannot be done in a match")
-
-
 FUNCTIONS: dict[str, Own] = {
     "len": length,
     "range": to_range,
@@ -347,6 +354,9 @@ FUNCTIONS: dict[str, Own] = {
     "max": greatest,
     "sorted": in_order,
     "reversed": reversed_list,
+    "enumerate": numbered,
+    "zip": side_by_side,
+    "next": first_of,
     "filter": kept_by,
     "map": made_by,
     "round": rounded,

@@ -15,7 +15,7 @@ from scenic_lite.dynamics.compiler.code import Label, Live
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.shapes import CAPACITY, Items, LiveList, element_of, join, loaded, shape_of
-from scenic_lite.dynamics.compiler.slots import Slot, kept, pairs, settled, store
+from scenic_lite.dynamics.compiler.slots import Slot, pairs, settled, store
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import membership
 from scenic_lite.evaluation.expressions import item_of
@@ -122,30 +122,35 @@ def from_start(c: Compilation, index: Value, length: Value) -> Value:
 
 def dictionary_item(c: Compilation, table: dict, key: Value) -> Value:
     """`table[key]` with a live key: a fault if there is none."""
+    return choose(entry(c, table, key, "the key is not in the dictionary"), list(table.values()))
+
+
+def entry(c: Compilation, table: dict, key: Value, otherwise: str) -> Value:
+    """The place of a live key among those of a dictionary; a fault if it is not there."""
     places = list(table)
+    if isinstance(key, Choice):
+        known = [next((i for i, each in enumerate(places) if each is option), len(places)) for option in key.options]
+        found = settled(c.code, choose(key.index, known))
+    else:
+        found = place_among(c, places, key)
+    inside = apply(LESS, found, len(places), kind="truth")
+    c.code.fault_unless(register_of(c.code, inside), otherwise)
+    return found
+
+
+def place_among(c: Compilation, places: list[Value], key: Value) -> Value:
+    """The place of a number or text among some, their number if it is not there."""
     found: Value = len(places)
     for i, each in reversed(list(enumerate(places))):
         same = compared_keys(each, key)
         found = (
             choose(as_number(settled(c.code, same)), [found, i]) if isinstance(same, Random) else (i if same else found)
         )
-    found = settled(c.code, found)
-    inside = apply(LESS, found, len(places), kind="truth")
-    c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
-    return choose(found, list(table.values()))
+    return settled(c.code, found)
 
 
 def compared_keys(a: Value, b: Value) -> Value:
     return apply(EQUAL, a, b, kind="truth") if isinstance(b, Random) else a == b
-
-
-def slice_of(c: Compilation, items: LiveList, part: slice) -> LiveList:
-    """`items[:n]` with a fixed n, the only slice there is of a list whose length varies."""
-    if part.start not in (None, 0) or part.step not in (None, 1) or not isinstance(part.stop, int) or part.stop < 0:
-        raise ScenicError("unsupported", "of a list whose length varies only items[:n] with a fixed n can be cut")
-    copy = kept(c.code, items)
-    c.code.row(Op.MINIMUM, copy.registers[0], copy.registers[0], c.code.constant(part.stop))
-    return copy
 
 
 # ------------------------------------------------------------ building
@@ -180,13 +185,39 @@ def as_live_list_of(c: Compilation, items: LiveList, item: Value) -> LiveList:
 
 def put_at_end(c: Compilation, items: LiveList, item: Value) -> None:
     """Put an element behind the last, in place."""
+    put_at(c, items, items.registers[0], item)
+    c.code.row(Op.ADD, items.registers[0], items.registers[0], c.code.constant(1))
+
+
+def put_at(c: Compilation, items: LiveList, place: int, item: Value) -> None:
+    """Put an element where a register says, in place."""
     assert items.element is not None
     start = c.code.temporaries.take(items.element.size)
     registers = range(start, start + items.element.size)
     store(c.code, list(pairs(items.element, iter(registers), item)))
     for leaf, register in enumerate(registers):
-        c.code.row(Op.STORE, items.registers[1 + leaf * CAPACITY], items.registers[0], register)
-    c.code.row(Op.ADD, items.registers[0], items.registers[0], c.code.constant(1))
+        c.code.row(Op.STORE, items.registers[1 + leaf * CAPACITY], place, register)
+
+
+def rebuilt(c: Compilation, items: LiveList, length: Value, source: Callable[[Live], Value]) -> LiveList:
+    """A list of some length, each element that of `items` at the place that `source` says of its own."""
+    code = c.code
+    start = code.variables.take(len(items.registers))
+    out = LiveList(items.element, tuple(range(start, start + len(items.registers))))
+    at, value = Live(code.variables.take(), whole=True), code.variables.take()
+    register_of(code, length, start)
+    register_of(code, 0, at.register)
+    again, over = Label(), Label()
+    code.put_loop(again)
+    code.row(Op.JUMP_NOT_LESS, at.register, start, over)
+    place = register_of(code, source(at))
+    for leaf in range(0 if items.element is None else items.element.size):
+        code.row(Op.FETCH, value, items.registers[1 + leaf * CAPACITY], place)
+        code.row(Op.STORE, out.registers[1 + leaf * CAPACITY], at.register, value)
+    code.row(Op.ADD, at.register, at.register, code.constant(1))
+    code.row(Op.JUMP, c=again)
+    code.put(over)
+    return out
 
 
 def concatenated(c: Compilation, node: ast.AST, left: Value, right: Value) -> Value:
@@ -213,8 +244,12 @@ def concatenated(c: Compilation, node: ast.AST, left: Value, right: Value) -> Va
 
 def changed_item(c: Compilation, frame: Frame, container: Value, index: Value, value: Value) -> Value:
     """The container with another element."""
+    if isinstance(container, LiveList):
+        return with_item(c, frame, container, index, value)
     if isinstance(container, dict) and not isinstance(index, Random | Choice):
         return {**container, index: value}
+    if isinstance(container, dict) and container:
+        return with_entry(c, container, index, value)
     if isinstance(container, list) and isinstance(index, int):
         item_of(frame, container, index)
         changed = list(container)
@@ -228,6 +263,23 @@ def changed_item(c: Compilation, frame: Frame, container: Value, index: Value, v
             choose(as_number(settled(c.code, is_it)), [old, value]) for is_it, old in zip(same, container, strict=True)
         ]
     raise ScenicError("unsupported", f"elements of {describe_kind(container)} cannot be assigned in a match")
+
+
+def with_item(c: Compilation, frame: Frame, items: LiveList, index: Value, value: Value) -> LiveList:
+    """A list of varying length with another element."""
+    item_at(c, frame, items, index)
+    found = as_live_list_of(c, items, value)
+    place = register_of(c.code, from_start(c, index, items.length))
+    put_at(c, found, place, value)
+    return found
+
+
+def with_entry(c: Compilation, table: dict, key: Value, value: Value) -> dict:
+    """A dictionary with another value for one of its keys, whichever the match finds; a fault for a new key."""
+    found = entry(c, table, key, "a dictionary cannot grow by a key that the match decides; give it its keys before")
+    same = [apply(EQUAL, found, i, kind="truth") for i in range(len(table))]
+    pairs_of = zip(same, table.items(), strict=True)
+    return {key: choose(as_number(settled(c.code, is_it)), [old, value]) for is_it, (key, old) in pairs_of}
 
 
 # ------------------------------------------------------------ asking

@@ -13,20 +13,24 @@ from typing import Any
 
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.attributes import set_attribute
+from scenic_lite.dynamics.compiler.cases import SUBJECT, branches_of
+from scenic_lite.dynamics.compiler.changing import mutated
 from scenic_lite.dynamics.compiler.choices import combination
 from scenic_lite.dynamics.compiler.code import Label, Live
 from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, Snapshot, assigned_names, suspends
 from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
-from scenic_lite.dynamics.compiler.shapes import LiveList
+from scenic_lite.dynamics.compiler.shapes import LiveList, varies
 from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
 from scenic_lite.dynamics.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.expressions import item_of
+from scenic_lite.evaluation.matching import chosen_case
 from scenic_lite.evaluation.statements import define_function, nothing
-from scenic_lite.graph import Value
-from scenic_lite.values import BehaviorCall
+from scenic_lite.graph import Random, Value
+from scenic_lite.values import BehaviorCall, Choice
 
 MOST_UNROLLED = 64  # rounds of a loop over a fixed list
 
@@ -332,13 +336,57 @@ def certify(c: Compilation, frame: LiveFrame, node: ast.Assert) -> None:
 
 
 def refuse(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
-    words = {ast.Try: "`except`", ast.Raise: "`raise`", ast.With: "`with`", ast.Delete: "`del`"}
+    words = {ast.Try: "`except`", ast.Raise: "`raise`", ast.With: "`with`"}
     word = words.get(type(node), f"`{type(node).__name__.lower()}`")
     raise ScenicError("unsupported", f"{word} cannot be compiled for a match")
 
 
 def define(c: Compilation, frame: LiveFrame, node: ast.FunctionDef) -> None:
+    frame.pin({name for each in ast.walk(node) if isinstance(each, ast.Nonlocal) for name in each.names})
     define_function(frame, node)
+
+
+def delete(c: Compilation, frame: LiveFrame, node: ast.Delete) -> None:
+    """`del x`, `del items[i]`."""
+    for target in node.targets:
+        if isinstance(target, ast.Name):
+            if frame.scope.live:
+                raise ScenicError("unsupported", f"whether '{target.id}' is deleted cannot be decided in a match")
+            frame.lookup(target.id)
+            frame.locals.pop(target.id, None)
+            frame.slots.pop(target.id, None)
+        elif isinstance(target, ast.Subscript):
+            bind_item(c, frame, target, without_item(c, frame, target))
+        else:
+            raise ScenicError("unsupported", "attributes cannot be deleted in a match")
+
+
+def without_item(c: Compilation, frame: LiveFrame, target: ast.Subscript) -> Value:
+    container, index = frame.value(target.value), frame.value(target.slice)
+    if isinstance(container, dict) and not isinstance(index, Random | Choice):
+        item_of(frame, container, index)
+        return {key: value for key, value in container.items() if key != index}
+    if isinstance(container, list | LiveList) and not isinstance(index, slice):
+        return mutated(c, frame, target, container, "pop", [index], {})[0]
+    raise ScenicError("unsupported", "this cannot be deleted in a match")
+
+
+def match(c: Compilation, frame: LiveFrame, node: ast.Match) -> None:
+    """`match`, as the branches that it is."""
+    subject = frame.value(node.subject)
+    if not varies(subject):
+        frame.run(chosen_case(frame, node))
+        return
+    frame.assign(SUBJECT, subject)
+    frame.run(branches_of(node))
+
+
+def declare_global(c: Compilation, frame: LiveFrame, node: ast.Global) -> None:
+    frame.globals.update(node.names)
+
+
+def declare_nonlocal(c: Compilation, frame: LiveFrame, node: ast.Nonlocal) -> None:
+    frame.nonlocals.update(node.names)
 
 
 def skip(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
@@ -362,8 +410,9 @@ STATEMENTS: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
     ast.Try: refuse,
     ast.Raise: refuse,
     ast.With: refuse,
-    ast.Delete: refuse,
-    ast.Global: refuse,
-    ast.Nonlocal: refuse,
+    ast.Delete: delete,
+    ast.Global: declare_global,
+    ast.Nonlocal: declare_nonlocal,
+    ast.Match: match,
     ast.ClassDef: refuse,
 }

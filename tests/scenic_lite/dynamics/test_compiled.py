@@ -18,7 +18,7 @@ from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import toy_world
 from scenic_lite.dynamics.world import packed
-from tests.scenic_lite.dynamics import feature_programs
+from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated
 
@@ -36,6 +36,12 @@ FOOTBALL_PROGRAMS = sorted(
 @pytest.mark.parametrize("name", sorted(feature_programs.BODIES))
 def test_a_feature_gives_the_same_commands(name):
     found, _ = differences(feature_programs.program(name), range(4), steps=26)
+    assert found == []
+
+
+@pytest.mark.parametrize("name", sorted(python_programs.PROGRAMS))
+def test_more_of_python_gives_the_same_commands(name):
+    found, _ = differences(python_programs.text_of(name), range(3), steps=24)
     assert found == []
 
 
@@ -200,7 +206,10 @@ def test_other_matches_go_on():
 REFUSED = {
     "recursion": ("behavior Main():\n    take 1\n    do Main()\n", "calls itself"),
     "except": ("behavior Main():\n    try:\n        take 1\n    except ValueError:\n        take 2\n", "`except`"),
-    "a global": ("n = 0\nbehavior Main():\n    global n\n    take 1\n", "`global`"),
+    "a dictionary that grows": (
+        "behavior Main():\n    d = {}\n    d[self.position.y] = 1\n    take len(d)\n",
+        "elements of a dictionary",
+    ),
 }
 DOUBTFUL = {
     "an object": ("x = new Object at 1 @ 1", "no object can be made"),
