@@ -18,6 +18,7 @@ COMMANDS = {
     "evaluate": "play trained runs on test scenes, with intervals",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
+    "probe": "compare methods on levels whose answer is known, in minutes",
     "benchmark": "measure the speed of the simulator, of training and of the language",
 }
 

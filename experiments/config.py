@@ -79,6 +79,7 @@ class TrainConfig:
     dr: DRConfig = group(DRConfig, "domain randomisation", prefix="dr.")
     minimax: MinimaxConfig = group(MinimaxConfig, "minimax adversary", prefix="minimax.")
     paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
+    paired_literal: PairedConfig = group(PairedConfig.literal, "PAIRED to the letter", prefix="paired-literal.")
     self_regret: SelfRegretConfig = group(SelfRegretConfig, "self-regret", prefix="self-regret.")
     repaired: RepairedConfig = group(RepairedConfig, "REPAIRED", prefix="repaired.")
     plr: PLRConfig = group(PLRConfig, "prioritised level replay", prefix="plr.")

@@ -39,7 +39,11 @@ ROOT = Path(__file__).parents[2]
         (["evaluate", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
         (["compare", "--seeds", "0"], 2, "regista: seeds must be at least 1, got 0"),
         (["compare", "--methods", "dr", "dr"], 2, "regista: methods must be one or more, each named once, got dr dr"),
-        (["compare", "--methods", "dr", "plt"], 2, "regista: unknown method 'plt' (did you mean 'plr'?); known are dr, "),
+        (
+            ["compare", "--methods", "dr", "plt"],
+            2,
+            "regista: unknown method 'plt' (did you mean 'plr'?); known are dr, ",
+        ),
         (["inspect"], 2, "regista: inspect needs a program: a minigame's name or the path of a .scenic file"),
         (
             ["inspect", "1v1Free", "--theta", "0", "2"],
