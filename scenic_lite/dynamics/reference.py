@@ -114,6 +114,7 @@ class Reference:
             yield
         except Rejected as reason:
             self._rejected = str(reason)
+            self.episode.active = False
         except ScenicError as error:
             if error.kind != "rejection":
                 raise

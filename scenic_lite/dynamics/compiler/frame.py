@@ -170,7 +170,7 @@ class Compilation:
     composing: bool = False  # they are those of its compose block
     setting_up: bool = False  # they are those of its setup, which runs during the match
     repeating: int = 0  # constructs around them that may run them several times
-    flags: dict[int, int] = field(default_factory=dict)  # statements of a setup that may not be come to, by id
+    flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
     drivers: dict[str, list[Driver]] = field(default_factory=dict)  # overriding behaviors, by the object's label
     driving: dict[str, int] = field(default_factory=dict)  # register of the driver's number, by label
     starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
@@ -239,6 +239,11 @@ class Compilation:
         self.modules[number] = frame.module_names
         keep(self, ("global", number, name), value)
 
+    def flag_of(self, thing: Any) -> int | None:
+        """The register that says whether the statement that made something was come to; None if that is certain."""
+        found = self.flags.get(id(thing))
+        return None if found is None else found[1]
+
     @property
     def part_behavior(self) -> Behavior | None:
         """The definition of the present scenario."""
@@ -298,7 +303,9 @@ class Snapshot:
     def __init__(self, c: Compilation, frame: LiveFrame) -> None:
         code = c.code
         self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
-        self.lists = [(each, len(each)) for each in (code.rows, c.doubts, c.commands, c.reasons, c.broken)]
+        lists: list[list] = [code.rows, c.doubts, c.commands, c.reasons, c.broken, *c.drivers.values()]
+        lists += [] if c.part is None else c.part.lists()
+        self.lists = [(each, len(each)) for each in lists]
         self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
         self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
 

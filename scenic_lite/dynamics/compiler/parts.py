@@ -103,6 +103,10 @@ class Part:
         for part in self.parts:
             yield from part.family()
 
+    def lists(self) -> list[list]:
+        """What grows while the part is written."""
+        return [self.parts, self.monitors, self.terminations, self.records, self.temporal, self.resets]
+
     def call_routine(self, code: Assembler, routine: Label) -> None:
         """Rows that run `stop` or `progress` and come back."""
         on = Label()

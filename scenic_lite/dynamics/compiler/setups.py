@@ -38,9 +38,9 @@ def set_up(c: Compilation, part: Part) -> None:
     session = c.session
     with lists_of(c, {"monitors": [], "terminations": [], "records": []}):
         part.frame.run(part.call.behavior.scenario.setup)
-        part.monitors = [monitor_of(c, call, c.flags.get(id(call))) for call in session.monitors]
-        part.terminations = [Kept(each, c.flags.get(id(each))) for each in session.terminations]
-        part.records = [Kept(each, c.flags.get(id(each))) for each in session.records]
+        part.monitors = [monitor_of(c, call, c.flag_of(call)) for call in session.monitors]
+        part.terminations = [Kept(each, c.flag_of(each)) for each in session.terminations]
+        part.records = [Kept(each, c.flag_of(each)) for each in session.records]
 
 
 @contextmanager
@@ -60,7 +60,8 @@ def flag_if_live(c: Compilation, frame: LiveFrame, thing: object) -> None:
     if frame.scope.live:
         refuse_repeated(c)
         assert c.part is not None
-        c.flags[id(thing)] = flag = c.part.flagged(c.code)
+        flag = c.part.flagged(c.code)
+        c.flags[id(thing)] = thing, flag
         register_of(c.code, 1, flag)
 
 
