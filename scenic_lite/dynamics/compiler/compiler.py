@@ -32,7 +32,7 @@ from scenic_lite.dynamics.compiler.parts import Driver, Kept, Part, Temporal
 from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.shapes import Shape
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
-from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, record, start
+from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start
 from scenic_lite.dynamics.temporal import formula_of
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import Place, ScenicError
@@ -168,8 +168,10 @@ def walk(c: Compilation) -> list[Thread]:
     main = main_part(c)
     adopt(c, main)
     scenarios = scenario_threads(c, threads, main)
+    recorders: list[Thread] = []
+    records = record_threads(c, recorders, main)
     behaviors = behavior_threads(c, threads, main)
-    records = record_threads(c, threads, main)
+    threads += recorders
     monitors = monitor_threads(c, threads, main)
     c.counts = (scenarios, behaviors, records, monitors)
     every(c, threads, "terminate simulation when", lambda: ends_of_match(c, main))
@@ -210,6 +212,8 @@ def scenario_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
 def behavior_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
     """The threads of the objects, in their order."""
     before = len(threads)
+    if any(each.when == "each" for each in c.records):
+        every(c, threads, "a new step for records", lambda: forget_records(c))
     things = c.program.instances
     movers = [each for each in things if each.properties["behavior"] is not None or each.label in c.drivers]
     if c.remembering and c.program.dialect == 3:

@@ -16,17 +16,17 @@ from scenic_lite.dynamics.compiled import Listed, Record
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label, Live, Operands
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
-from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.parts import Kept, Part, Temporal
-from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded
+from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, put_together, taken_apart
 from scenic_lite.dynamics.compiler.slots import kept
 from scenic_lite.dynamics.temporal import Formula, Settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.frame import Watched
-from scenic_lite.graph import Value
+from scenic_lite.graph import Random, Value
 from scenic_lite.syntax import nodes
-from scenic_lite.values import BehaviorCall, Instance
+from scenic_lite.values import BehaviorCall, Choice, Instance
 
 MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for
@@ -131,7 +131,7 @@ def take_record(c: Compilation, each: Kept) -> None:
     code, tree, out = c.code, each.watched.tree, Label()
     if each.flag is not None:
         code.row(Op.JUMP_UNLESS, each.flag, c=out)
-    value = listed(kept(code, frame_for(c, each.watched).value(tree.value)))
+    value = in_registers(c, kept(code, frame_for(c, each.watched).value(tree.value)))
     taken = code.fixed.take()
     code.begin_with(taken, -1)
     code.notes[taken] = f"{each.watched.label}.taken"
@@ -140,15 +140,27 @@ def take_record(c: Compilation, each: Kept) -> None:
     code.put(out)
 
 
-def listed(value: Value) -> Value:
-    """A value in which a list whose length varies is written out."""
-    if isinstance(value, list | tuple):
-        return type(value)(map(listed, value))
-    if not isinstance(value, LiveList):
-        return value
-    count = CAPACITY if value.element is not None else 0
-    cells = [iter(value.registers[1 + i :: CAPACITY]) for i in range(count)]
-    return Listed(value.length, [listed(loaded(value.element, each)) for each in cells])  # type: ignore[arg-type]
+def in_registers(c: Compilation, value: Value) -> Value:
+    """A value whose random parts all stand in registers, also those of the scene; a list of varying length in full."""
+    if isinstance(value, LiveList):
+        count = CAPACITY if value.element is not None else 0
+        cells = [iter(value.registers[1 + i :: CAPACITY]) for i in range(count)]
+        return Listed(value.length, [in_registers(c, loaded(value.element, each)) for each in cells])  # type: ignore[arg-type]
+    if isinstance(value, Choice):
+        return Choice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
+    apart = taken_apart(value)
+    if apart is not None:
+        return put_together(apart[0], [in_registers(c, each) for each in apart[1]])
+    if isinstance(value, Random) and not isinstance(value, Live):
+        return Live(register_of(c.code, value), value.kind, is_whole(value))
+    return value
+
+
+def forget_records(c: Compilation) -> None:
+    """What has been recorded in the last step is no more of this one."""
+    for each in c.records:
+        if each.when == "each":
+            register_of(c.code, -1, each.taken)
 
 
 # ------------------------------------------------------------ temporal requirements
