@@ -40,7 +40,8 @@ class FootballEnv(gymnasium.Env):
         render_mode: None or "rgb_array".
         dialect: of a program given as text or path, 2 or 3; None: found out (see `scenic_lite.load`).
 
-    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs).
+    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs),
+    `info["records"]`, of a program with `record`, what was recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
@@ -81,13 +82,10 @@ class FootballEnv(gymnasium.Env):
         observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
         over = bool(terminated[0] or truncated[0])
         seen = self._first(info["final_obs"] if over else observations)
-        return (
-            seen,
-            float(rewards[0]),
-            bool(terminated[0]),
-            bool(truncated[0]),
-            {"ended": ENDINGS[int(info["ended"][0])]},
-        )
+        own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
+        if "records" in info:
+            own["records"] = {name: values[0] for name, values in info["records"].items() if is_there(values[0])}
+        return seen, float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own
 
     def reset_random(self) -> Any:
         """Draw all environment parameters at random and reset (thesis, section 4.2); gives the observation."""
@@ -110,3 +108,8 @@ class FootballEnv(gymnasium.Env):
         if isinstance(observations, tuple):
             return tuple(row(each, 0) for each in observations)
         return row(observations, 0) if isinstance(observations, dict) else observations[0]
+
+
+def is_there(value: Any) -> bool:
+    """Whether anything was recorded: a vector or number is NaN if not, all else None."""
+    return value is not None and not (isinstance(value, float | np.ndarray) and bool(np.isnan(value).any()))

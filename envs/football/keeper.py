@@ -15,6 +15,7 @@ from envs.football.constants import (
     RUN_SPEED,
 )
 from envs.football.control import chase, go_for_ball, run_to
+from envs.football.hands import HOLD_STEPS
 from envs.football.possession import ball_speed, meeting_time
 from envs.football.saves import dive, own_goal_x
 from envs.football.vectors import apart, length
@@ -32,8 +33,15 @@ RUSH_NEAR, RUSH_SHARE = 2.5, 0.6  # m; share of his distance at which he joins t
 
 GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
 
-# Kick-out
-HOLD_LONGEST = 30  # steps beyond which a commanded keeper kicks out by himself
+# Against two
+SECOND_RANGE, SECOND_FREE, SECOND_SHARE = 20.0, 4.0, 0.3  # m from the goal; m to his marker; share of the way out
+
+# Distribution
+THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
+THROW_LEAST, THROW_MOST = 8.0, 40.0  # m to a free mate
+HOLD_LONGEST = 40  # steps, then it goes to the nearest mate all the same
+HURRY_AFTER = 30  # steps beyond which a commanded keeper kicks out by himself
+MATE_LEAD = 0.7  # s by which a mate's run is led
 KICK_OUT = 30.0  # m upfield when there is no mate
 
 
@@ -45,10 +53,9 @@ def think_keeper(match, i):
         match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
     if match.holder == i:
         player.want_x, player.want_y = 0.0, 0.0
-        if match.hold_wait > 0:
-            match.hold_wait -= 1
-        elif player.kick == 0:
-            kick_out(match, i)
+        match.hold_wait -= 1
+        if player.kick == 0 and match.hold_wait < 0:
+            distribute(match, i)
     elif match.saver == i:
         dive(match, player)
     elif match.carrier == i:
@@ -67,24 +74,57 @@ def hurry(match, i):
     """Make a commanded keeper kick the ball out when he has held it for too long."""
     if match.holder == i:
         match.hold_wait -= 1
-        if match.hold_wait < -HOLD_LONGEST and match.players[i].kick == 0:
+        if match.hold_wait < -HURRY_AFTER and match.players[i].kick == 0:
             kick_out(match, i)
 
 
 @kernel
+def distribute(match, i):
+    """Kick the ball out once the nearest mate has no opponent near him, or the ball has been held for too long."""
+    mate = nearest_mate(match, i, 0.0)
+    if mate == NOBODY or not opposed(match, mate, THROW_FREE) or match.hold_wait < HOLD_STEPS - HOLD_LONGEST:
+        kick_out(match, i)
+
+
+@kernel
 def kick_out(match, i):
-    """Kick high to the nearest mate up the pitch, or simply upfield."""
+    """Kick or throw the ball high to the nearest free mate some way off, else to the nearest, or simply upfield."""
     player = match.players[i]
     forward = 1.0 if player.team == LEFT else -1.0
     player.aim_x, player.aim_y = player.x + forward * KICK_OUT, player.y
-    nearest = math.inf
+    j = nearest_mate(match, i, THROW_FREE)
+    if j == NOBODY or apart(match.players[j], player) > THROW_MOST:
+        j = nearest_mate(match, i, 0.0)
+    if j != NOBODY:
+        mate = match.players[j]
+        player.aim_x, player.aim_y = mate.x + MATE_LEAD * mate.vx, mate.y + MATE_LEAD * mate.vy
+    player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
+
+
+@kernel
+def nearest_mate(match, i, free):
+    """Return player i's nearest mate, but not a very near one, who has no opponent within `free` m, -1 if none."""
+    player = match.players[i]
+    best, nearest = NOBODY, math.inf
     for j in range(match.num_players):
         mate = match.players[j]
-        distance = length(mate.x - player.x, mate.y - player.y)
-        if j != i and mate.team == player.team and not mate.off and distance < nearest:
-            nearest = distance
-            player.aim_x, player.aim_y = mate.x, mate.y
-    player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
+        distance = apart(mate, player)
+        if j == i or mate.team != player.team or mate.off:
+            continue
+        if THROW_LEAST < distance < nearest and not opposed(match, j, free):
+            best, nearest = j, distance
+    return best
+
+
+@kernel
+def opposed(match, j, within):
+    """Tell whether player j has an opponent within so many m."""
+    player = match.players[j]
+    for k in range(match.num_players):
+        rival = match.players[k]
+        if rival.team != player.team and apart(rival, player) < within:
+            return True
+    return False
 
 
 @kernel
@@ -98,7 +138,32 @@ def rush(match, i):
         go_for_ball(match, i, player.top_speed)
         return
     share = RUSH_SHARE * distance / (to_goal + 1e-9)
+    if second_attacker(match, i):
+        share = max(share, 1.0 - SECOND_SHARE)
     run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
+
+
+@kernel
+def second_attacker(match, i):
+    """Tell whether an opponent without the ball is near keeper i's goal and unmarked: then he must not go all out."""
+    goal_x = own_goal_x(match.players[i].team)
+    for j in range(match.num_players):
+        rival = match.players[j]
+        if rival.team == match.players[i].team or j == match.carrier:
+            continue
+        if length(goal_x - rival.x, rival.y) < SECOND_RANGE and not marked(match, i, j):
+            return True
+    return False
+
+
+@kernel
+def marked(match, i, j):
+    """Tell whether a mate of keeper i is close to opponent j."""
+    for k in range(match.num_players):
+        mate = match.players[k]
+        if k != i and mate.team == match.players[i].team and apart(mate, match.players[j]) < SECOND_FREE:
+            return True
+    return False
 
 
 @kernel

@@ -127,10 +127,11 @@ def forget_kick(player):
 
 @kernel
 def tick(match):
-    """Let the players' clocks run down by one step."""
+    """Let the clocks of the players and of the last kick run by one step."""
+    match.kick_age += STEP
     for i in range(match.num_players):
         player = match.players[i]
         player.touch_wait = max(player.touch_wait - STEP, 0.0)
         player.down = max(player.down - STEP, 0.0)
         if player.down == 0.0:
-            player.sliding = False
+            player.sliding, player.met = False, False

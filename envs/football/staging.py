@@ -12,6 +12,9 @@ from envs.football.constants import PROGRAM_FAULT
 from envs.football.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compiler import compile_program
+from scenic_lite.dynamics.recording import recorded
+
+IDLE_THREADS = 2  # of a program in which nothing happens: what ends a match at once, what is asked at its end
 
 
 class Staging:
@@ -21,6 +24,7 @@ class Staging:
         code: for kernels.
         live: whether there is anything to run.
         num_registers: R, the numbers that they remember in each match.
+        records: whether the program has `record` statements.
 
     Raises ScenicError for a behavior that cannot be compiled.
     """
@@ -29,13 +33,17 @@ class Staging:
         self.program = program
         self.compiled = compile_program(program, FOOTBALL_WORLD)
         self.code = self.compiled.code
-        watched = bool(program.terminations or program.temporal)
-        self.live = watched or self.code.behaviors + self.code.monitors > 0
+        self.live = len(self.code.threads) > IDLE_THREADS or bool(program.terminations)
         self.num_registers = self.code.register_count
+        self.records = bool(self.compiled.records)
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
         """What the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""
         return self.compiled.registers(theta)
+
+    def recorded(self, registers: np.ndarray) -> dict[str, np.ndarray]:
+        """What matches with registers `[N, R]` have recorded in their last step, by name (see `recording`)."""
+        return recorded(self.compiled, registers)
 
     def error(self, batch: Batch, index: int, levels: np.ndarray) -> Exception:
         """The error for a match that cannot go on: the program's line, the match's number and the step."""

@@ -64,6 +64,7 @@ PLAYER_FIELDS = (
     ("kick_mate", "i8", (), "", "player for whom the pass asked for is meant, -1 nobody"),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
     ("sliding", "?", (), "", "the player is down because he slides into a tackle"),
+    ("met", "?", (), "", "his slide has met the carrier: felled him, or not"),
     ("cards", "i8", (), "", "1 cautioned (yellow), 2 sent off (red, or the second yellow)"),
     ("leave_wait", "f8", (), "s", "until a player who has been sent off leaves the pitch"),
     ("off", "?", (), "", "has left the pitch: stands far beside it, does nothing and is in nobody's way"),
@@ -121,6 +122,8 @@ MATCH_FIELDS = (
     ("advantage", "?", (), "", "a trip, for which play goes on; a slide stops it at once"),
     # Who goes for the ball
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
+    ("kicked", "?", (), "", "the last touch was a kick: of a mate's, keepers must not take it with their hands"),
+    ("kick_age", "f8", (), "s", "since the last kick"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
     ("save_x", "f8", (), "m", "where he means to meet it"),
     ("save_y", "f8", (), "m", ""),

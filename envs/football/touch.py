@@ -1,6 +1,6 @@
-"""What a touch does to the ball: it is taken, held, bounces off, or is parried.
+"""What a touch does to the ball: it is taken, or bounces off.
 
-Read next: `contacts`, where it is decided who touches it how.
+Read next: `hands`, for keepers; `contacts`, where it is decided who touches it how.
 """
 
 from __future__ import annotations
@@ -10,16 +10,10 @@ import math
 from envs.football.constants import BALL_RADIUS, NOBODY
 from envs.football.offside import whistled
 from envs.football.possession import lose_ball
-from envs.football.vectors import length
 from scenic_lite.jit import kernel
-from scenic_lite.stream import uniform
 
 BLOCK_KEEP = 0.35  # share of its speed that a blocked ball keeps
 MISS_WAIT = 0.5  # s
-PARRY_KEEP, PARRY_LIFT = 0.3, 1.2  # share of speed; m/s
-PARRY_ASIDE, PARRY_SPREAD = 0.5, 1.5  # tangent of the angle off straight back
-HANDS_HEIGHT = 1.2  # m, a ball that is held
-HOLD_STEPS, HOLD_SPREAD = 9, 7  # steps until a keeper kicks out, and how much they vary
 
 
 @kernel
@@ -35,6 +29,7 @@ def take(match, i):
     match.saver = NOBODY
     match.carrier = i
     match.last_touch = i
+    match.kicked = False
 
 
 @kernel
@@ -54,42 +49,5 @@ def deflect(match, i, keep):
     ball.spin_x, ball.spin_y = ball.vx, ball.vy
     player.touch_wait = MISS_WAIT
     match.last_touch = i
-    match.saver = NOBODY
-
-
-@kernel
-def hold(match, i):
-    """Give keeper i the ball in his hands."""
-    take(match, i)
-    if match.carrier != i:
-        return
-    match.holder = i
-    match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
-    carry_in_hands(match)
-
-
-@kernel
-def carry_in_hands(match):
-    """Keep a held ball in its holder's hands."""
-    player, ball = match.players[match.holder], match.ball
-    ball.x, ball.y = player.x + 0.3 * player.facing_x, player.y + 0.3 * player.facing_y
-    ball.z = HANDS_HEIGHT
-    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
-
-
-@kernel
-def parry(match, i):
-    """Let keeper i push the ball away, forward and to the side from which it came."""
-    if whistled(match, i):
-        return
-    player, ball = match.players[i], match.ball
-    speed = PARRY_KEEP * length(ball.vx, ball.vy)
-    side = ball.y - player.y
-    back = -1.0 if ball.vx > 0.0 else 1.0
-    sideways = math.copysign(PARRY_ASIDE + PARRY_SPREAD * uniform(match), side)
-    size = math.sqrt(1.0 + sideways * sideways)
-    ball.vx, ball.vy, ball.vz = speed * back / size, speed * sideways / size, PARRY_LIFT
-    ball.spin_x, ball.spin_y = 0.0, 0.0
-    player.touch_wait = MISS_WAIT
-    match.last_touch = i
+    match.kicked = False
     match.saver = NOBODY

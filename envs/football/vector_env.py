@@ -38,7 +38,9 @@ class FootballVectorEnv(UPOMDP):
     ball or out of play is terminated; one that reaches `game_duration` is truncated. A `terminate` of the program
     terminates a match; one that breaks a requirement of the program is truncated. `info["ended"]` `[N]` gives the
     reason, `constants.RUNNING` to `REJECTED`. What monitors set `scenic_reward` to is part of the reward:
-    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents.
+    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents. What
+    the program has recorded in the step is in `info["records"]` by name: `[N]`, vectors `[N, 2]`, NaN (None, of what is
+    no number) where nothing was.
 
     Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
@@ -67,7 +69,7 @@ class FootballVectorEnv(UPOMDP):
         self._rules = Rules(
             config.rewards == "scoring,checkpoints",
             bool(self.casting.config.deterministic),
-            self._observer.kind != RAW,
+            self._observer.kind != RAW and not self.staging.records,
             self._observer.kind,
             self.staging.live,
             self.casting.cast,
@@ -109,10 +111,13 @@ class FootballVectorEnv(UPOMDP):
             self._report_faults()
         ended = out.terminated | out.truncated
         last = self._observer.read(final, self._batch.matches)
-        if not self._rules.restart:
-            self._restart(ended)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
         info["agent_rewards"] = out.agent_rewards.copy()
+        if self.staging.records:
+            info["records"] = self.staging.recorded(self._batch.registers)
+        if not self._rules.restart and ended.any():
+            self._restart(ended)
+            observe_batch(self._batch, seen, self._rules)
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
@@ -123,7 +128,7 @@ class FootballVectorEnv(UPOMDP):
         return self._observer.read(seen, self._batch.matches)
 
     def _restart(self, ended: np.ndarray) -> None:
-        """Do for `raw` what the kernel does otherwise: it must not restart before the last observation is taken."""
+        """Do what the kernel does otherwise: of `raw` the last observation and of records the last are taken before."""
         for index in np.flatnonzero(ended):
             restart(self._batch, self._rules, index)
 

@@ -146,9 +146,10 @@ FAULT, FAULT_ROW, REJECTED, TERMINATED, COMPLETE, SEEN, REWARD, FIRST_FREE = ran
 class Code(NamedTuple):
     """A compiled program, as kernels read it: data, so that a new program compiles no kernel.
 
-    Threads run in this order: those of the scenario (its guards, temporal requirements, `terminate when`), one for each
-    behavior, one for each monitor, one for `terminate simulation when`, and one that is asked at the end of a match
-    whether it leaves a requirement unsatisfied.
+    Threads run in this order: those of the scenario (what is checked at the start; its step, in which its compose block
+    and the scenarios inside take theirs), one for each object with a behavior, one for `record`, one for each monitor,
+    one for `terminate simulation when`, and one that is asked at the end of a match whether it leaves a requirement
+    unsatisfied.
     """
 
     rows: np.ndarray  # [n, 4] uint32
@@ -156,6 +157,7 @@ class Code(NamedTuple):
     threads: np.ndarray  # [T, 2] int32: register of the slot, object (-1: none)
     scenarios: int  # threads of each kind
     behaviors: int
+    records: int
     monitors: int
     parting: bool  # monitors also run in the step in which the scenario ends: Scenic 2
     world_base: int  # first register of the world table [O, F], row by row

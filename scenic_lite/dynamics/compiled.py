@@ -6,6 +6,7 @@ Read next: `vm`; `toy`, a world to play in.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +34,26 @@ from scenic_lite.stream import streams
 from scenic_lite.values import Choice
 
 
+class Record(NamedTuple):
+    """A `record` in registers.
+
+    `when`: "initial", "each" or "final"; `taken`: the register of the time at which it was taken last, -1 before; then
+    its value, with registers.
+    """
+
+    name: str
+    when: str
+    taken: int
+    value: Value
+
+
+class Listed(NamedTuple):
+    """A list in registers whose length varies: of the elements the first ones count."""
+
+    length: Live
+    elements: list[Value]
+
+
 @dataclass(frozen=True, eq=False)
 class Compiled:
     """A program's behaviors as code, and all that is needed to run and to explain it.
@@ -45,6 +66,7 @@ class Compiled:
         world_base: the first register of the world table [O, F]; the facts follow it.
         commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
         doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
+        records: what `record` statements put into registers.
         reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
     """
 
@@ -61,6 +83,8 @@ class Compiled:
     inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text
     tape: Tape
     texts: dict[str, int]
+    records: tuple[Record, ...]
+    drivers: tuple[tuple[int, int, bool], ...]  # objects that are given behaviors: number, register, has one at first
 
     @property
     def world_base(self) -> int:
@@ -111,13 +135,19 @@ class Compiled:
         """The actions of a command in a match [R] whose scene gives the draws these values."""
         if number == NO_COMMAND:
             return ()
+        return tuple(self.plain(each, registers, scene) for each in self.commands[int(number)])
+
+    def plain(self, value: Value, registers: np.ndarray, scene: dict[Random, Value]) -> Value:
+        """A value with registers as it is in a match [R] whose scene gives the draws these values."""
         names = {number: text for text, number in self.texts.items()}
-        row = dict(scene)
-        return tuple(plain(each, registers, row, names) for each in self.commands[int(number)])
+        return plain(value, registers, dict(scene), names)
 
 
 def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: dict[int, str]) -> Value:
     """A value with everything in it that stands in registers."""
+    if isinstance(value, Listed):
+        count = int(registers[value.length.register])
+        return [plain(each, registers, row, names) for each in value.elements[:count]]
     for leaf in leaves(value):
         number = float(registers[leaf.register])
         if leaf.kind == "text":
@@ -127,6 +157,10 @@ def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: 
         else:
             row[leaf] = int(number) if leaf.whole else number
     found = in_row(value, row)
+    if isinstance(found, Listed):
+        return plain(found, registers, row, names)
+    if isinstance(found, dict):
+        return {key: plain(each, registers, row, names) for key, each in found.items()}
     if isinstance(found, list | tuple):
         return type(found)(plain(each, registers, row, names) for each in found)
     return found
@@ -140,6 +174,10 @@ def leaves(value: Value) -> list[Live]:
         return [leaf for each in value.inputs for leaf in leaves(each)]
     if isinstance(value, Choice):
         return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
+    if isinstance(value, Listed):
+        value = [value.length, *value.elements]
+    if isinstance(value, dict):
+        value = list(value.values())
     parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
     return [leaf for each in parts for leaf in leaves(each)]
 
@@ -158,6 +196,7 @@ class CompiledController:
         self.holder.random = streams([seed])[0]
         self._scene: dict[Random, Value] = dict(compiled.program.row(theta[0]))
         self.commands = np.full(len(compiled.program.objects), NO_COMMAND)
+        self.records: dict[str, Any] = {}  # as of `Reference`
 
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
         """As `Reference.act`."""
@@ -165,9 +204,18 @@ class CompiledController:
         with np.errstate(all="ignore"):
             run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
         self._check()
+        self._note("initial", "final")
         actions = tuple(self._actions(number) for number in self.commands)
-        agents = tuple(each for each in self.compiled.threads if each >= 0)
-        return Commands(actions, agents, self._terminated(), self._rejected())
+        return Commands(actions, self._agents(), self._terminated(), self._rejected())
+
+    def _agents(self) -> tuple[int, ...]:
+        """The objects that have a behavior now."""
+        having = {each for each in self.compiled.threads if each >= 0}
+        for number, register, at_first in self.compiled.drivers:
+            now = self.registers[register]
+            if now < 0 or (now == 0 and not at_first):
+                having.remove(number)
+        return tuple(sorted(having))
 
     def _actions(self, number: float) -> tuple[Value, ...]:
         if self.compiled.commands:
@@ -177,16 +225,33 @@ class CompiledController:
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
         """As `Reference.watch`."""
         self._see(world, facts)
+        running = not over(self.registers)
         with np.errstate(all="ignore"):
             reward = run_watchers(self.compiled.code, self.registers, self.holder)
         self._check()
+        if running:
+            self._note("initial", "each", "final")
         return Verdict(float(reward), self._terminated(), self._rejected())
 
     def finish(self) -> str | None:
         """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
         if not over(self.registers):
             end(self.compiled.code, self.registers, self.commands, self.holder)
+            self._note("final")
         return self._rejected()
+
+    def _note(self, *kinds: str) -> None:
+        """Take over what has just been recorded."""
+        time = int(self.registers[self.compiled.code.clock]) if self.compiled.records else 0
+        for each in self.compiled.records:
+            taken = int(self.registers[each.taken])
+            if each.when not in kinds or taken < 0 or (each.when == "each" and taken != time):
+                continue
+            value = self.compiled.plain(each.value, self.registers, self._scene)
+            if each.when == "each":
+                self.records.setdefault(each.name, []).append((time, value))
+            else:
+                self.records[each.name] = value
 
     def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
         code = self.compiled.code

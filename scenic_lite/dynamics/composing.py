@@ -11,13 +11,14 @@ from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from scenic_lite.dynamics.episode import Rejected
 from scenic_lite.dynamics.threads import End, Guarded, Step, Thread
 from scenic_lite.evaluation.frame import Frame
 from scenic_lite.evaluation.modular import scenario_frame
 from scenic_lite.values import BehaviorCall
 
 if TYPE_CHECKING:
-    pass
+    from scenic_lite.dynamics.scenarios import Scenario
 
 
 class ComposeThread(Thread):
@@ -67,8 +68,10 @@ class ComposeThread(Thread):
 
     def invoked(self, calls: list[BehaviorCall]) -> Iterator[Step]:
         """Run scenarios at the same time until all have ended."""
-        subs = [self.scenario.begin(call) for call in calls]
+        subs: list[Scenario] = []
         try:
+            for call in calls:
+                subs.append(self.scenario.begin(call))
             while True:
                 for sub in subs:
                     end = sub.step() if sub.running else None
@@ -79,5 +82,8 @@ class ComposeThread(Thread):
                     return
                 yield ()
                 subs = [sub for sub in subs if sub.running]
+        except Rejected:
+            subs = []  # the episode is over: what it leaves unsatisfied counts no more
+            raise
         finally:
             self.scenario.finish(subs)

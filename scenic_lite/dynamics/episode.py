@@ -69,6 +69,7 @@ class Episode:
         self.session = program.session
         self.draws = Draws(seed)
         self.time, self.timestep = 0, world.timestep
+        self.active = False  # its statements run: it is being played, and not rejected
         self.objects = list(program.instances)
         self._scene: dict[Random, Value] = dict(program.row(theta))
         self.row = dict(self._scene)
@@ -127,9 +128,11 @@ class Episode:
             vars(self.session).update(self._inside)
             for each, _, _ in loaded:
                 each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
+            self.active = True
             try:
                 yield
             finally:
+                self.active = False
                 self._inside = {name: vars(self.session)[name] for name in self._inside}
                 vars(self.session).update(outside)
                 for each, properties, attributes in loaded:

@@ -20,6 +20,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from typing import NamedTuple
 
+from scenic_lite.dynamics.episode import Rejected
 from scenic_lite.dynamics.threads import Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
@@ -72,10 +73,13 @@ def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps
     try:
         yield from watched(thread, body, handlers, running)
     except Aborted:
-        return
-    finally:
-        for block in (body, *running):
-            close(block)
+        pass
+    except Rejected:
+        raise  # the episode is over, and with it all blocks
+    except BaseException:
+        close_all(body, *running)
+        raise
+    close_all(body, *running)
 
 
 def watched(thread: Thread, body: Steps, handlers: list[Handler], running: list[Steps | None]) -> Steps:
@@ -97,10 +101,11 @@ def watched(thread: Thread, body: Steps, handlers: list[Handler], running: list[
         thread.check_invariants()
 
 
-def close(block: Steps | None) -> None:
-    """Give up a block for good."""
-    if isinstance(block, Generator):
-        block.close()
+def close_all(*blocks: Steps | None) -> None:
+    """Give up some blocks for good."""
+    for block in blocks:
+        if isinstance(block, Generator):
+            block.close()
 
 
 def chosen(handlers: list[Handler], running: list[Steps | None]) -> int | None:

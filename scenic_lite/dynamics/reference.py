@@ -2,9 +2,10 @@
 
 Compiled programs must agree with it, command by command. The order within one step of time (spec section 11.1) is:
 
-`watch`: 1. the scenario and, inside its compose block, its sub-scenarios take a step (`scenarios`); 2. `record` values
-are taken; 3. monitors run, each to its next `wait`, in Scenic 2 also if the scenario has just ended (in Scenic 3 they
-end with it); 4. if it has, or a monitor terminates, the episode ends, else if a `terminate simulation when` is true.
+`watch`: 1. the scenario and, inside its compose block, its sub-scenarios take a step (`scenarios`), after the first of
+which `record initial` values are taken; 2. `record` values are taken; 3. monitors run, each to its next `wait`, in
+Scenic 2 also if the scenario has just ended (in Scenic 3 they end with it); 4. if it has, or a monitor terminates, the
+episode ends, else if a `terminate simulation when` is true.
 `act`: 5. the behaviors run (`agents`).
 
 A simulator calls `watch`, then `act`, then moves the world on; one whose monitors look at what an action has led to
@@ -113,6 +114,7 @@ class Reference:
             yield
         except Rejected as reason:
             self._rejected = str(reason)
+            self.episode.active = False
         except ScenicError as error:
             if error.kind != "rejection":
                 raise
@@ -123,8 +125,8 @@ class Reference:
 
     def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
         """Take in the state; the first time start, and once at each time let the scenario take its step."""
-        episode = self.episode
-        episode.refresh(world, facts, first=self._scenario is None)
+        episode, first = self.episode, self._scenario is None
+        episode.refresh(world, facts, first)
         if self._scenario is None:
             main = episode.program.main
             call = None if main is None else replace(main, names={})  # its variables are those of its setup
@@ -137,6 +139,8 @@ class Reference:
             self._stepped_at = episode.time
             reason = self._scenario.step()
             self._complete = reason.reason() if isinstance(reason, End) else reason
+        if first:
+            self.records.update(self._scenario.records("initial"))
 
     def _behaviors(self) -> list:
         assert self._scenario is not None
@@ -150,8 +154,6 @@ class Reference:
     def _record(self) -> None:
         assert self._scenario is not None
         time = self.episode.time
-        if time == 0:
-            self.records.update(self._scenario.records("initial"))
         for name, value in self._scenario.records("each"):
             self.records.setdefault(name, []).append((time, value))
 

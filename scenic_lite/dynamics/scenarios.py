@@ -107,6 +107,8 @@ class Scenario:
 
     def finish(self, subs: list[Scenario]) -> None:
         """Stop what still runs of scenarios inside this one, and forget those that have ended."""
+        if not self.episode.active:
+            return  # a block is given up because nobody plays the episode on
         for sub in subs:
             if sub.running:
                 sub.stop()

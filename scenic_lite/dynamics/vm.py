@@ -412,11 +412,16 @@ def run_behaviors(code, registers, commands, holder):
 
 @kernel
 def run_watchers(code, registers, holder):
-    """One step of every requirement, monitor and condition that ends a match; returns the reward and clears it."""
+    """One step of all that watches a match; returns the reward and clears it.
+
+    First what is recorded, then the monitors, then the conditions that end the match.
+    """
     if over(registers):
         return 0.0
     step_scenario(code, registers, registers, holder)
     first = code.scenarios + code.behaviors
+    run_threads(code, registers, registers, first, code.records, holder)
+    first += code.records
     if registers[COMPLETE] == 0 or code.parting:
         run_threads(code, registers, registers, first, code.monitors, holder)
     if registers[TERMINATED] == 0:

@@ -87,10 +87,10 @@ class Example:
         return reference, run(first_table(self.program, theta), reference, STEPS, DRIFT)
 
     @cached_property
-    def compiled(self) -> Trace:
+    def compiled(self) -> tuple[CompiledController, Trace]:
         theta = np.zeros(self.program.dim)
         controller = CompiledController(compile_program(self.program, toy_world()), theta)
-        return run(first_table(self.program, theta), controller, STEPS, DRIFT)
+        return controller, run(first_table(self.program, theta), controller, STEPS, DRIFT)
 
     def index(self, name: str) -> int:
         return [info.name for info in self.program.objects].index(name)
@@ -137,12 +137,12 @@ def compiled_failures(example: Example, block: Block, wanted: list[Expectation])
     """Where the compiled program does other than the reference, unless it is promised that it cannot be compiled."""
     refused = next((each for each in wanted if each.text.startswith("not compiled: ")), None)
     try:
-        ours, theirs = example.compiled, example.episode[1]
+        (controller, ours), (reference, theirs) = example.compiled, example.episode
     except ScenicError as error:
         good = refused and headline(error).startswith(refused.text.removeprefix("not compiled: "))
         return [] if good else [f"line {block.line}, compiled: {error}"]
     same_actions = [step.actions for step in ours.commands] == [step.actions for step in theirs.commands]
-    if refused or not same_actions or ours[1:] != theirs[1:]:
+    if refused or not same_actions or ours[1:] != theirs[1:] or controller.records != reference.records:
         return [f"line {block.line}, compiled: {ours}"]
     return []
 

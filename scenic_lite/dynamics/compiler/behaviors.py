@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.bytecode import COMPLETE, Op
 from scenic_lite.dynamics.compiler.attributes import remember
 from scenic_lite.dynamics.compiler.choices import over_options
-from scenic_lite.dynamics.compiler.code import TOLD, Label
+from scenic_lite.dynamics.compiler.code import TOLD, Label, Live
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
@@ -78,33 +79,57 @@ def wait(c: Compilation, frame: LiveFrame, node: nodes.Wait) -> None:
 
 def pause(c: Compilation) -> None:
     on = Label()
-    c.code.row(Op.WAIT, 0, c.slot, on)
-    c.code.reachable = False
+    suspend(c, on)
     c.code.put(on)
 
 
 def idle(c: Compilation) -> None:
     again = Label()
     c.code.put_loop(again)
-    c.code.row(Op.WAIT, 0, c.slot, again)
+    suspend(c, again)
+
+
+def suspend(c: Compilation, on: Label) -> None:
+    """Let time pass and go on at a label. A compose block lets the step of its scenario go on."""
+    if c.part is not None and c.composing:
+        c.code.row(Op.SET_SLOT, c.slot, c=on)
+        c.code.row(Op.JUMP, c=c.part.after)
+    else:
+        c.code.row(Op.WAIT, 0, c.slot, on)
     c.code.reachable = False
 
 
 def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
+    """The end of a scenario or of the match; in Scenic 2 always of the match."""
     word = "terminate simulation" if node.scope == "simulation" else "terminate"
-    on = Label()
-    who = "Behavior" if c.agent is not None else "Monitor"
-    c.code.row(Op.TERMINATE, c.reason(f'terminatedBy{who}: "{word}" executed on line {node.lineno}'), c.slot, on)
-    c.code.reachable = False
-    c.code.put(on)
+    statement = f'"{word}" executed on line {node.lineno}'
+    whole = node.scope == "simulation" or c.program.dialect == 2
+    part, code = c.part, c.code
+    if part is not None and c.composing:
+        if whole or part.parent is None:
+            register_of(code, Live(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
+        code.row(Op.JUMP, c=part.kill if whole else part.over)
+        return
+    if c.agent is not None or whole or part is None:
+        who = "Behavior" if c.agent is not None else "Monitor"
+        on = Label()
+        code.row(Op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.slot, on)
+        code.reachable = False
+        code.put(on)
+    else:  # when all monitors have run
+        reason = c.reason(f"terminatedByMonitor: {statement}") if part.parent is None else code.constant(1)
+        register_of(code, Live(reason), part.ending)
+        pause(c)
     check_invariants(c, frame)
 
 
 def require(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
     """`require[p] condition` in a behavior or monitor: the match is rejected if it does not hold now."""
     if is_temporal(node.condition):
-        message = "a temporal requirement that is made while a match runs"
-        raise ScenicError("unsupported", message, hint="write it outside of behaviors and monitors")
+        from scenic_lite.dynamics.compiler.setups import require_later
+
+        require_later(c, frame, node)
+        return
     fine = Label()
     probability = 1.0 if node.probability is None else frame.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
@@ -135,8 +160,8 @@ def frame_of(c: Compilation, call: BehaviorCall) -> LiveFrame:
     """The variables of a behavior that begins."""
     behavior = call.behavior
     names = {name: kept(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
-    assert isinstance(behavior.node, nodes.Behavior), "scenarios are refused before"
-    scope = Scope(c.path, behavior.node.body, Label(), behavior)
+    body = behavior.node.compose if isinstance(behavior.node, nodes.Scenario) else behavior.node.body
+    scope = Scope(c.path, body, Label(), behavior)
     frame = LiveFrame(c, behavior.frame.source, names, behavior.frame, scope)
     frame.assigned = behavior.assigned
     return frame
@@ -171,29 +196,32 @@ def do(c: Compilation, frame: LiveFrame, node: nodes.Do) -> None:
     calls = calls_of(c, frame, node)
     used = c.code.variables.used
 
-    def run() -> None:
-        if node.how == "choose":
-            choose_one(c, calls, node)
-        elif node.how == "shuffle":
-            shuffle(c, calls, node)
-        else:
-            run_called(c, calls[0][0], node)
-
+    if node.how == "choose":
+        run = choose_one(c, calls, node)  # before a condition is looked at
+    elif node.how == "shuffle":
+        run = partial(shuffle, c, calls, node)
+    else:
+        run = partial(run_called, c, [call for call, _ in calls], node)
     if node.duration is not None or node.until is not None:
         limited(c, frame, limit_of(c, frame, node), run)
     else:
         run()
-    if not frame.scope.live and not c.guarding:
+    if not frame.scope.live and not c.guarding and not c.composing:
         c.code.variables.used = used
     check_invariants(c, frame)
 
 
-def run_called(c: Compilation, call: Value, node: nodes.Do) -> None:
-    """`do` of a behavior, or of whichever one it is in the match."""
+def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
+    """`do` of a behavior, or of whichever one it is in the match; in a compose block of scenarios."""
+    if c.composing:
+        from scenic_lite.dynamics.compiler.composing import run_parts
+
+        run_parts(c, calls, node)
+        return
+    call, end = calls[0], Label()
     if isinstance(call, BehaviorCall):
         run_behavior(c, call, node)
         return
-    end = Label()
     index = register_of(c.code, call.index)
     for i, option in enumerate(call.options):
         following = Label()
@@ -219,20 +247,20 @@ def calls_of(c: Compilation, frame: LiveFrame, node: nodes.Do) -> list[Called]:
         if is_number(needs_number(weight, "a weight")) and weight < 0:
             raise frame.error("value", f"a weight is a number, and not negative: {weight!r}", node)
     return [
-        (kept(c.code, called(frame, value, place)), kept(c.code, weight))
+        (kept(c.code, called(c, frame, value, place)), kept(c.code, weight))
         for value, place, weight in zip(values, places, weights, strict=True)
     ]
 
 
-def called(frame: Frame, value: Value, place: ast.expr) -> Value:
-    """A behavior with its arguments, or a choice among such."""
+def called(c: Compilation, frame: Frame, value: Value, place: ast.expr) -> Value:
+    """A behavior with its arguments, or a choice among such; in a compose block a scenario."""
     if isinstance(value, Choice):
-        return Choice(value.index, tuple(called(frame, option, place) for option in value.options))
-    if isinstance(value, BehaviorCall) and value.behavior.kind == "behavior":
+        return Choice(value.index, tuple(called(c, frame, option, place) for option in value.options))
+    wanted = "scenario" if c.composing else "behavior"
+    if isinstance(value, BehaviorCall) and value.behavior.kind == wanted:
         return value
-    is_behavior = isinstance(value, Behavior) and value.kind == "behavior"
-    hint = f"write {value.name}()" if is_behavior else ""
-    raise frame.error("type", f"`do` needs a behavior, not {describe_kind(value)}", place, hint)
+    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == wanted else ""
+    raise frame.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
 
 
 def limit_of(c: Compilation, frame: LiveFrame, node: nodes.Do | nodes.Wait) -> Limit:
@@ -260,19 +288,30 @@ def limit_of(c: Compilation, frame: LiveFrame, node: nodes.Do | nodes.Wait) -> L
 # ------------------------------------------------------------ one of several
 
 
-def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
-    """`do choose`: one of those whose guards hold now, by weight."""
+def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> Callable[[], None]:
+    """`do choose`: one of those whose guards hold now, by weight; gives back what writes the rows that run it."""
     able = c.code.variables.take(len(calls))
     for i, (call, _) in enumerate(calls):
         can_start(c, call, node, i, able + i)
-    ways = drawn(c, [weight for _, weight in calls], able)
-    end = Label()
-    for i, (call, _) in enumerate(calls):
-        c.code.put(ways[i])
-        with c.round(node, i):
-            run_called(c, call, node)
-        c.code.row(Op.JUMP, c=end)
-    c.code.put(end)
+    ways, chosen, which = drawn(c, [weight for _, weight in calls], able), Label(), c.code.variables.take()
+    for i, way in enumerate(ways):
+        c.code.put(way)
+        register_of(c.code, i, which)
+        c.code.row(Op.JUMP, c=chosen)
+    c.code.put(chosen)
+
+    def run() -> None:
+        end = Label()
+        for i, (call, _) in enumerate(calls):
+            following = Label()
+            c.code.row(Op.JUMP_NOT_EQUAL, which, c.code.constant(i), following)
+            with c.round(node, i):
+                run_called(c, [call], node)
+            c.code.row(Op.JUMP, c=end)
+            c.code.put(following)
+        c.code.put(end)
+
+    return run
 
 
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
@@ -300,7 +339,7 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
         code.put(ways[i])
         register_of(code, 0, left + i)
         with c.round(node, i):
-            run_called(c, call, node)
+            run_called(c, [call], node)
         code.row(Op.JUMP, c=again)
     code.put(end)
 

@@ -15,20 +15,25 @@ from typing import Any
 
 from scenic_lite.budget import Budget
 from scenic_lite.classes import OBJECT
-from scenic_lite.dynamics.bytecode import REWARD, Op
+from scenic_lite.dynamics.bytecode import REWARD, TERMINATED, Op
 from scenic_lite.dynamics.compiled import Compiled
 from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, run_behavior
 from scenic_lite.dynamics.compiler.calls import call_node, call_value
 from scenic_lite.dynamics.compiler.choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live
+from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
 from scenic_lite.dynamics.compiler.comprehensions import comprehension, dictionary_comprehension
 from scenic_lite.dynamics.compiler.conditions import boolean, comparison, conditional
+from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, guarded
-from scenic_lite.dynamics.compiler.layout import finished
+from scenic_lite.dynamics.compiler.layout import Thread, finished
+from scenic_lite.dynamics.compiler.parts import Driver, Kept, Part, Temporal
+from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.shapes import Shape
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
-from scenic_lite.dynamics.compiler.watchers import conditions, ends_of_scenario, start, temporal, unsatisfied
+from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start
+from scenic_lite.dynamics.temporal import formula_of
 from scenic_lite.dynamics.world import World
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.evaluation.calls import meaning
@@ -60,9 +65,6 @@ EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
 
 def compile_program(program: Program, world: World) -> Compiled:
     """The code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
-    if program.main is not None and needs_reference(program.main):
-        message = "modular scenarios with a compose block run in the reference interpreter only"
-        raise program.error("unsupported", message, program.main.place)
     shapes: dict[tuple, Shape] = {}
     simulation = Namespace("simulation()", {}, open=True)
     modules: dict[int, dict[str, Value]] = {}
@@ -75,12 +77,6 @@ def compile_program(program: Program, world: World) -> Compiled:
     raise ScenicError("budget", "the variables of the program's behaviors can be too many things")
 
 
-def needs_reference(main: BehaviorCall) -> bool:
-    """Whether a main scenario does anything while a match runs; one that is only a setup was executed when loaded."""
-    node = main.behavior.node
-    return bool((isinstance(node, nodes.Scenario) and node.compose) or node.preconditions or node.invariants)
-
-
 @contextmanager
 def lent(c: Compilation) -> Iterator[None]:
     """Inside, the session evaluates for the compiler, and objects have live properties."""
@@ -90,12 +86,16 @@ def lent(c: Compilation) -> Iterator[None]:
     loaded = [(each.properties, each.attributes) for each in instances]
     for each in instances:
         each.properties, each.attributes = dict(each.properties), dict(each.attributes)
+    variables = {} if c.program.main_frame is None else c.program.main_frame.locals
+    loaded_variables = dict(variables)
     vars(session).update(meanings(c))
     try:
         yield
     finally:
         vars(session).clear()
         vars(session).update(outside)
+        variables.clear()
+        variables.update(loaded_variables)
         for each, (properties, attributes) in zip(instances, loaded, strict=True):
             each.properties, each.attributes = properties, attributes
         for number, before in c.before.items():
@@ -106,14 +106,14 @@ def meanings(c: Compilation) -> dict[str, Any]:
     """The fields of the session that differ while a program is compiled."""
     session = c.session
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
-    statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC).items()}
+    statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
     simulation = Builtin("simulation", lambda: c.simulation, lifted=False)
 
     def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
         return call_value(c, frame, function, arguments, keywords, node)
 
     return {
-        "expressions": session.expressions | own | {nodes.New: new},
+        "expressions": session.expressions | own | {nodes.New: partial(new, c)},
         "statements": session.statements | statements,
         "call": call,
         "column": partial(draw, c),
@@ -122,6 +122,8 @@ def meanings(c: Compilation) -> dict[str, Any]:
         "points": [],
         "requirements": [],
         "handled": [],
+        "scenarios": list(session.scenarios),
+        "behaviors": dict(session.behaviors),
         "budget": Budget(session.budget.limits),
         "builtins": session.builtins | {"simulation": simulation},
     }
@@ -135,7 +137,7 @@ def draw(c: Compilation, kind: str, place: Place, offset: float = 0.0, span: flo
     return DrawnNow(register, kind, place, offset, span)
 
 
-def new(frame: Frame, node: nodes.New) -> Value:
+def new(c: Compilation, frame: Frame, node: nodes.New) -> Value:
     """A point that a behavior speaks of; objects are made before the match."""
     cls = frame.value(node.cls)
     if not isinstance(cls, ScenicClass):
@@ -143,6 +145,9 @@ def new(frame: Frame, node: nodes.New) -> Value:
             return cls if node.operator is None else frame.value(node.operator)
         raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls)
     if cls.derives_from(OBJECT):
+        if c.setting_up:
+            message = "objects that a scenario makes while a match runs are played by the reference only"
+            raise ScenicError("unsupported", message, hint="make them in the main scenario")
         hint = "make it before, or in the setup of a scenario"
         raise ScenicError("type", "no object can be made in a behavior", hint=hint)
     instance = Instance(cls, frame.place(node))
@@ -152,50 +157,167 @@ def new(frame: Frame, node: nodes.New) -> Value:
 # ------------------------------------------------------------ one walk
 
 
-def walk(c: Compilation) -> list[tuple[int, int, Label, str]]:
+def walk(c: Compilation) -> list[Thread]:
     """Compile everything once; the threads: slot, object, entry, title."""
     code = c.code
     code.row(Op.END, code.fixed.take())  # row 0: where a thread stands that has ended
     code.reachable = False
     show_world(c)
-    threads: list[tuple[int, int, Label, str]] = []
+    threads: list[Thread] = []
     show_shared(c)
-    agents, monitors = calls_of(c)
-    movers = [agent for _, agent, _ in agents]
-    guards: list[tuple[Instance | None, BehaviorCall]] = [(agent, call) for _, agent, call in agents]
-    guards += [(None, call) for call in monitors]
-    if any(has_guards(call) for _, call in guards):
-        every(c, threads, "guards", lambda: start(c, guards), once=True)
-    made: list = []
-    if c.program.temporal:
-        every(c, threads, "temporal requirements", lambda: made.extend(temporal(c)))
-    if c.program.terminations:
-        every(c, threads, "terminate when", lambda: ends_of_scenario(c))
-    scenarios = len(threads)
-    if c.remembering and c.program.dialect == 3:
-        every(c, threads, "lastActions", lambda: forget(c, movers))
-    for number, agent, call in agents:
-        c.agent = agent
-        body(c, threads, number, call, f"{agent.title()}: {call.behavior.name}")
-    c.agent = None
-    if c.remembering and c.program.dialect == 2:
-        every(c, threads, "lastActions", lambda: reveal(c, movers))
-    c.counts = (scenarios, len(threads) - scenarios, len(monitors))
-    for call in monitors:
-        body(c, threads, -1, call, f"monitor {call.behavior.name}")
-    every(c, threads, "terminate simulation when", lambda: conditions(c, "simulation"))
-    every(c, threads, "at the end", lambda: unsatisfied(c, made))
+    main = main_part(c)
+    adopt(c, main)
+    scenarios = scenario_threads(c, threads, main)
+    recorders: list[Thread] = []
+    records = record_threads(c, recorders, main)
+    behaviors = behavior_threads(c, threads, main)
+    threads += recorders
+    monitors = monitor_threads(c, threads, main)
+    c.counts = (scenarios, behaviors, records, monitors)
+    every(c, threads, "terminate simulation when", lambda: ends_of_match(c, main))
+    every(c, threads, "at the end", lambda: end_all(c, main))
+    write_routines(c, main)
     return threads
 
 
-def calls_of(c: Compilation) -> tuple[list[tuple[int, Instance, BehaviorCall]], list[BehaviorCall]]:
-    """The behaviors of the objects and the monitors."""
-    agents = []
+def adopt(c: Compilation, main: Part) -> None:
+    """Take over what loading the program has made."""
+    program = c.program
+    main.monitors = [monitor_of(c, call, None) for call in program.monitors]
+    main.terminations = [Kept(each) for each in program.terminations]
+    main.records = [Kept(each) for each in program.records]
+    for each in program.temporal:
+        state = c.code.fixed.take()
+        main.temporal.append(Temporal(each, None, Automaton(formula_of(each.tree.condition)), state))
+    for monitor in main.monitors:
+        c.starting[monitor.slot] = monitor.entry
+    c.starting[main.slot] = main.beginning
+
+
+def scenario_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+    """The threads that run first at each time: what begins the match, the scenarios, what is recorded first."""
+    guards: list[tuple[Instance | None, BehaviorCall]] = [(agent, call) for _, agent, call in agents_of(c)]
+    guards += [(None, each.call) for each in main.monitors]
+    has_limit = any(isinstance(each.watched.tree, nodes.TerminateAfter) for each in main.terminations)
+    if has_limit or any(map(has_guards, [call for _, call in guards])) or (main.call and has_guards(main.call)):
+        with c.within(main):
+            every(c, threads, "start", lambda: start(c, main, guards), once=True)
+    if main.terminations or may_require(c, main) or (main.call and acts(main.call)):
+        every(c, threads, f"scenario {main.name}" if main.call else main.name, lambda: step(c, main))
+    if any(each.watched.tree.when == "initial" for part in main.family() for each in part.records):
+        every(c, threads, "record initial", lambda: record(c, main, "initial"), once=True)
+    return len(threads)
+
+
+def behavior_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+    """The threads of the objects, in their order."""
+    before = len(threads)
+    if any(each.when == "each" for each in c.records):
+        every(c, threads, "a new step for records", lambda: forget_records(c))
+    things = c.program.instances
+    movers = [each for each in things if each.properties["behavior"] is not None or each.label in c.drivers]
+    if c.remembering and c.program.dialect == 3:
+        every(c, threads, "lastActions", lambda: forget(c, movers))
+    for number, agent in enumerate(c.program.instances):
+        call = agent.properties["behavior"]
+        if agent.label in c.drivers:
+            with c.within(main):
+                driven(c, threads, number, agent, call)
+        elif isinstance(call, BehaviorCall):
+            c.agent = agent
+            with c.within(main):
+                body(c, threads, number, call, f"{agent.title()}: {call.behavior.name}")
+    c.agent = None
+    if c.remembering and c.program.dialect == 2:
+        every(c, threads, "lastActions", lambda: reveal(c, movers))
+    return len(threads) - before
+
+
+def driven(c: Compilation, threads: list[Thread], number: int, agent: Instance, call: BehaviorCall | None) -> None:
+    """The thread of an object whose behavior changes: it goes on where the one that it has now says."""
+    code, slot, entry = c.code, c.code.fixed.take(), Label()
+    register = c.driving[agent.label]
+    drivers = list(c.drivers[agent.label])
+    if call is not None:
+        first = Driver(agent, call, code.fixed.take(), Label(), 0, None)
+        c.starting[first.slot] = first.entry
+        drivers.insert(0, first)
+    begin(code, entry)
+    for each in drivers:
+        other = Label()
+        code.row(Op.JUMP_NOT_EQUAL, register, code.constant(each.number), other)
+        code.row(Op.RESUME, each.slot)
+        code.put(other)
+    code.row(Op.WAIT, 0, slot, entry)
+    code.reachable = False
+    threads.append((slot, number, entry, f"{agent.title()}: its behavior"))
+    c.starting[slot] = entry
+    c.agent = agent
+    for each in drivers:
+        where = "" if each.part is None else f" (override in {each.part.name})"
+        c.titles[each.entry] = f"{agent.title()}: {each.call.behavior.name}{where}"
+        write_body(c, each.slot, each.entry, each.call, (number, each.number))
+
+
+def record_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+    before = len(threads)
+    if any(each.watched.tree.when == "each" for part in main.family() for each in part.records):
+        every(c, threads, "record", lambda: record(c, main, "each"))
+    return len(threads) - before
+
+
+def monitor_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+    """Those of a scenario, those of the scenarios inside it, then its end if one of its own has asked for it."""
+    before = len(threads)
+    monitors_of(c, threads, main)
+    return len(threads) - before
+
+
+def monitors_of(c: Compilation, threads: list[Thread], part: Part) -> None:
+    where = "" if part.parent is None else f" of {part.name}"
+    for monitor in part.monitors:
+        title = f"monitor {monitor.call.behavior.name}{where}"
+        with c.within(part):
+            write_body(c, monitor.slot, monitor.entry, monitor.call, (-1, len(threads)))
+        threads.append((monitor.slot, -1, monitor.entry, title))
+    for each in part.parts:
+        monitors_of(c, threads, each)
+    if any(ends_scenario(each.call) for each in part.monitors):
+        every(c, threads, f"after the monitors{where}", lambda: end_asked_for(c, part))
+
+
+def ends_scenario(call: BehaviorCall) -> bool:
+    return any(isinstance(each, nodes.Terminate) for each in ast.walk(call.behavior.node))
+
+
+def end_asked_for(c: Compilation, part: Part) -> None:
+    """What a monitor's `terminate` does when all have run: `terminate simulation` of another counts more."""
+    code, out = c.code, Label()
+    code.row(Op.JUMP_UNLESS, part.ending, c=out)
+    if part.parent is None:
+        code.row(Op.JUMP_IF, TERMINATED, c=out)
+        register_of(code, Live(part.ending), TERMINATED)
+    else:
+        register_of(code, 0, part.ending)
+        part.call_routine(code, part.stop)
+    code.put(out)
+
+
+def end_all(c: Compilation, main: Part) -> None:
+    """The match is over: what it leaves unsatisfied, and what is recorded last."""
+    if main.temporal or main.parts:
+        main.call_routine(c.code, main.stop)
+    record(c, main, "final")
+
+
+def agents_of(c: Compilation) -> list[tuple[int, Instance, BehaviorCall]]:
+    """The behaviors that objects begin with."""
+    found = []
     for number, instance in enumerate(c.program.instances):
         call = instance.properties["behavior"]
         if isinstance(call, BehaviorCall):
-            agents.append((number, instance, call))
-    return agents, list(c.program.monitors)
+            found.append((number, instance, call))
+    return found
 
 
 def has_guards(call: BehaviorCall) -> bool:
@@ -240,7 +362,7 @@ def update(old: Namespace, new: Namespace) -> None:
             update(value, new.names[name])
 
 
-def every(c: Compilation, threads: list, title: str, write: Callable[[], object], once: bool = False) -> None:
+def every(c: Compilation, threads: list[Thread], title: str, write: Callable[[], object], once: bool = False) -> None:
     """A thread that runs from its beginning in every step, or once."""
     code = c.code
     slot, entry = code.fixed.take(), Label()
@@ -253,6 +375,7 @@ def every(c: Compilation, threads: list, title: str, write: Callable[[], object]
         code.row(Op.WAIT, 0, slot, entry)
     code.reachable = False
     threads.append((slot, -1, entry, title))
+    c.starting[slot] = entry
 
 
 def begin(code: Assembler, entry: Label) -> None:
@@ -264,14 +387,20 @@ def begin(code: Assembler, entry: Label) -> None:
     code.put_loop(entry)
 
 
-def body(c: Compilation, threads: list, number: int, call: BehaviorCall, title: str) -> None:
-    """The thread of a behavior or monitor."""
+def body(c: Compilation, threads: list[Thread], number: int, call: BehaviorCall, title: str) -> None:
+    """The thread of a behavior."""
+    slot, entry = c.code.fixed.take(), Label()
+    write_body(c, slot, entry, call, (number, 0))
+    threads.append((slot, number, entry, title))
+    c.starting[slot] = entry
+
+
+def write_body(c: Compilation, slot: int, entry: Label, call: BehaviorCall, key: tuple[int, int]) -> None:
+    """The rows of a behavior or monitor whose outermost block has this slot."""
     code = c.code
-    slot, entry = code.fixed.take(), Label()
     begin(code, entry)
     code.place = call.place
-    with code.statement(), c.block(slot), c.round(call.behavior.node, number):
+    with code.statement(), c.block(slot), c.round(call.behavior.node, key[0]), c.rounds(key[1]):
         run_behavior(c, call, call.behavior.node, guards=False)
     code.row(Op.END, slot)
     code.reachable = False
-    threads.append((slot, number, entry, title))

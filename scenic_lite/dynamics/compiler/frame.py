@@ -13,7 +13,9 @@ from functools import lru_cache
 from typing import Any
 
 from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiled import Record
 from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.parts import Driver, Part
 from scenic_lite.dynamics.compiler.shapes import Shape
 from scenic_lite.dynamics.compiler.slots import Slot, kept
 from scenic_lite.dynamics.threads import within
@@ -38,6 +40,7 @@ class Loop:
     exit: Label
     again: Label
     leave: Callable[[], None] | None = None
+    parts: int = 0  # scenarios in the compose block that are written before it
 
 
 @dataclass(eq=False)
@@ -162,7 +165,17 @@ class Compilation:
     remembering: bool = False  # the program reads `lastActions`
     guarding: int = 0  # statements with a scan around the present one: their variables all last
     clock: Any = None  # steps since the start
-    counts: tuple[int, int, int] = (0, 0, 0)  # threads of the scenario, of behaviors, of monitors
+    counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
+    part: Part | None = None  # the scenario to which the present statements belong
+    composing: bool = False  # they are those of its compose block
+    setting_up: bool = False  # they are those of its setup, which runs during the match
+    repeating: int = 0  # constructs around them that may run them several times
+    flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
+    drivers: dict[str, list[Driver]] = field(default_factory=dict)  # overriding behaviors, by the object's label
+    driving: dict[str, int] = field(default_factory=dict)  # register of the driver's number, by label
+    starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
+    titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
+    records: list[Record] = field(default_factory=list)
     world_base: int = 0
     fact_base: int = 0
     live_names: frozenset[str] = frozenset()  # properties that the world shows
@@ -186,6 +199,15 @@ class Compilation:
     def round(self, node: ast.AST, number: int) -> Iterator[None]:
         """Inside is one round of a loop that is unrolled."""
         path, self.path = self.path, (*self.path, id(node), number)
+        try:
+            yield
+        finally:
+            self.path = path
+
+    @contextmanager
+    def rounds(self, number: int) -> Iterator[None]:
+        """Inside is what belongs to the scenario with this number."""
+        path, self.path = self.path, (*self.path, number)
         try:
             yield
         finally:
@@ -217,6 +239,47 @@ class Compilation:
         self.modules[number] = frame.module_names
         keep(self, ("global", number, name), value)
 
+    def flag_of(self, thing: Any) -> int | None:
+        """The register that says whether the statement that made something was come to; None if that is certain."""
+        found = self.flags.get(id(thing))
+        return None if found is None else found[1]
+
+    @property
+    def part_behavior(self) -> Behavior | None:
+        """The definition of the present scenario."""
+        return None if self.part is None or self.part.call is None else self.part.call.behavior
+
+    def written(self) -> int:
+        """How many scenarios the present compose block has run in the text so far."""
+        return len(self.part.parts) if self.part is not None and self.composing else 0
+
+    def give_up(self, since: int) -> None:
+        """End the scenarios that the compose block has begun in a statement and not come back to."""
+        if self.part is not None and self.composing:
+            for part in self.part.parts[since:]:
+                part.call_routine(self.code, part.stop)
+
+    @contextmanager
+    def within(self, part: Part, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
+        """Inside, statements belong to a scenario, and `ego` is its own."""
+        outside = self.part, self.composing, self.setting_up, self.repeating, self.session.ego
+        self.part, self.composing, self.setting_up, self.repeating = part, composing, setting_up, 0
+        self.session.ego = part.ego
+        try:
+            yield
+        finally:
+            part.ego = self.session.ego
+            self.part, self.composing, self.setting_up, self.repeating, self.session.ego = outside
+
+    @contextmanager
+    def repeated(self) -> Iterator[None]:
+        """Inside, statements may be executed several times."""
+        self.repeating += 1
+        try:
+            yield
+        finally:
+            self.repeating -= 1
+
     def time(self) -> Any:
         """Steps since the start. Raises ScenicError if the world does not tell."""
         if self.clock is None:
@@ -240,7 +303,9 @@ class Snapshot:
     def __init__(self, c: Compilation, frame: LiveFrame) -> None:
         code = c.code
         self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
-        self.lists = [(each, len(each)) for each in (code.rows, c.doubts, c.commands, c.reasons, c.broken)]
+        lists: list[list] = [code.rows, c.doubts, c.commands, c.reasons, c.broken, *c.drivers.values()]
+        lists += [] if c.part is None else c.part.lists()
+        self.lists = [(each, len(each)) for each in lists]
         self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
         self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
 

@@ -26,7 +26,7 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
     if node.handlers or node.orelse or node.finalbody:
         raise ScenicError("unsupported", "`except`, `else` and `finally` cannot be compiled for a match")
     frame.pin(assigned_names(node))
-    code = c.code
+    code, written = c.code, c.written()
     body = code.variables.take(1 + len(node.interrupts))
     slots = [body + 1 + i for i in range(len(node.interrupts))]
     begin, scan, end = Label(), Label(), Label()
@@ -49,12 +49,13 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
         for slot, handler, start in zip(slots, node.interrupts, starts, strict=True):
             code.put(start)
             frame.scope.aborts.append(end)
-            with c.block(slot):
+            with c.block(slot), c.repeated():
                 frame.run(handler.body)
             frame.scope.aborts.pop()
             register_of(code, 0, slot)
             code.row(Op.AGAIN, c=scan)
     code.put(end)
+    c.give_up(written)
 
 
 def enter(c: Compilation, frame: LiveFrame, body: int, begin: Label, scan: Label) -> None:
@@ -75,7 +76,7 @@ def enter(c: Compilation, frame: LiveFrame, body: int, begin: Label, scan: Label
 
 def limited(c: Compilation, frame: LiveFrame, over: Limit, run: Callable[[], None]) -> None:
     """A body that ends when its limit says so, looked at before it is begun and whenever it would be resumed."""
-    code = c.code
+    code, written = c.code, c.written()
     body = code.variables.take()
     begin, scan, end = Label(), Label(), Label()
     enter(c, frame, body, begin, scan)
@@ -87,6 +88,7 @@ def limited(c: Compilation, frame: LiveFrame, over: Limit, run: Callable[[], Non
     with frame.living(), c.guarded(), c.block(body):
         run()
     code.put(end)
+    c.give_up(written)
 
 
 def abort(c: Compilation, frame: LiveFrame, node: nodes.Abort) -> None:

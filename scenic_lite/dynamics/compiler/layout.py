@@ -26,7 +26,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
-    relocate(c.commands, layout)
+    relocate([*c.commands, tuple(each.value for each in c.records)], layout)
     return Compiled(
         code_of(c, rows, threads, layout),
         program,
@@ -37,10 +37,21 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         tuple(c.broken),
         tuple({(each.place, each.message): each for each in c.doubts}.values()),
         listing,
-        start_of(code, threads, layout),
+        start_of(c, layout),
         tuple(inputs),
         tape,
         code.texts,
+        tuple(each._replace(taken=layout(each.taken)) for each in c.records),
+        drivers_of(c, layout),
+    )
+
+
+def drivers_of(c: Compilation, layout: Layout) -> tuple[tuple[int, int, bool], ...]:
+    """Objects whose behavior changes: number, register of what it is now, whether it begins with one."""
+    return tuple(
+        (i, layout(c.driving[each.label]), each.properties["behavior"] is not None)
+        for i, each in enumerate(c.program.instances)
+        if each.label in c.driving
     )
 
 
@@ -64,14 +75,14 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
     )
 
 
-def start_of(code: Assembler, threads: list[Thread], layout: Layout) -> np.ndarray:
+def start_of(c: Compilation, layout: Layout) -> np.ndarray:
     """The registers [R] with which a match starts, but for what its scene gives."""
-    start = np.zeros(layout.count)
+    code, start = c.code, np.zeros(layout.count)
     for value, register in code.constants.items():
         start[layout(register)] = value
     for register, value in code.initial.items():
         start[layout(register)] = value
-    for slot, _, entry, _ in threads:
+    for slot, entry in c.starting.items():
         start[layout(slot)] = entry.row
     start[SEEN] = -1.0
     return start
@@ -85,7 +96,9 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
     lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
-    return Listing(places, names, lines, notes, {entry.row: title for _, _, entry, title in threads})
+    titles = {label.row: title for label, title in c.titles.items()}
+    titles |= {entry.row: title for _, _, entry, title in threads}
+    return Listing(places, names, lines, notes, titles)
 
 
 def line_of(program: Program, place: Place) -> str:

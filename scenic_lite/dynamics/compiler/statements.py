@@ -25,6 +25,7 @@ from scenic_lite.dynamics.compiler.shapes import LiveList, varies
 from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
 from scenic_lite.dynamics.threads import within
 from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.assignments import TRACKED
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import item_of
 from scenic_lite.evaluation.matching import chosen_case
@@ -72,6 +73,7 @@ def loading(target: ast.expr) -> ast.expr:
 def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> None:
     """Assign to a name, several names, an element or an attribute."""
     if isinstance(target, ast.Name):
+        track(c, frame, target, value)
         frame.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
         parts = elements(c, frame, value, target)
@@ -86,6 +88,16 @@ def bind(c: Compilation, frame: LiveFrame, target: ast.expr, value: Value) -> No
         bind_item(c, frame, target, changed_item(c, frame, container, index, value))
     else:
         raise frame.error("syntax", "this cannot be assigned to", target)
+
+
+def track(c: Compilation, frame: LiveFrame, target: ast.Name, value: Value) -> None:
+    """`ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
+    if target.id not in TRACKED:
+        return
+    if not c.setting_up or frame.scope.live or frame.scope.behavior is not c.part_behavior:
+        hint = "only the setup of a scenario may, and not in a branch"
+        raise ScenicError("unsupported", f"no match can change {target.id} here", hint=hint)
+    TRACKED[target.id](frame, target, value)
 
 
 def spread(frame: LiveFrame, target: ast.Tuple | ast.List, parts: list[Value]) -> list[Value]:
@@ -137,9 +149,11 @@ def repeat_while(c: Compilation, frame: LiveFrame, node: ast.While) -> None:
 
 
 def in_loop(frame: LiveFrame, loop: Loop, body: list[ast.stmt]) -> None:
+    loop.parts = frame.compilation.written()
     frame.scope.loops.append(loop)
     try:
-        frame.run(body)
+        with frame.compilation.repeated():
+            frame.run(body)
     finally:
         frame.scope.loops.pop()
 
@@ -303,11 +317,14 @@ def leave_loop(c: Compilation, frame: LiveFrame, node: ast.Break) -> None:
     loop = frame.scope.loops[-1]
     if loop.leave is not None:
         loop.leave()
+    c.give_up(loop.parts)
     c.code.row(Op.JUMP, c=loop.exit)
 
 
 def next_round(c: Compilation, frame: LiveFrame, node: ast.Continue) -> None:
-    c.code.row(Op.JUMP, c=frame.scope.loops[-1].again)
+    loop = frame.scope.loops[-1]
+    c.give_up(loop.parts)
+    c.code.row(Op.JUMP, c=loop.again)
 
 
 def give_back(c: Compilation, frame: LiveFrame, node: ast.Return) -> None:

@@ -1,4 +1,4 @@
-"""What watches a match: the guards at its start, temporal requirements, `terminate when`, `terminate after`.
+"""What watches a match: guards at its start, temporal requirements, `terminate when`, `terminate after`, `record`.
 
 A temporal requirement is a small automaton: what remains to be required after a step (`temporal`) is its state, the
 truths of the expressions that the state mentions choose the next one. Read next: `compiler`.
@@ -6,26 +6,37 @@ truths of the expressions that the state mentions choose the next one. Read next
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from itertools import product
 
-from scenic_lite.dynamics.bytecode import COMPLETE, TERMINATED, Op
+from scenic_lite.dynamics.bytecode import TERMINATED, Op
+from scenic_lite.dynamics.compiled import Listed, Record
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label, Live, Operands
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
-from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
-from scenic_lite.dynamics.temporal import Formula, Settled, formula_of
+from scenic_lite.dynamics.compiler.parts import Kept, Part, Temporal
+from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, put_together, taken_apart
+from scenic_lite.dynamics.compiler.slots import kept
+from scenic_lite.dynamics.temporal import Formula, Settled
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.frame import Watched
+from scenic_lite.graph import Random, Value
 from scenic_lite.syntax import nodes
-from scenic_lite.values import BehaviorCall, Instance
+from scenic_lite.values import BehaviorCall, Choice, Instance
 
 MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for
 
 
-def start(c: Compilation, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
-    """The guards of all behaviors and monitors, before any of them runs."""
+def start(c: Compilation, main: Part, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
+    """Before all else: the guards of the program's scenario, its time limit, the guards of behaviors and monitors."""
+    if main.frame is not None:
+        check_guards(c, main.frame)
+    limit_of(c, main)
     for agent, call in calls:
         c.agent = agent
         with c.round(call.behavior.node, len(c.broken)), c.entered(call.behavior, call.behavior.node):
@@ -44,49 +55,113 @@ def frame_for(c: Compilation, watched: Watched) -> LiveFrame:
 # ------------------------------------------------------------ ends
 
 
-def time_limit(c: Compilation) -> None:
-    """`terminate after`: the last one counts; the scenario has taken as many steps as there were steps of time."""
-    limits = [each for each in c.program.terminations if isinstance(each.tree, nodes.TerminateAfter)]
-    for watched in limits[-1:]:
-        duration = needs_number(frame_for(c, watched).value(watched.tree.duration), "a duration")
-        steps = duration if watched.tree.unit == "steps" else duration / c.world.timestep
-        first, on, passed = c.code.variables.take(), Label(), c.code.temporaries.take()
-        c.code.row(Op.JUMP_IF, first, c=on)
-        c.code.row(Op.ADD, first, c.time().register, c.code.constant(1))  # 0: not yet begun
-        c.code.put(on)
-        c.code.row(Op.SUBTRACT, passed, c.time().register, first)
-        c.code.row(Op.ADD, passed, passed, c.code.constant(1))
-        going = Label()
-        c.code.row(Op.JUMP_LESS, passed, register_of(c.code, steps), going)
-        register_of(c.code, Live(c.reason("scenarioComplete: reached time limit")), COMPLETE)
-        c.code.put(going)
+def limit_of(c: Compilation, part: Part) -> None:
+    """`terminate after`: how long it is is decided when the scenario begins; the last one counts."""
+    code = c.code
+    limits = [each for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
+    if not limits:
+        return
+    taken, allowed = part.limit = code.fixed.take(), code.fixed.take()
+    register_of(code, 0, taken)
+    register_of(code, math.inf, allowed)
+    for each in limits:
+        tree, out = each.watched.tree, Label()
+        if each.flag is not None:
+            code.row(Op.JUMP_UNLESS, each.flag, c=out)
+        duration = needs_number(frame_for(c, each.watched).value(tree.duration), "a duration")
+        register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
+        code.put(out)
 
 
-def ends_of_scenario(c: Compilation) -> None:
-    """Its time limit, then its conditions."""
-    time_limit(c)
-    conditions(c, "scenario")
-
-
-def conditions(c: Compilation, scope: str) -> None:
-    """`terminate when`, `terminate simulation when`: the first that is true."""
-    end = Label()
-    kind, register = ("scenarioComplete", COMPLETE) if scope == "scenario" else (SIMULATION, TERMINATED)
-    all_ = c.program.terminations
-    wanted = [each for each in all_ if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == scope]
-    if wanted:
-        c.code.row(Op.JUMP_IF, register, c=end)
-    for watched in wanted:
-        frame, no = frame_for(c, watched), Label()
+def conditions(c: Compilation, part: Part, scope: str, end: Callable[[str], None]) -> None:
+    """`terminate when`, `terminate simulation when`: rows that end something with the label of the first that holds."""
+    for each in part.terminations:
+        watched, no = each.watched, Label()
+        if not isinstance(watched.tree, nodes.TerminateWhen) or watched.tree.scope != scope:
+            continue
+        frame = frame_for(c, watched)
         with c.code.statement():
+            if each.flag is not None:
+                c.code.row(Op.JUMP_UNLESS, each.flag, c=no)
             jump_on(c, frame, watched.tree.condition, no, when=False)
-            register_of(c.code, Live(c.reason(f"{kind}: {watched.label}")), register)
-            c.code.row(Op.JUMP, c=end)
+            end(watched.label)
             c.code.put(no)
-    c.code.put(end)
 
 
-SIMULATION = "simulationTerminationCondition"
+def ends_of_match(c: Compilation, main: Part) -> None:
+    """`terminate simulation when` of all scenarios that run."""
+    done = Label()
+
+    def end(label: str) -> None:
+        register_of(c.code, Live(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
+        c.code.row(Op.JUMP, c=done)
+
+    for i, part in enumerate(main.family()):
+        with while_running(c, part, i):
+            conditions(c, part, "simulation", end)
+    c.code.put(done)
+
+
+@contextmanager
+def while_running(c: Compilation, part: Part, number: int) -> Iterator[None]:
+    """Rows written inside are for a scenario while it runs."""
+    out = Label()
+    if part.parent is not None:
+        c.code.row(Op.JUMP_UNLESS, part.running, c=out)
+    with c.within(part), c.rounds(number):
+        yield
+    c.code.put(out)
+
+
+# ------------------------------------------------------------ records
+
+
+def record(c: Compilation, main: Part, when: str) -> None:
+    """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
+    code = c.code
+    for i, part in enumerate(main.family() if when != "final" else [main]):
+        with while_running(c, part, i):
+            for each in part.records:
+                if each.watched.tree.when == when:
+                    with code.statement():
+                        take_record(c, each)
+
+
+def take_record(c: Compilation, each: Kept) -> None:
+    code, tree, out = c.code, each.watched.tree, Label()
+    if each.flag is not None:
+        code.row(Op.JUMP_UNLESS, each.flag, c=out)
+    value = in_registers(c, kept(code, frame_for(c, each.watched).value(tree.value)))
+    taken = code.fixed.take()
+    code.begin_with(taken, -1)
+    code.notes[taken] = f"{each.watched.label}.taken"
+    register_of(code, c.time(), taken)
+    c.records.append(Record(each.watched.label, tree.when, taken, value))
+    code.put(out)
+
+
+def in_registers(c: Compilation, value: Value) -> Value:
+    """A value whose random parts all stand in registers, also those of the scene; a list of varying length in full."""
+    if isinstance(value, LiveList):
+        count = CAPACITY if value.element is not None else 0
+        cells = [iter(value.registers[1 + i :: CAPACITY]) for i in range(count)]
+        return Listed(value.length, [in_registers(c, loaded(value.element, each)) for each in cells])  # type: ignore[arg-type]
+    if isinstance(value, Choice):
+        return Choice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
+    apart = taken_apart(value)
+    if apart is not None:
+        return put_together(apart[0], [in_registers(c, each) for each in apart[1]])
+    if isinstance(value, Random) and not isinstance(value, Live):
+        return Live(register_of(c.code, value), value.kind, is_whole(value))
+    return value
+
+
+def forget_records(c: Compilation) -> None:
+    """What has been recorded in the last step is no more of this one."""
+    for each in c.records:
+        if each.when == "each":
+            register_of(c.code, -1, each.taken)
+
 
 # ------------------------------------------------------------ temporal requirements
 
@@ -127,20 +202,16 @@ class Automaton:
         return self.states.index(state)
 
 
-def temporal(c: Compilation) -> list[tuple[Watched, Automaton, int]]:
-    """Rows that let each temporal requirement see the step; returns what the end must ask."""
-    made = []
-    for watched in c.program.temporal:
-        automaton = Automaton(formula_of(watched.tree.condition))
-        state = c.code.variables.take()
-        with watched.bindings.restored(), c.code.statement():
-            see_step(c, watched, automaton, state)
-        made.append((watched, automaton, state))
-    return made
+def see_step(c: Compilation, each: Temporal) -> None:
+    """Rows that let a temporal requirement see the step."""
+    frame = each.frame or frame_for(c, each.watched)
+    with each.watched.bindings.restored() if each.watched.bindings is not None else nullcontext():
+        progress(c, each, frame)
 
 
-def see_step(c: Compilation, watched: Watched, automaton: Automaton, state: int) -> None:
-    code, frame = c.code, frame_for(c, watched)
+def progress(c: Compilation, each: Temporal, frame: LiveFrame) -> None:
+    code, automaton, state = c.code, each.automaton, each.state
+    c.code.place = each.watched.place
     end = Label()
     for number, (atoms, following) in enumerate(zip(automaton.atoms, automaton.next, strict=True)):
         if isinstance(automaton.states[number], Settled):
@@ -160,14 +231,15 @@ def see_step(c: Compilation, watched: Watched, automaton: Automaton, state: int)
         code.row(Op.JUMP, c=end)
         code.put(other)
     code.put(end)
-    refuse(c, watched, state, [i for i, each in enumerate(automaton.states) if each == Settled(False)])
+    refuse(c, each.watched, state, [i for i, each in enumerate(automaton.states) if each == Settled(False)])
 
 
-def unsatisfied(c: Compilation, made: list[tuple[Watched, Automaton, int]]) -> None:
-    """At the end of a match: what was required and has not come."""
-    for watched, automaton, state in made:
-        c.code.place = watched.place
-        refuse(c, watched, state, [i for i, each in enumerate(automaton.states) if not each.at_end()])
+def unsatisfied(c: Compilation, part: Part) -> None:
+    """At the end of a scenario: what was required and has not come."""
+    for each in part.temporal:
+        c.code.place = each.watched.place
+        states = each.automaton.states
+        refuse(c, each.watched, each.state, [i for i, state in enumerate(states) if not state.at_end()])
 
 
 def refuse(c: Compilation, watched: Watched, state: int, bad: list[int]) -> None:

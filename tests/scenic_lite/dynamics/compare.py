@@ -12,6 +12,8 @@ from scenic_lite.dynamics.compiled import Compiled, CompiledController
 from scenic_lite.dynamics.compiler.compiler import compile_program
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import Controller, first_table, run, toy_world
+from scenic_lite.space.geometry import Vector
+from scenic_lite.values import Instance
 
 MINUS_ZERO = re.compile(r"-0(?![\d.])")
 CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions
@@ -43,7 +45,18 @@ def outcome(controller: Controller, table: np.ndarray, steps: int, drift: float)
         assert error.place is not None, error
         return ("fault", "endless" if error.kind == "budget" else error.place.line)
     commands = tuple((each.actions, each.agents) for each in trace.commands)
-    return (commands, trace.rewards, trace.ending, trace.rejected)
+    return (commands, trace.rewards, trace.ending, trace.rejected, recorded(controller.records))
+
+
+def recorded(value: Any) -> Any:
+    """Records as tuples, with vectors and objects as what they show."""
+    if isinstance(value, dict):
+        return tuple((key, recorded(value[key])) for key in sorted(value))
+    if isinstance(value, list | tuple):
+        return tuple(map(recorded, value))
+    if isinstance(value, Vector):
+        return (value.x, value.y)
+    return value.title() if isinstance(value, Instance) else value
 
 
 def alike(a: Any, b: Any) -> bool:

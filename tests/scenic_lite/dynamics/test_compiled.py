@@ -21,6 +21,7 @@ from scenic_lite.dynamics.world import packed
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated
+from tests.scenic_lite.dynamics.generated_scenarios import program as generated_scenarios
 
 BASE = FOOTBALL_WORLD.actions or 0
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -62,6 +63,7 @@ def test_every_opcode_is_used():
 
 
 FAULTY = feature_programs.DEFINITIONS + "behavior Main():\n    assert self.position.y < 2\n    take 'a'\n"
+FAULTY += "    terminate\n"
 FAULTY += feature_programs.OBJECTS
 
 
@@ -72,13 +74,26 @@ def test_generated_programs_give_the_same_commands(seed):
     assert found == [], text
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_generated_scenarios_give_the_same_commands(seed):
+    text = generated_scenarios(seed)
+    found, _ = differences(text, range(seed, seed + 1), steps=18)
+    assert found == [], text
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1000, 1250))
+def test_more_generated_scenarios_give_the_same_commands(seed):
+    text = generated_scenarios(seed)
+    found, _ = differences(text, range(seed, seed + 1), steps=18)
+    assert found == [], text
+
+
 @pytest.mark.skipif(not OPEN.exists(), reason="the open oracle programs are not here")
 @pytest.mark.parametrize("path", sorted(OPEN.glob("dyn_*.scenic")), ids=lambda path: path.stem)
 def test_open_oracle_programs_give_the_same_commands(path):
     text = path.read_text()
     settings = dict(re.findall(r"(\w+): ([^;\n]+)", "\n".join(text.splitlines()[:5])))
-    if "compose:" in text:
-        pytest.skip("modular scenarios run in the reference")
     drift, steps = float(settings.get("drift", 0)), int(settings["steps"])
     found, _ = differences(text, range(20), steps, drift=drift, timestep=float(settings["timestep"]))
     assert found == []

@@ -1,0 +1,281 @@
+"""What the statements of a setup mean when it is executed during a match: what they make belongs to its scenario.
+
+`override`, `require monitor`, temporal `require`, `terminate when`, `terminate after`, `record`; the first three may
+also stand in a compose block. Read next: `watchers`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from scenic_lite.classes import checked
+from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
+from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
+from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.parts import Driver, Kept, Monitor, Overridden, Part, Temporal
+from scenic_lite.dynamics.compiler.slots import Slot, kept
+from scenic_lite.dynamics.compiler.watchers import Automaton
+from scenic_lite.dynamics.runtime import overriding
+from scenic_lite.dynamics.temporal import formula_of
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.frame import Frame, Watched
+from scenic_lite.evaluation.statements import keep_record, keep_termination
+from scenic_lite.graph import Value
+from scenic_lite.requirements import source_text
+from scenic_lite.syntax import nodes
+from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
+
+
+def set_up(c: Compilation, part: Part) -> None:
+    """Execute the setup of a scenario that begins; what it makes is kept by the part."""
+    assert part.call is not None
+    session = c.session
+    with lists_of(c, {"monitors": [], "terminations": [], "records": []}):
+        part.frame.run(part.call.behavior.scenario.setup)
+        part.monitors = [monitor_of(c, call, c.flag_of(call)) for call in session.monitors]
+        part.terminations = [Kept(each, c.flag_of(each)) for each in session.terminations]
+        part.records = [Kept(each, c.flag_of(each)) for each in session.records]
+
+
+@contextmanager
+def lists_of(c: Compilation, lists: dict[str, list]) -> Iterator[None]:
+    """Inside, what statements note goes into these lists of the session."""
+    session = vars(c.session)
+    outside = {name: session[name] for name in lists}
+    session.update(lists)
+    try:
+        yield
+    finally:
+        session.update(outside)
+
+
+def flag_if_live(c: Compilation, frame: LiveFrame, thing: object) -> None:
+    """Note whether a match comes to a statement, if that is not certain."""
+    if frame.scope.live:
+        refuse_repeated(c)
+        assert c.part is not None
+        flag = c.part.flagged(c.code)
+        c.flags[id(thing)] = thing, flag
+        register_of(c.code, 1, flag)
+
+
+def refuse_repeated(c: Compilation) -> None:
+    if c.repeating:
+        raise ScenicError("unsupported", "this cannot be repeated in a match", hint="write it before the loop")
+
+
+def keep_condition(c: Compilation, frame: LiveFrame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
+    keep_termination(frame, node)
+    flag_if_live(c, frame, c.session.terminations[-1])
+
+
+def keep_value(c: Compilation, frame: LiveFrame, node: nodes.Record) -> None:
+    keep_record(frame, node)
+    flag_if_live(c, frame, c.session.records[-1])
+
+
+def refuse_param(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
+    word = "param" if isinstance(node, nodes.Param) else "mutate"
+    raise ScenicError("unsupported", f"`{word}` has no meaning in a match", hint="write it in the main scenario")
+
+
+# ------------------------------------------------------------ monitors
+
+
+def require_monitor(c: Compilation, frame: LiveFrame, node: nodes.RequireMonitor) -> None:
+    """Start a monitor with the scenario, or at once if that is running."""
+    value = frame.value(node.call)
+    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
+        raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    call = with_own_arguments(c, value)
+    if c.setting_up:
+        c.session.monitors.append(call)
+        flag_if_live(c, frame, call)
+        return
+    refuse_repeated(c)
+    assert c.part is not None
+    monitor = monitor_of(c, call, None)
+    c.part.monitors.append(monitor)
+    start_monitor(c, monitor)
+
+
+def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
+    """A behavior or monitor whose arguments stay as they are now."""
+    return BehaviorCall(call.behavior, {name: kept(c.code, each) for name, each in call.arguments.items()}, call.place)
+
+
+def monitor_of(c: Compilation, call: BehaviorCall, flag: int | None) -> Monitor:
+    slot = c.code.fixed.take()
+    c.code.notes[slot] = f"{call.behavior.name}.slot"
+    return Monitor(call, slot, Label(), flag)
+
+
+def start_monitor(c: Compilation, monitor: Monitor) -> None:
+    """Check its guards and let it begin."""
+    code, out = c.code, Label()
+    if monitor.flag is not None:
+        code.row(Op.JUMP_UNLESS, monitor.flag, c=out)
+    check_first(c, monitor.call)
+    code.row(Op.SET_SLOT, monitor.slot, c=monitor.entry)
+    code.put(out)
+
+
+def check_first(c: Compilation, call: BehaviorCall) -> None:
+    """The guards of what begins."""
+    node = call.behavior.node
+    if node.preconditions or node.invariants:
+        with c.round(node, len(c.broken)), c.entered(call.behavior, node):
+            check_guards(c, frame_of(c, call))
+
+
+# ------------------------------------------------------------ override
+
+
+def override(c: Compilation, frame: LiveFrame, node: nodes.Override) -> None:
+    """`override object with p v, ...`, until the scenario ends."""
+    target = frame.value(node.target)
+    if isinstance(target, Choice):
+        raise ScenicError("unsupported", "`override` of whichever object a match finds")
+    if not isinstance(target, Instance) or not target.label:
+        raise frame.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+    values: dict[str, Value] = {}
+    for each in node.specifiers:
+        name, value = overriding(frame, target, each)
+        if name in c.live_names:
+            raise frame.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
+        if name not in target.properties:
+            raise frame.error("specifier", f"{target.title()} has no property '{name}' to override", each)
+        values[name] = value if isinstance(value, Choice) else checked(name, value, c.program.dialect)
+    part = c.part
+    assert part is not None
+    drivers = {}
+    for name, value in values.items():
+        if name == "behavior":
+            drivers = drive(c, part, target, value)
+        else:
+            change(c, part, target, name, value)
+    begin_driving(c, values.get("behavior"), drivers)
+
+
+def change(c: Compilation, part: Part, target: Instance, name: str, value: Value) -> None:
+    """Another value for a property that no simulator knows."""
+    refuse_live(c, target, name)
+    key = ("object", target.label, name)
+    before = Slot(c.code, c.shapes, (*part.frame.scope.path, "before", *key), shared=True)
+    save = lambda: before.store(shared(c, key).value)  # noqa: E731
+    note_first(c, part, (target.label, name), save, lambda: keep(c, key, before.value))
+    keep(c, key, value)
+
+
+def note_first(
+    c: Compilation, part: Part, key: tuple[str, str], save: Callable[[], object], restore: Callable[[], object]
+) -> None:
+    """Before the first override of a property in a scenario, what it was is saved."""
+    if key not in part.overridden:
+        part.overridden[key] = Overridden(c.code.fixed.take(), save, restore)
+    first, done = part.overridden[key], Label()
+    c.code.row(Op.JUMP_IF, first.flag, c=done)
+    first.save()
+    register_of(c.code, 1, first.flag)
+    c.code.put(done)
+
+
+Drivers = dict[int, Driver]  # by the number of the option, 0 if there is one only
+
+
+def drive(c: Compilation, part: Part, target: Instance, value: Value) -> Drivers:
+    """Another behavior for an object: its register says which one it has now."""
+    code, label = c.code, target.label
+    if label not in c.driving:
+        c.driving[label] = code.fixed.take()
+        code.notes[c.driving[label]] = f"{target.title()}.behavior"
+        c.drivers[label] = []
+    register, before = c.driving[label], code.fixed.take()
+    save = lambda: register_of(code, Live(register), before)  # noqa: E731
+    note_first(c, part, (label, "behavior"), save, lambda: register_of(code, Live(before), register))
+    if value is None:
+        register_of(code, -1, register)
+        return {}
+    options = value.options if isinstance(value, Choice) else (value,)
+    drivers = {i: driver_of(c, part, target, option) for i, option in enumerate(options)}
+    if isinstance(value, Choice):
+        first = register_of(code, drivers[0].number)
+        code.row(Op.ADD, register, first, register_of(code, value.index))
+    else:
+        register_of(code, drivers[0].number, register)
+    return drivers
+
+
+def driver_of(c: Compilation, part: Part, target: Instance, call: Value) -> Driver:
+    if not isinstance(call, BehaviorCall):
+        checked("behavior", call, c.program.dialect)
+    assert isinstance(call, BehaviorCall)
+    known = c.drivers[target.label]
+    slot = c.code.fixed.take()
+    driver = Driver(target, with_own_arguments(c, call), slot, Label(), 1 + len(known), part)
+    known.append(driver)
+    return driver
+
+
+def begin_driving(c: Compilation, value: Value, drivers: Drivers) -> None:
+    """Check the guards of the behavior that an object is given, and let it begin."""
+    code, end, agent = c.code, Label(), c.agent
+    for i, driver in drivers.items():
+        following = Label()
+        if isinstance(value, Choice):
+            code.row(Op.JUMP_NOT_EQUAL, register_of(code, value.index), code.constant(i), following)
+        c.agent = driver.agent
+        check_first(c, driver.call)
+        c.agent = agent
+        code.row(Op.SET_SLOT, driver.slot, c=driver.entry)
+        code.row(Op.JUMP, c=end)
+        code.put(following)
+    code.put(end)
+
+
+# ------------------------------------------------------------ temporal requirements
+
+
+def require_later(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
+    """A temporal requirement that is made during the match: its scenario watches it from the next step on."""
+    refuse_repeated(c)
+    part, code = c.part, c.code
+    assert part is not None
+    label = node.name or source_text(frame, node)
+    own = with_present_names(c, frame, node)
+    watched = Watched(node, frame.place(node), own, label)
+    state = part.flagged(code, -1)
+    part.temporal.append(Temporal(watched, own, Automaton(formula_of(node.condition)), state))
+    register_of(code, 0, state)
+
+
+def with_present_names(c: Compilation, frame: LiveFrame, node: nodes.Require) -> LiveFrame:
+    """A frame in which the names of a condition keep the values that they have now."""
+    code = c.code
+    names: dict[str, Value] = {}
+    used = {each.id for each in ast.walk(node.condition) if isinstance(each, ast.Name)}
+    at: Frame | None = frame
+    outside, code.variables = code.variables, code.fixed
+    while isinstance(at, LiveFrame):
+        for name in sorted(used & set(at.locals) - set(names)):
+            names[name] = kept(code, at.locals[name])
+        at = at.outer
+    code.variables = outside
+    return LiveFrame(c, frame.source, names, frame, Scope((*c.path, id(node)), [], Label(), frame.scope.behavior))
+
+
+SETTING_UP: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
+    nodes.Override: override,
+    nodes.RequireMonitor: require_monitor,
+    nodes.TerminateWhen: keep_condition,
+    nodes.TerminateAfter: keep_condition,
+    nodes.Record: keep_value,
+    nodes.Param: refuse_param,
+    nodes.Mutate: refuse_param,
+}
