@@ -36,6 +36,7 @@ DESCRIPTION = "Measure env steps per second of the simulator and of training, an
 # Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
 # over scenarios and observations. Measured with its own `create_environment(render=False)`.
 REFERENCE = (310, 570)
+WARM_UPDATES = 10  # of a method before it is measured
 
 
 @dataclass(frozen=True)
@@ -170,31 +171,35 @@ def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
 
 
 def training_suite(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure domain randomisation with default settings, on one thread and on all cores, with the shares of time."""
+    """Measure every method with default settings on one thread, and domain randomisation on all cores, too.
+
+    What a curriculum costs beside simulation and networks is the share of `levels`: choosing them and keeping book.
+    """
+    runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
     rows = []
-    for threads in sorted({1, os.cpu_count() or 1}):
-        wanted = replace(TrainConfig(), minigame=config.minigame, method="dr", threads=threads)
+    for name, threads in runs:
+        wanted = replace(TrainConfig(), minigame=config.minigame, method=name, threads=threads)
         program = build.find_minigame(wanted.minigame).program
         method = build.make_method(wanted, build.make_upomdp(program, wanted.num_envs, wanted.env, 0, threads))
-        method.update()
-        rows.append(_train(method, config.seconds * STRETCHES, threads))
+        for _ in range(WARM_UPDATES):  # replay has begun, and the buffer is in use
+            method.update()
+        rows.append(_train(f"{name}, {threads} thread{'s' * (threads > 1)}", method, config.seconds * STRETCHES))
     return rows
 
 
-def _train(method: Any, seconds: float, threads: int) -> Measurement:
-    steps, began, shares = method.env_steps, time.perf_counter(), {"sim": 0.0, "forward": 0.0, "learn": 0.0}
+def _train(label: str, method: Any, seconds: float) -> Measurement:
+    names = ("sim", "forward", "learn", "levels", "curriculum")
+    steps, began, shares = method.env_steps, time.perf_counter(), dict.fromkeys(names, 0.0)
     while time.perf_counter() - began < seconds:
         metrics = method.update()
         for name in shares:
             shares[name] += metrics.get(f"time/{name}", 0.0)
     elapsed = time.perf_counter() - began
-    words = {"sim": "simulation", "forward": "network forward", "learn": "network update"}
+    shares["levels"] += shares.pop("curriculum")
+    words = {"sim": "simulation", "forward": "network forward", "learn": "network update", "levels": "levels"}
     parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
     parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
-    plural = "s" * (threads > 1)
-    return Measurement(
-        f"domain randomisation, {threads} thread{plural}", (method.env_steps - steps) / elapsed, ", ".join(parts)
-    )
+    return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))
 
 
 # ---------------------------------------------------------------- what is printed

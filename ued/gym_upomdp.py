@@ -9,10 +9,11 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import gymnasium
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
 from ued.upomdp import MAX_TRIES, UPOMDP, Draw, ThetaError, check_theta
 
@@ -134,6 +135,20 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         return observation, {**info, "theta": self.theta.copy()}
 
 
+class _Slot(gymnasium.Wrapper):
+    """One environment of a batch: takes its own row of `options["theta"]` `[N, D]` at each reset."""
+
+    def __init__(self, env: gymnasium.Env, index: int, apply: Apply, theta_map: ThetaMap) -> None:
+        super().__init__(env)
+        self.index, self.apply, self.theta_map = index, apply, theta_map
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        if options is not None:  # not so where a vector environment resets on its own account
+            self.apply(self.env, self.theta_map.values(options["theta"][self.index]))
+        observation, _ = self.env.reset(seed=seed)
+        return observation, {}
+
+
 class GymUPOMDP(UPOMDP):
     """N copies of any Gymnasium environment, each with its own level.
 
@@ -141,7 +156,9 @@ class GymUPOMDP(UPOMDP):
         make_env: makes one environment; called `num_envs` times.
         apply: `apply(env, values)` puts one level's values into an environment, before each of its resets.
         theta: number of dimensions, mapping from name to (low, high), or a program.
-        num_envs: N. They are stepped one after the other in this process.
+        num_envs: N.
+        vectorization: "sync" steps them one after the other in this process, "async" each in a process of its own.
+            Those give no state: a checkpoint of a training holds their levels, and open episodes begin anew.
     """
 
     def __init__(
@@ -150,18 +167,29 @@ class GymUPOMDP(UPOMDP):
         apply: Apply,
         theta: int | Mapping[str, Range] | ThetaProgram,
         num_envs: int = 1,
+        vectorization: Literal["sync", "async"] = "sync",
     ) -> None:
+        if vectorization not in ("sync", "async"):
+            raise ValueError(f"vectorization must be sync or async, got {vectorization!r}")
         self.make_env, self.apply, self.theta_map = make_env, apply, ThetaMap(theta)
-        self.envs = [make_env() for _ in range(num_envs)]
-        first = self.envs[0]
-        super().__init__(num_envs, first.observation_space, first.action_space, self.theta_map.draws)
-        shape, dtype = self.single_observation_space.shape, self.single_observation_space.dtype
-        if shape is None or dtype is None:
+        self.vectorization: Literal["sync", "async"] = vectorization
+        self.vector = self._vectorize(num_envs)
+        space = self.vector.single_observation_space
+        super().__init__(num_envs, space, self.vector.single_action_space, self.theta_map.draws)
+        if space.shape is None:
+            self.vector.close()
             raise ValueError(
-                f"observations must be arrays, got the space {self.single_observation_space}; "
+                f"observations must be arrays, got the space {space}; "
                 "wrap the environment, for example with gymnasium.wrappers.FlattenObservation"
             )
-        self._observations = np.zeros((num_envs, *shape), dtype)
+        self._observations: Any = None  # until the first reset
+
+    def _vectorize(self, num_envs: int) -> Any:
+        def slot(index: int) -> Callable[[], gymnasium.Env]:
+            return lambda: _Slot(self.make_env(), index, self.apply, self.theta_map)
+
+        kind = gymnasium.vector.AsyncVectorEnv if self.vectorization == "async" else gymnasium.vector.SyncVectorEnv
+        return kind([slot(index) for index in range(num_envs)], autoreset_mode=AutoresetMode.DISABLED)
 
     def valid(self, theta: Any) -> np.ndarray:
         return self.theta_map.valid(check_theta(theta, self.theta_dim))
@@ -170,52 +198,56 @@ class GymUPOMDP(UPOMDP):
         return [self.theta_map.values(row) for row in check_theta(theta, self.theta_dim)]
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        seeds: list[int | None] = [None] * self.num_envs
         for level, index in zip(levels, where.tolist(), strict=True):
-            self._restart(index, level["theta"], seed=int(level["seed"] % 2**31))
+            seeds[index] = int(level["seed"] % 2**31)
+        return self._restart(where, seeds)
+
+    def _restart(self, where: np.ndarray, seeds: list[int | None] | None = None) -> np.ndarray:
+        mask = np.zeros(self.num_envs, bool)
+        mask[where] = True
+        if mask.any():
+            options = {"reset_mask": mask, "theta": self.levels["theta"]}
+            self._observations, _ = self.vector.reset(seed=seeds, options=options)
         return self._observations.copy()
 
-    def _restart(self, index: int, theta: np.ndarray, seed: int | None = None) -> None:
-        env = self.envs[index]
-        self.apply(env, self.theta_map.values(theta))
-        self._observations[index] = env.reset(seed=seed)[0]
-
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        rewards = np.zeros(self.num_envs)
-        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
-        final = np.zeros_like(self._observations)
-        actions = gymnasium.vector.utils.iterate(self.action_space, actions)
-        for i, (env, action) in enumerate(zip(self.envs, actions, strict=True)):
-            self._observations[i], rewards[i], terminated[i], truncated[i], _ = env.step(action)
-            if terminated[i] or truncated[i]:
-                final[i] = self._observations[i]
-                self._restart(i, self.levels["theta"][i])
-        info = {"final_obs": final, "_final_obs": terminated | truncated}
-        return self._observations.copy(), rewards, terminated, truncated, info
+        self._observations, rewards, terminated, truncated, _ = self.vector.step(actions)
+        ended, final = terminated | truncated, self._observations
+        observations = self._restart(np.flatnonzero(ended))
+        return observations, rewards, terminated, truncated, {"final_obs": final.copy(), "_final_obs": ended}
 
     def get_state(self) -> dict[str, Any]:
         """Give everything that changes; the environments themselves are Python objects, copied deeply."""
+        if self.vectorization == "async":
+            raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
         return {
             "levels": self.levels.copy(),
             "observations": self._observations.copy(),
             "np_random": self.np_random.bit_generator.state,
-            "envs": copy.deepcopy(self.envs),
+            "envs": copy.deepcopy(self.vector),
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
         self.levels[:] = state["levels"]
-        self._observations[:] = state["observations"]
         self.np_random.bit_generator.state = state["np_random"]
-        self.envs = copy.deepcopy(state["envs"])
+        self.vector = copy.deepcopy(state["envs"])
+        self._observations = state["observations"].copy()
         return self._observations.copy()
 
     def copy(self) -> GymUPOMDP:
-        twin = GymUPOMDP(self.make_env, self.apply, self.theta_map.program or self._ranges(), self.num_envs)
-        twin.set_state(self.get_state())
+        """Give a second one; one in other processes begins the same levels anew."""
+        theta = self.theta_map.program or self._ranges()
+        twin = GymUPOMDP(self.make_env, self.apply, theta, self.num_envs, self.vectorization)
+        if self.vectorization == "sync":
+            twin.set_state(self.get_state())
+        else:
+            twin.np_random.bit_generator.state = self.np_random.bit_generator.state
+            twin.reset_to_levels(self.levels)
         return twin
 
     def _ranges(self) -> dict[str, Range]:
         return {draw.name: (draw.low, draw.high) for draw in self.draws}
 
     def close_extras(self, **kwargs: Any) -> None:
-        for env in self.envs:
-            env.close()
+        self.vector.close(**kwargs)

@@ -55,7 +55,7 @@ class Player:
         self.returns = np.zeros(upomdp.num_envs)  # of the open episodes
         self.lengths = np.zeros(upomdp.num_envs, np.int64)
         self.env_steps = 0
-        self.seconds = {"sim": 0.0, "forward": 0.0}
+        self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def start(self, trials: np.ndarray) -> None:
@@ -98,7 +98,9 @@ class Player:
         self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
+        began = perf_counter()
         where, trials = self.renew(ended, returns)
+        self.seconds["levels"] += perf_counter() - began
         if len(where):
             began = perf_counter()
             mask = np.zeros(self.upomdp.num_envs, bool)
@@ -120,7 +122,7 @@ class Player:
         return Episodes(level, returns, lengths)
 
     def take_seconds(self) -> dict[str, float]:
-        """Give the seconds spent since the last call, simulating and asking the network."""
+        """Give the seconds spent since the last call, simulating, asking the network, and choosing levels."""
         seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return seconds
 

@@ -137,8 +137,10 @@ class Training:
         """Let the students play, the curriculum look at what came of it, and the students learn."""
         self.due[:] = True
         collect([seat.player for seat in self.seats])
+        advantages = [self._look_back(seat) for seat in self.seats]
         began = perf_counter()
-        advantages = [self._look_back(index) for index in range(len(self.seats))]
+        for index, advantage in enumerate(advantages):
+            self._note_values(index, advantage)
         settled = self._take_settled()
         metrics = self.curriculum.update(settled)
         judged = perf_counter()
@@ -170,15 +172,15 @@ class Training:
         self.due[index, where] = False
         return where, trials
 
-    def _look_back(self, index: int) -> Tensor:
-        """Judge the steps of student `index`; note in its trials what its critic thought of them."""
+    def _look_back(self, seat: Seat) -> Tensor:
+        return gae(seat.player.rollout, self.config_ppo.gamma, self.config_ppo.gae_lambda)
+
+    def _note_values(self, index: int, advantages: Tensor) -> None:
+        """Note in the trials of student `index` what its critic thought during the episodes."""
         seat = self.seats[index]
-        rollout = seat.player.rollout
-        advantages = gae(rollout, self.config_ppo.gamma, self.config_ppo.gae_lambda)
-        values = seat.values.track(rollout, advantages)
+        values = seat.values.track(seat.player.rollout, advantages)
         if self.keep == "episode":
             self.queue.note(index, values)
-        return advantages
 
     def _learn(self, seat: Seat, advantages: Tensor) -> dict[str, float]:
         if seat.ppo is None:

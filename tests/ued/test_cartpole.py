@@ -45,7 +45,7 @@ def test_paired_trains_both_students_on_poles_of_its_choice():
 def test_a_run_on_gymnasium_environments_is_saved_without_their_insides(tmp_path):
     method = Paired(cartpole(4), PPO, seed=0)
     method.update()
-    with pytest.raises(checkpoint.CheckpointError, match="is a TimeLimit, which a checkpoint cannot hold"):
+    with pytest.raises(checkpoint.CheckpointError, match="is a SyncVectorEnv, which a checkpoint cannot hold"):
         checkpoint.save(tmp_path / "c.pt", method.state_dict())
     checkpoint.save(tmp_path / "c.pt", method.state_dict(episodes=False))
     resumed = Paired(cartpole(4), PPO, seed=1)

@@ -36,8 +36,8 @@ class NoShortPoles:
 def test_theta_reaches_the_environment_in_the_users_units():
     env = cartpole(2)
     env.reset(options={"theta": [[-1.0, 1.0], [1.0, 0.0]]})
-    assert [e.unwrapped.length for e in env.envs] == [0.2, 2.0]
-    assert [e.unwrapped.force_mag for e in env.envs] == [15.0, 8.5]
+    assert [e.unwrapped.length for e in env.vector.envs] == [0.2, 2.0]
+    assert [e.unwrapped.force_mag for e in env.vector.envs] == [15.0, 8.5]
     assert env.describe([[1.0, 0.0]]) == [{"length": 2.0, "push": 8.5}]
 
 
