@@ -58,7 +58,7 @@ class Generator:
             f"[{a}, {b}, 2][{self.random.randrange(3)}]",
             f"sorted([{a}, {b}, 0.5])[1]",
             f"sum([{a}, {b}, 3, self.position.y][{self.random.randrange(-3, 3)}:])",
-            f"sum([o.position.y for o in things if o.position.y > {a}][{self.pick('-2:', '1:', ':-1', '::-1', '::2')}])",
+            f"sum([o.position.y for o in things if o.position.y > {a}][{self.part()}])",
             f"abs({a}) ** 0.5",
             f"(shared + {a})",
             "len(log)",
@@ -70,6 +70,10 @@ class Generator:
             "max([o.position.y for o in things])",
         ]
         return self.pick(*forms)
+
+    def part(self) -> str:
+        """What stands between the brackets of a slice."""
+        return self.pick("-2:", "1:", ":-1", "::-1", "::2")
 
     def nearest(self, key: str) -> str:
         return self.pick(
