@@ -13,7 +13,6 @@ from envs.football.constants import (
     BOX_HALF_WIDTH,
     FREE_KICK,
     HALF_LENGTH,
-    HALF_WIDTH,
     LEFT,
     NOBODY,
     NORMAL,
@@ -29,7 +28,6 @@ CAUTIONED, SENT_OFF = 1, 2  # `cards`
 PLAYED_ON, FORGIVEN = 0.6, 3.0  # s for which a trip is played on at least; after which it is forgotten
 LEAVES_AFTER = 6.0  # s from a red card until the player has left the pitch
 FAR_BEHIND = 200.0  # m behind his own goal, where he is kept
-KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 PENALTY_SPOT = HALF_LENGTH - 11.0  # m
 
 
@@ -72,13 +70,7 @@ def judge_foul(match, over):
     if in_box:
         stop_play(match, PENALTY, team, PENALTY_SPOT if team == LEFT else -PENALTY_SPOT, 0.0)
     else:
-        stop_play(match, FREE_KICK, team, kick_place(match.foul_x, HALF_LENGTH), kick_place(match.foul_y, HALF_WIDTH))
-
-
-@kernel
-def kick_place(place, half):
-    """The coordinate of a free kick: where the foul was, but not too near a line."""
-    return min(max(place, -KICK_WITHIN * half), KICK_WITHIN * half)
+        stop_play(match, FREE_KICK, team, match.foul_x, match.foul_y)
 
 
 @kernel

@@ -75,7 +75,7 @@ def parry(match, i, stretched):
     lose_ball(match)
     fast = length(ball.vx, ball.vy)
     out = -1.0 if own_goal_x(player.team) > 0.0 else 1.0
-    aside = PARRY_CARRY * ball.vy / max(abs(ball.vx), 1.0) + PARRY_SPREAD * normal(match)
+    aside = PARRY_CARRY * ball.vy / max(abs(ball.vx), 1.0) + out * PARRY_SPREAD * normal(match)  # turned with the pitch
     if stretched and uniform(match) < TIPPED_CHANCE:
         aside = math.copysign(TIPPED_ASIDE + TIPPED_SPREAD * uniform(match), ball.y - player.y)
     keep = min(max(PARRY_KEEP + PARRY_KEEP_SPREAD * normal(match), PARRY_LEAST), PARRY_MOST)

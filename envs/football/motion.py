@@ -37,6 +37,7 @@ SLIDE_FRICTION = 14.0  # m/s²
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 TIRING = 6.3e-4  # per metre run
 TIRED_OUT = 0.99
+SAME_PLACE = 1e-3  # m between bodies that were in the same place
 BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
 
 
@@ -219,7 +220,9 @@ def part_bodies(match):
             b = match.players[j]
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
-            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and squared > 0.0 and a.down <= 0.0 and b.down <= 0.0:
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and a.down <= 0.0 and b.down <= 0.0:
+                if squared == 0.0:  # one steps back towards his goal
+                    dx, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
                 part(a, b, dx, dy, math.sqrt(squared))
 
 
@@ -227,7 +230,8 @@ def part_bodies(match):
 def part(a, b, dx, dy, distance):
     """Part two overlapping bodies; (dx, dy) leads from b to a."""
     nx, ny = dx / distance, dy / distance
-    energy_a, energy_b = a.vx * a.vx + a.vy * a.vy + 0.01, b.vx * b.vx + b.vy * b.vy + 0.01
+    toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # only these, or energy could be gained
+    energy_a, energy_b = toward_b * toward_b + 1e-9, toward_a * toward_a + 1e-9
     share = energy_a / (energy_a + energy_b)
     push = 2.0 * BODY_RADIUS - distance
     a.x += share * push * nx

@@ -143,7 +143,7 @@ def build_wall(match):
     if length(goal_x - ball.x, ball.y) >= WALL_RANGE:
         return
     angle = math.atan2(-ball.y, goal_x - ball.x)
-    chosen = 0
+    chosen, side = 0, 0.0
     for k in range(WALL_SIZE):
         best, nearest = NOBODY, math.inf
         for i in range(match.num_players):
@@ -156,5 +156,9 @@ def build_wall(match):
         if best == NOBODY:
             return
         chosen |= 1 << best
-        side = angle + (0.0, 1.0, -1.0)[k] * WALL_ANGLE
-        move_to(match, best, ball.x + DISTANCE * math.cos(side), ball.y + DISTANCE * math.sin(side))
+        if k == 1:  # the second nearest goes to his own side of the first, the third to the other
+            player = match.players[best]
+            across = (player.y - ball.y) * math.cos(angle) - (player.x - ball.x) * math.sin(angle)
+            side = WALL_ANGLE if across >= 0.0 else -WALL_ANGLE
+        here = angle + (0.0, side, -side)[k]
+        move_to(match, best, ball.x + DISTANCE * math.cos(here), ball.y + DISTANCE * math.sin(here))

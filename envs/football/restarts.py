@@ -21,8 +21,10 @@ from envs.football.constants import (
     NOBODY,
     NORMAL,
     PENALTY,
+    RUN_SPEED,
     SHORT_PASS,
     SHOT,
+    STEP,
     THROW_IN,
 )
 from envs.football.control import press, release_keys
@@ -145,7 +147,7 @@ def approach(match, taker):
     """Let the taker run up so that he is at the ball when he is to kick it."""
     player, ball = match.players[taker], match.ball
     dx, dy = toward(ball.x - player.x, ball.y - player.y)
-    speed = max(apart(ball, player) - AT_BALL, 0.0) / (0.1 * match.restart_kick)
+    speed = min(max(apart(ball, player) - AT_BALL, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
     player.vx, player.vy = speed * dx, speed * dy
 
 

@@ -5,10 +5,12 @@ Read next: `restarts`, which plays on.
 
 from __future__ import annotations
 
-from envs.football.constants import BALL_RADIUS, HALF_LENGTH, HALF_WIDTH, NOBODY, OUT_MARGIN
+from envs.football.constants import BALL_RADIUS, FREE_KICK, HALF_LENGTH, HALF_WIDTH, NOBODY, OUT_MARGIN
 from envs.football.possession import forget_kick, lose_ball
 from envs.football.vectors import toward
 from scenic_lite.jit import kernel
+
+KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 
 
 @kernel
@@ -21,7 +23,13 @@ def off_pitch(match):
 
 @kernel
 def stop_play(match, mode, team, x, y):
-    """Stop play for a restart of this mode by `team` from (x, y); `rules` sets it up when the step ends."""
+    """Stop play for a restart of this mode by `team` from (x, y); `rules` sets it up when the step ends.
+
+    Free kicks are not taken too near a line.
+    """
+    if mode == FREE_KICK:
+        x = min(max(x, -KICK_WITHIN * HALF_LENGTH), KICK_WITHIN * HALF_LENGTH)
+        y = min(max(y, -KICK_WITHIN * HALF_WIDTH), KICK_WITHIN * HALF_WIDTH)
     match.game_mode = mode
     match.restart_team = team
     match.restart_wait = 0

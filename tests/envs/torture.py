@@ -250,7 +250,6 @@ def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np
     elif kind == 2:  # in a corner, the ball too
         corner = rng.choice([-1.0, 1.0], 2) * [55.0, 36.0]
         places[:], ball = corner + rng.normal(0.0, 0.5, (count, 2)), corner
-        places = np.clip(places, [-58, -39], [58, 39])
     elif kind == 3:  # the ball on a post, or inside it
         ball = rng.choice([-1.0, 1.0], 2) * [55.0, 3.7] + rng.choice([0.0, 0.01, 0.17], 2)
     elif kind == 4:  # somebody, or everybody, exactly on the ball
@@ -261,7 +260,7 @@ def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np
     elif kind == 6:  # on one line, evenly
         places[:] = np.stack([np.linspace(-50, 50, count), np.zeros(count)], axis=1)
         ball = np.zeros(2)
-    return places, ball
+    return np.clip(places, [-58, -39], [58, 39]), np.clip(ball, [-55, -36], [55, 36])
 
 
 def torture(count: int, steps: int, seed: int) -> int:

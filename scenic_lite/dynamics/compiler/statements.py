@@ -27,11 +27,12 @@ from scenic_lite.dynamics.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import TRACKED
 from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.exceptions import ExceptionClass, Fault, raised
 from scenic_lite.evaluation.expressions import item_of
 from scenic_lite.evaluation.matching import chosen_case
 from scenic_lite.evaluation.statements import define_function, nothing
 from scenic_lite.graph import Random, Value
-from scenic_lite.values import BehaviorCall, Choice
+from scenic_lite.values import BehaviorCall, Choice, describe_kind
 
 MOST_UNROLLED = 64  # rounds of a loop over a fixed list
 
@@ -353,7 +354,7 @@ def certify(c: Compilation, frame: LiveFrame, node: ast.Assert) -> None:
 
 
 def refuse(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
-    words = {ast.Try: "`except`", ast.Raise: "`raise`", ast.With: "`with`"}
+    words = {ast.Try: "`except`", ast.With: "`with`"}
     word = words.get(type(node), f"`{type(node).__name__.lower()}`")
     raise ScenicError("unsupported", f"{word} cannot be compiled for a match")
 
@@ -386,6 +387,17 @@ def without_item(c: Compilation, frame: LiveFrame, target: ast.Subscript) -> Val
     if isinstance(container, list | LiveList) and not isinstance(index, slice):
         return mutated(c, frame, target, container, "pop", [index], {})[0]
     raise ScenicError("unsupported", "this cannot be deleted in a match")
+
+
+def throw(c: Compilation, frame: LiveFrame, node: ast.Raise) -> None:
+    """`raise`: a fault of the match, since nothing catches it there; no slip of the program that is to be warned of."""
+    value = None if node.exc is None else frame.value(node.exc)
+    if isinstance(value, ExceptionClass):
+        value = Fault(value)
+    if not isinstance(value, Fault):
+        raise frame.error("type", f"`raise` needs an exception, not {describe_kind(value)}", node)
+    fixed = not any(map(varies, value.arguments))
+    c.code.fault(raised(value if fixed else Fault(value.cls)).message)
 
 
 def match(c: Compilation, frame: LiveFrame, node: ast.Match) -> None:
@@ -425,7 +437,7 @@ STATEMENTS: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
     ast.Pass: skip,
     ast.FunctionDef: define,
     ast.Try: refuse,
-    ast.Raise: refuse,
+    ast.Raise: throw,
     ast.With: refuse,
     ast.Delete: delete,
     ast.Global: declare_global,

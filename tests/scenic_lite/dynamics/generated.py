@@ -57,6 +57,11 @@ class Generator:
             f"sum([o.position.y for o in things if o.position.x < {a}])",
             f"[{a}, {b}, 2][{self.random.randrange(3)}]",
             f"sorted([{a}, {b}, 0.5])[1]",
+            f"sum([{a}, {b}, 3, self.position.y][{self.random.randrange(-3, 3)}:])",
+            f"sum([o.position.y for o in things if o.position.y > {a}][{self.part()}])",
+            f"abs({a}) ** 0.5",
+            f"(shared + {a})",
+            "len(log)",
             f"({self.nearest(a)}).position.y",
             f"sqrt(abs({a}))",
             f"sin({a})",
@@ -65,6 +70,10 @@ class Generator:
             "max([o.position.y for o in things])",
         ]
         return self.pick(*forms)
+
+    def part(self) -> str:
+        """What stands between the brackets of a slice."""
+        return self.pick("-2:", "1:", ":-1", "::-1", "::2")
 
     def nearest(self, key: str) -> str:
         return self.pick(
@@ -165,7 +174,9 @@ class Generator:
 
     def assignment(self, indent: int, names: list[str]) -> None:
         roll = self.random.random()
-        if names and roll < 0.3:
+        if self.chance(0.12):
+            self.change(indent, names)
+        elif names and roll < 0.3:
             self.write(indent, f"{self.pick(*names)} {self.pick('+=', '-=', '*=')} {self.number(names, 1)}")
         elif names and roll < 0.6:
             self.write(indent, f"{self.pick(*names)} = {self.number(names)}")
@@ -176,6 +187,23 @@ class Generator:
             self.numbers += 1
             self.write(indent, f"v{self.numbers} = {self.number(names)}")
             names.append(f"v{self.numbers}")
+
+    def change(self, indent: int, names: list[str]) -> None:
+        """A variable that all behaviors see, or a list that they share, is another."""
+        number = self.number(names, 1)
+        self.write(
+            indent,
+            self.pick(
+                f"bump({number})",
+                f"log.append({number})",
+                f"log.insert({self.random.randrange(3)}, {number})",
+                "log.reverse()",
+                "log.sort()",
+            ),
+        )
+        if self.chance(0.5):
+            self.write(indent, f"if len(log) > {self.random.randrange(1, 6)}:")
+            self.write(indent + 1, self.pick("log.pop(0)", "log.pop()", "log.clear()", f"log[0] = {number}"))
 
     def branch(self, indent: int, names: list[str], depth: int, loop: bool, handler: bool) -> None:
         self.write(indent, f"if {self.truth(names)}:")
@@ -295,7 +323,12 @@ class Generator:
         self.write(2, "wait")
 
 
-HEADER = """def near(a, b):
+HEADER = """shared = 0
+log = []
+def bump(x):
+    global shared
+    shared = shared / 2 + x
+def near(a, b):
     if a < b:
         c = a + 1
         return c

@@ -1,0 +1,129 @@
+"""Modular scenarios and records in the machine: each program gives what the reference gives, in both dialects where it
+can be written in both; random ones are in `test_compiled`.
+"""
+
+import re
+
+import numpy as np
+import pytest
+
+from scenic_lite import ScenicError, load
+from scenic_lite.dynamics import vm
+from scenic_lite.dynamics.compiled import CompiledController
+from scenic_lite.dynamics.compiler.compiler import compile_program
+from scenic_lite.dynamics.recording import recorded
+from scenic_lite.dynamics.toy import first_table, run, toy_world
+from tests.scenic_lite.dynamics.compare import differences
+from tests.scenic_lite.dynamics.scenario_programs import BODIES, PARTS, RECORDS, TOP, main, program
+
+
+@pytest.mark.parametrize("name", sorted(BODIES))
+def test_the_machine_does_as_the_reference(name):
+    found, compiled = differences(program(name), range(6), steps=20)
+    assert found == []
+    assert not [each for each in compiled.doubts if each.kind != "warning"]
+
+
+@pytest.mark.parametrize("name", sorted(BODIES))
+def test_in_scenic_2_too(name):
+    text = program(name).replace("new Thing", "Thing")
+    assert differences(text, range(3), steps=20, dialect=2)[0] == []
+
+
+def test_monitors_of_scenic_2_start_by_themselves():
+    text = program("sequence").replace("new Thing", "Thing")
+    text = text.replace(
+        "    setup:\n        override ego",
+        "    setup:\n        monitor Own:\n            while True:\n"
+        "                simulation().scenic_reward = n\n                wait\n        override ego",
+        1,
+    )
+    assert "monitor Own" in text
+    assert differences(text, range(3), steps=20, dialect=2)[0] == []
+
+
+def test_records_are_those_of_the_reference():
+    text = PARTS + "kind = Uniform('k', 'l')\n" + RECORDS
+    text += main("do Kept(2), Part('a', 3) for 4 steps\nwait\ndo Kept(mate.position.y) for 3 steps", TOP)
+    found, compiled = differences(text, range(5), steps=20)
+    assert found == []
+    names = {each.name for each in compiled.records}
+    assert names == {"place", "high", "words", "near", "n", "above", "kind", "first", "last", "twice"}
+
+
+@pytest.mark.parametrize("dialect", [2, 3])
+def test_records_of_a_program_without_scenarios(dialect):
+    text = "ego = new Object at 0 @ Range(0, 2)\nrecord ego.position.y as y\nrecord final ego.position as end\n"
+    text += "record initial ego.position.y as first\nterminate when ego.position.y > 4\n"
+    text = text.replace("new Object", "Object") if dialect == 2 else text
+    found, compiled = differences(text, range(3), steps=9, dialect=dialect)
+    assert found == []
+    assert len(compiled.records) == 3
+
+
+def test_many_matches_record_side_by_side():
+    text = "ego = new Object at 0 @ Range(0, 2)\nrecord ego.position as place\nrecord ego.position.y as y\n"
+    text += "record 'word' as word\nrecord initial ego.position.y as first\n"
+    loaded = load(text, dialect=3)
+    compiled = compile_program(loaded, toy_world())
+    theta = loaded.sample(4, np.random.default_rng(1))[0]
+    rows = compiled.registers(theta)
+    holder = np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
+    assert np.isnan(recorded(compiled, rows)["y"]).all()
+    for match, row in enumerate(rows[:3]):
+        table = first_table(loaded, theta[match])
+        row[compiled.world_base : compiled.world_base + table.size] = table.ravel()
+        vm.run_watchers(compiled.code, row, holder)
+    found = recorded(compiled, rows)
+    y = [first_table(loaded, each)[0, 1] for each in theta[:3]]
+    assert found["y"].tolist()[:3] == found["first"].tolist()[:3] == found["place"][:3, 1].tolist() == y
+    assert np.isnan(found["y"][3]) and np.isnan(found["place"][3]).all()
+    assert found["word"].tolist() == ["word", "word", "word", None]
+
+
+def test_disassembly_shows_scenarios():
+    _, compiled = differences(program("interrupts"), range(1))
+    text = compiled.disassembly()
+    for words in ("scenario Main", "ego: Loop (override in Part)", "end of Part", "ego: its behavior", "Part.running"):
+        assert words in text
+    assert re.search(r"set_slot +Main.compose, -> \d+", text)
+    assert "do Level(2), Part('c', 2) for 2 steps" in text
+
+
+def test_scenarios_compile_no_kernel():
+    if not hasattr(vm.run_watchers, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    differences(program("sequence"), range(1))
+    kernels = [vm.run_behaviors, vm.run_watchers, vm.run_thread]
+    before = [list(kernel.signatures) for kernel in kernels]
+    for name in ("parallel", "interrupts", "variables"):
+        differences(program(name), range(1))
+    assert [list(kernel.signatures) for kernel in kernels] == before
+
+
+REFUSED = {
+    "an object": ("scenario Made():\n    setup:\n        new Thing at 9 @ 9\n---\ndo Made()", "by the reference only"),
+    "a parameter": ("scenario Set():\n    setup:\n        param x = 3\n---\ndo Set()", "no meaning in a match"),
+    "itself": ("scenario Again(n):\n    compose:\n        wait\n        do Again(n)\n---\ndo Again(1)", "calls itself"),
+    "a monitor in a loop": ("while ego.position.y < 9:\n    require monitor Pay(1)\n    wait", "cannot be repeated"),
+    "the ego of a match": ("wait\nego = mate\nwait", "no match can change ego here"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_what_cannot_be_compiled_says_so(name, monkeypatch):
+    text, words = REFUSED[name]
+    monkeypatch.setitem(BODIES, name, text)
+    with pytest.raises(ScenicError, match=words) as caught:
+        compile_program(load(program(name), dialect=3), toy_world())
+    assert caught.value.place is not None
+
+
+def test_a_fault_in_a_scenario_stops_at_its_line():
+    text = PARTS + "scenario Main():\n    compose:\n        wait\n        do Part('a', 1 / (ego.position.y - 1))\n"
+    loaded = load(text, dialect=3)
+    theta = loaded.sample(1, np.random.default_rng(0))[0][0]
+    controller = CompiledController(compile_program(loaded, toy_world()), theta)
+    with pytest.raises(ScenicError, match="division by zero") as caught:
+        run(first_table(loaded, theta), controller, 9, 1.0)
+    assert caught.value.place.line == text.count("\n")
