@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from envs.football.constants import DT
 from envs.football.fouls import report_foul
+from envs.football.motion import SLIDE_TIME
 from envs.football.touch import take
 from envs.football.vectors import apart, length, toward
 from scenic_lite.jit import kernel
@@ -28,6 +29,7 @@ SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is fro
 
 # Slides
 SLIDE_REACH, TRIP_REACH = 0.9, 1.15  # m from the body to the ball, and to the carrier's body
+TRIP_FROM = SLIDE_TIME - 0.15  # s left of a slide in which the legs are out
 SLIDE_RATE, SLIDE_MOVING = 6.0, 0.5  # wins per s within reach of a ball that passes at more than this many m/s
 SHIELDED = 0.3  # share of that if the carrier's body is between
 FOUL_SIDE, FOUL_BEHIND, FOUL_FRONT = 0.97, 0.95, 0.03  # chances; from behind only a carrier who runs is felled
@@ -74,7 +76,7 @@ def slide_into(match, i, distance):
     """Let player i, sliding this far from the ball, win it or fell the carrier if either is in his reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     front = frontal(player, carrier)
-    if apart(player, carrier) < TRIP_REACH and not player.met:
+    if apart(player, carrier) < TRIP_REACH and not player.met and player.down < TRIP_FROM:
         player.met = True
         runs = length(carrier.vx, carrier.vy) > STANDING
         if uniform(match) < foul_chance(front, runs):
