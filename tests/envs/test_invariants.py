@@ -27,7 +27,7 @@ from envs.football.whistle import stop_play
 from tests.envs.torture import torture
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILT_IN = replace(OPEN, control="none", offsides=True, right_team_difficulty=1.0)
+BUILT_IN = replace(OPEN, control="none", offsides=True, right_team_difficulty=1.0, game_duration=10**6)
 speed = st.floats(-8, 8)
 
 
