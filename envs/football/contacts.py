@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.hands import can_hold, has_hands, hold, parry
 from envs.football.saves import ARM, foresee
@@ -33,6 +35,8 @@ ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
 CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
 BLOCK_DOWN, DIVE_DOWN = 0.3, 1.1  # s on the ground after a block on the spot, after a dive
 
+_COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
+
 
 @kernel
 def reachable(match):
@@ -50,9 +54,13 @@ def reachable(match):
 
 @kernel
 def meet_ball(match, bits):
-    """Let every player named in `bits` try for the ball in this frame; who goes first alternates between steps."""
+    """Let every player named in `bits` try for the ball in this frame.
+
+    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene.
+    """
+    turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
-        i = k if match.step % 2 == 0 else match.num_players - 1 - k
+        i = match.num_players - 1 - k if turned else k
         if match.game_mode != NORMAL:
             return
         if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
