@@ -141,8 +141,8 @@ def bad_direction(match, rx, ry, ux, uy, hard):
     x, y = drag * rx + (1.0 - drag) * ux, drag * ry + (1.0 - drag) * uy
     size = length(x, y) + 1e-9
     spread = SCATTER * hard
-    x = x / size + spread * (2.0 * uniform(match) - 1.0)
-    y = y / size + spread * (2.0 * uniform(match) - 1.0)
+    along, across = spread * (2.0 * uniform(match) - 1.0), spread * (2.0 * uniform(match) - 1.0)
+    x, y = x / size + along * ux - across * uy, y / size + along * uy + across * ux
     z = spread * (2.0 * uniform(match) - 1.0)
     size = math.sqrt(x * x + y * y + z * z) + 1e-9
     x, y = x / size, y / size
