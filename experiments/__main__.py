@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from experiments.errors import CommandError, UsageError, nearest
@@ -38,11 +38,16 @@ Begin with: regista compare 1v1Restricted --out demo
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts its threads; see `scenic_lite.jit`
-    words = list(sys.argv[1:] if argv is None else argv)
+    return run_command(_dispatch, sys.argv[1:] if argv is None else argv)
+
+
+def run_command(command: Callable[[list[str]], int], argv: Sequence[str]) -> int:
+    """Give the exit code of `command(argv)`; an error that is the user's business is one sentence."""
+    words = list(argv)
     debug = "--debug" in words
     words = [word for word in words if word != "--debug"]
     try:
-        return _dispatch(words)
+        return command(words)
     except BrokenPipeError:  # `regista inspect ... | head`
         sys.stderr.close()
         return 1

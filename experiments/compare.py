@@ -3,7 +3,7 @@
     regista compare 1v1Restricted --methods dr paired --seeds 4 --total-env-steps 3_000_000 --out demo
 
 Every run is a folder beneath `--out`; a second call skips what is finished and continues what is not.
-Read next: `workers`, which trains; `results`, which counts; `overview`, which draws.
+Read next: `workers`, which trains; `evaluate`, which tests; `report`, the tables; `overview`, which draws.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
-from experiments import arguments, build, level_plots, plots
+from experiments import arguments, build, level_plots, plots, results_page
 from experiments.arguments import group, positional
 from experiments.config import TrainConfig, presets
-from experiments.evaluate import evaluate_baselines, evaluate_run
+from experiments.evaluate import Tests, check_levels
 from experiments.overview import Comparison, overview
-from experiments.results import render_table, save_csv
+from experiments.report import Report
+from experiments.results import unique
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
-from experiments.table import cannot_write
 from experiments.testing import TestScenes
 from experiments.workers import train_all
 from ued.config import check_at_least_1, check_not_negative, setting
@@ -39,9 +39,11 @@ class CompareConfig:
     """What is typed after `regista compare`."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
-    methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare")
+    methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
     seeds: int = setting(4, "runs of each method, with seeds 0, 1, ...")
     episodes: int = setting(500, "whole episodes on each test scene after training")
+    levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
+    level_episodes: int = setting(10, "whole episodes on each of them, an even number")
     processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
@@ -50,6 +52,7 @@ class CompareConfig:
     def __post_init__(self) -> None:
         check_at_least_1(self, "seeds", "episodes")
         check_not_negative(self, "processes")
+        check_levels(self.levels, self.level_episodes)
         if not self.methods or len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods must be one or more, each named once, got {' '.join(self.methods) or 'none'}")
 
@@ -73,7 +76,9 @@ def main(argv: Sequence[str]) -> int:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    report(runs, scenes, folder)
+    found = Tests(scenes, config.levels, config.level_episodes).report(runs)
+    show(found, runs, build.make_painter(scenes.scenes[build.TRAINING_SCENE].program), folder)
+    page(found, runs, ["compare", *argv], folder)
     return 0
 
 
@@ -93,24 +98,27 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     return runs
 
 
-def report(runs: Sequence[RunFolder], scenes: TestScenes, folder: Path) -> None:
-    """Evaluate all runs and the baselines; print the table; write table, CSV and pictures."""
-    results = [row for run in runs for row in evaluate_run(run, scenes)] + evaluate_baselines(scenes)
-    save_csv(results, folder / "results.csv")
-    table = render_table(results)
-    try:
-        (folder / "table.txt").write_text(table + "\n")
-    except OSError as error:
-        raise cannot_write(folder / "table.txt", error) from error
+def show(found: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) -> None:
+    """Print the tables; write them, all numbers and pictures."""
+    found.save(folder)
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
-    painter = build.make_painter(scenes.scenes[build.TRAINING_SCENE].program)
     name = build.find_minigame(runs[0].config.minigame).name
-    draw(Comparison(name, by_method, results, painter), folder)
-    print(f"\n{table}\n")
-    print(f"pictures and numbers: {folder}/overview.png, learning_curves.png, levels.png, results.csv")
+    draw(Comparison(name, by_method, found.results, painter), folder)
+    print(f"\n{found.text()}\n")
+    print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
+    print(f"pictures: {folder}/overview.png, learning_curves.png, levels.png")
     print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
+
+
+def page(found: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
+    """Write what a page of results shows of the comparison."""
+    name = build.find_minigame(runs[0].config.minigame).name
+    trained = unique([run.config.method for run in runs])
+    pictures = {f"Learning curves on {name}": "learning_curves.png", f"Goals and levels on {name}": "overview.png"}
+    heading = f"{name}: {plots.listed(trained)}"
+    results_page.write_page(folder, heading, command, found.markdown(), pictures)
 
 
 def draw(found: Comparison, folder: Path) -> None:

@@ -5,6 +5,7 @@ Read next: `compare`.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 WIDTH = 11.5  # inches
 COLUMNS = 4  # pitches in a row
+HEADING_LENGTH = 105  # characters in a line of the heading
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,8 @@ def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequ
 
 def _heading(found: Comparison) -> str:
     seeds = max(len(paths) for paths in found.runs.values())
-    return f"{found.minigame}: {' and '.join(plots.title(m) for m in found.runs)}, {seeds} seed{'s' * (seeds > 1)} each"
+    whole = f"{found.minigame}: {plots.listed(list(found.runs))}, {seeds} seed{'s' * (seeds > 1)} each"
+    return textwrap.fill(whole, HEADING_LENGTH)
 
 
 def _draw_learning(axes: Axes, found: Comparison) -> None:
@@ -109,4 +112,5 @@ def _draw_goals(axes: Axes, found: Comparison) -> None:
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
     axes.set_title("Goals scored after training (% of episodes)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=len(methods), columnspacing=1.2)
+    columns = min(plots.LEGEND_COLUMNS, len(methods))
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=columns, columnspacing=1.2)

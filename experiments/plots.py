@@ -5,14 +5,14 @@ Colours: one per method everywhere; blue and red are the teams. Read next: `leve
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from experiments.table import cannot_write, read_columns
+from experiments.table import cannot_write, read_columns, read_header
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,9 +20,38 @@ if TYPE_CHECKING:
 
 INK = "#22262b"
 FAINT = "#8a9199"
-METHOD_COLOURS = {"paired": "#e4572e", "dr": "#4a6fa5", "shoot": "#9aa3ab", "random": "#cfd5da"}
-OTHER_COLOURS = ("#2a9d8f", "#8e6bbf", "#c99700", "#b5446e")
-METHOD_NAMES = {"paired": "PAIRED", "dr": "domain randomisation", "shoot": "shoot at once", "random": "random"}
+METHOD_COLOURS = {  # neighbours in a usual comparison differ in hue and in lightness
+    "dr": "#4a6fa5",
+    "minimax": "#7a5c48",
+    "paired": "#e4572e",
+    "paired_literal": "#f0a202",
+    "self_regret": "#d81e8c",
+    "repaired": "#8c1c2e",
+    "plr": "#7cc6a4",
+    "robust_plr": "#00798c",
+    "accel": "#2e8b3d",
+    "sfl": "#7b4bb3",
+    "alp_gmm": "#1f2a44",
+    "shoot": "#9aa3ab",
+    "random": "#cfd5da",
+}
+OTHER_COLOUR = "#5f6670"
+METHOD_NAMES = {
+    "dr": "domain randomisation",
+    "minimax": "minimax",
+    "paired": "PAIRED",
+    "paired_literal": "PAIRED, literal",
+    "self_regret": "self-regret",
+    "repaired": "REPAIRED",
+    "plr": "PLR",
+    "robust_plr": "PLR⊥",
+    "accel": "ACCEL",
+    "sfl": "SFL",
+    "alp_gmm": "ALP-GMM",
+    "shoot": "shoot at once",
+    "random": "random",
+}
+LEGEND_COLUMNS = 6  # at most, of names beside each other
 WINDOW = 0.04  # of a curve's length: its running mean
 
 STYLE: dict[Any, Any] = {
@@ -67,14 +96,18 @@ def style() -> AbstractContextManager:
 
 def colour(method: str) -> str:
     """Give the colour of a method."""
-    if method in METHOD_COLOURS:
-        return METHOD_COLOURS[method]
-    return OTHER_COLOURS[sum(map(ord, method)) % len(OTHER_COLOURS)]
+    return METHOD_COLOURS.get(method, OTHER_COLOUR)
 
 
 def title(method: str) -> str:
     """Give the name of a method as a picture shows it."""
     return METHOD_NAMES.get(method, method)
+
+
+def listed(methods: Sequence[str]) -> str:
+    """Give the names of methods as a sentence lists them."""
+    *others, last = map(title, methods)
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -135,49 +168,65 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw the return on every test scene, on the levels trained on, and the regret, over env_steps.
+    """Draw the return on every test scene, and of the levels trained on: return, success, regret and spread of θ.
 
-    `runs` gives the run folders of each method.
+    `runs` gives the run folders of each method. All is drawn over env_steps.
     """
     import matplotlib.pyplot as plt
 
     panels = _panels(runs)
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
+    legend = 0.1 + 0.18 * -(-len(runs) // LEGEND_COLUMNS)  # inches
     with style():
-        figure, grid = plt.subplots(rows, columns, figsize=(3.9 * columns, 2.75 * rows), squeeze=False)
-        for axes, (heading, curves) in zip(grid.flat, panels.items(), strict=False):
-            for method, curve in curves:
+        figure, grid = plt.subplots(rows, columns, figsize=(3.9 * columns, 2.75 * rows + legend), squeeze=False)
+        for axes, (heading, panel) in zip(grid.flat, panels.items(), strict=False):
+            for method, curve in panel.curves:
                 draw_curve(axes, curve, method)
             axes.set_title(heading)
+            axes.set_ylabel(panel.unit)
             axes.margins(x=0.01)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        for axes in grid[-1]:
+        for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
             axes.set_xlabel("simulated steps, all students (millions)")
-        for line in grid[:, 0]:
-            line.set_ylabel("mean return")
-        _legend(figure, grid.flat[0])
-        figure.tight_layout(rect=(0, 0, 1, 1 - 0.28 / figure.get_figheight()))
+        _legend(figure, runs)
+        figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
         save(figure, path)
 
 
-def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, list[tuple[str, Curve]]]:
-    """Give heading to (method, curve): the test scenes, then what the method trained on, then regret."""
-    columns: dict[str, tuple[str, ...]] = {}
-    for paths in runs.values():
-        for name in read_columns(paths[0] / "metrics.csv"):
-            if name.startswith("eval/"):
-                columns.setdefault(_scene_heading(name.removeprefix("eval/")), (name,))
-    columns["return on the levels trained on"] = ("return/student", "return/protagonist")
-    columns["regret of the levels trained on"] = ("regret",)
+class Panel(NamedTuple):
+    """What is drawn in one panel: its unit, and the curve of each method that has one."""
+
+    unit: str
+    curves: list[tuple[str, Curve]]
+
+
+def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
+    """Give heading to panel: the test scenes, then what the levels trained on were like."""
+    headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
+    scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
+    wanted = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
+    wanted["return on the levels trained on"] = ("return/", "mean return")
+    wanted["success on the levels trained on"] = ("success", "share of episodes")
+    wanted["regret of the levels trained on"] = ("regret", "regret")
+    wanted["spread of the levels trained on"] = ("theta_entropy", "entropy of θ (nats)")
     panels = {}
-    for heading, names in columns.items():
-        curves = [(method, read_curve(paths, name)) for method, paths in runs.items() for name in names]
-        known = [(method, curve) for method, curve in curves if curve is not None]
-        if known:
-            panels[heading] = known
+    for heading, (name, unit) in wanted.items():
+        curves = []
+        for method, paths in runs.items():
+            column = next((each for each in headers[method] if _is_column(each, name)), None)
+            curve = read_curve(paths, column) if column else None
+            if curve is not None:
+                curves.append((method, curve))
+        if curves:
+            panels[heading] = Panel(unit, curves)
     return panels
+
+
+def _is_column(column: str, name: str) -> bool:
+    """Say whether this is the column of that name. The first of the returns is that of the student to evaluate."""
+    return column.startswith(name) if name.endswith("/") else column == name
 
 
 def _scene_heading(scene: str) -> str:
@@ -193,6 +242,9 @@ def _running_mean(values: np.ndarray) -> np.ndarray:
     return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")
 
 
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper left", ncols=len(labels), bbox_to_anchor=(0.01, 1.0))
+def _legend(figure: Figure, methods: Iterable[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], color=colour(method), linewidth=2.0, label=title(method)) for method in methods]
+    columns = min(LEGEND_COLUMNS, len(handles))
+    figure.legend(handles=handles, loc="upper left", ncols=columns, bbox_to_anchor=(0.01, 1.0))

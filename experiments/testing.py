@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ued.evaluation import Evaluation
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
+LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = 64  # at most, on each scene
 
 
@@ -40,6 +41,14 @@ class TestScenes:
         from ued.evaluation import evaluate
 
         return {label: evaluate(policy, scene, self.episodes, SEED) for label, scene in self.scenes.items()}
+
+    def play_random_levels(self, policy: Any, levels: int, episodes: int) -> Evaluation:
+        """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
+        from ued.evaluation import evaluate
+
+        scene = self.scenes[build.TRAINING_SCENE]
+        scene.reset(seed=LEVELS_SEED)
+        return evaluate(policy, scene, levels * episodes, LEVELS_SEED, scene.sample_levels(levels))
 
     def metrics(self, policy: Any) -> dict[str, float]:
         """Give the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.

@@ -111,17 +111,24 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.mean((gap > 0) + 0.5 * (gap == 0)))
 
 
-def cvar(values: np.ndarray, share: float) -> float:
+def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:
     """Give the conditional value at risk: the mean of the worst `share` of values, fractions of a value included.
 
-    Of success rates on levels drawn at random it tells how robust a student is (Rutherford et al. 2024). Estimate the
-    rates on other episodes than those by which levels are called worst: luck is taken for difficulty otherwise.
+    Of success rates on levels drawn at random it tells how robust a student is (Rutherford et al. 2024). Whoever calls
+    levels worst by the same episodes that give their rates takes luck for difficulty: `by` are estimates from other
+    episodes that rank the values; equally ranked ones count alike. Raises `ValueError` for no value, a share beyond
+    (0, 1] and another number of `by`.
     """
-    ordered = np.sort(np.asarray(values, float), axis=None)
-    if not len(ordered) or not 0 < share <= 1:
-        raise ValueError(f"cvar needs values and a share in (0, 1], got {len(ordered)} values and {share}")
-    weights = np.clip(share * len(ordered) - np.arange(len(ordered)), 0.0, 1.0)
-    return float((weights * ordered).sum() / weights.sum())
+    found = np.asarray(values, float).ravel()
+    rank = found if by is None else np.asarray(by, float).ravel()
+    if not len(found) or not 0 < share <= 1 or len(rank) != len(found):
+        raise ValueError(
+            f"cvar needs values, as many ranks and a share in (0, 1], got {len(found)}, {len(rank)} and {share}"
+        )
+    _, tie, sizes = np.unique(rank, return_inverse=True, return_counts=True)
+    before = np.cumsum(sizes) - sizes  # values that are worse than those of this rank
+    weights = (np.clip(share * len(found) - before, 0.0, sizes) / sizes)[tie.ravel()]
+    return float((weights * found).sum() / weights.sum())
 
 
 def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 2000) -> Interval:

@@ -1,29 +1,49 @@
 """Comparisons: what is kept, what is continued, what the table says."""
 
 import csv
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from envs.football.config import FootballConfig
-from experiments import build, compare
+from experiments import build, compare, results_page
 from experiments.__main__ import main
 from experiments.config import TrainConfig
-from experiments.results import Result, advantage, goal_rate, mean_return, render_table
+from experiments.errors import CommandError
+from experiments.report import Report
+from experiments.results import (
+    LevelResult,
+    Result,
+    Scores,
+    advantage,
+    chance_of_better,
+    goal_rate,
+    iqm_score,
+    iqm_stratified,
+    level_cvar,
+    level_rate,
+    mean_return,
+    summarise_levels,
+)
 from experiments.run import RunFolder
 from experiments.stopping import StopRequest
 from experiments.table import read_rows
 from experiments.testing import TestScenes
 from experiments.train import train
+from ued.evaluation import Evaluation
+from ued.upomdp import level_dtype
 
 ROOT = Path(__file__).parents[2]
 SHORT = ["--total-env-steps", "5000", "--eval-every", "2000", "--eval-episodes", "8", "--episodes", "20", "--no-record"]
+LEVELS = ["--levels", "20", "--level-episodes", "4"]
 
 
 @pytest.fixture
@@ -40,19 +60,27 @@ def in_process(probe, monkeypatch):
 
 def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
     folder = tmp_path / "demo"
-    assert main(["compare", "1v1Restricted", "--seeds", "2", *SHORT, "--out", str(folder)]) == 0
+    assert main(["compare", "1v1Restricted", "--seeds", "2", *SHORT, *LEVELS, "--out", str(folder)]) == 0
     out = capsys.readouterr().out
     with open(folder / "results.csv") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == (2 * 2 + 2) * 4
     assert {row["method"] for row in rows} == {"dr", "paired", "shoot", "random"}
     assert all(int(row["env_steps"]) == 5000 for row in rows if row["method"] == "paired")
-    assert "paired − dr" in out and (folder / "table.txt").read_text().strip() in out
+    assert "− dr" in out and "CVaR10" in out and (folder / "table.txt").read_text().strip() in out
+    page = (folder / "page.md").read_text()
+    assert (folder / "table.md").read_text().strip() in page
+    assert page.startswith("## 1v1Restricted: domain randomisation and PAIRED") and "regista compare 1v1R" in page
+    with open(folder / "levels.csv") as file:
+        levels = list(csv.DictReader(file))
+    assert len(levels) == 2 * 2 + 2 and {row["levels"] for row in levels} == {"20"}
+    rates = {row["method"]: float(row["goal_rate"]) for row in levels}
+    assert 0.3 < rates["random"] < 0.7 and rates["shoot"] < 1  # the probe pays the right side
 
 
 def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path, capsys):
     folder = tmp_path / "demo"
-    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--out", str(folder)]
+    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, *LEVELS, "--out", str(folder)]
     assert main(command) == 0
     before = (folder / "dr-0" / "metrics.csv").read_bytes()
     capsys.readouterr()
@@ -65,7 +93,7 @@ def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path
 
 
 def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
-    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--out", str(tmp_path / "demo")]
+    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, *LEVELS, "--out", str(tmp_path / "demo")]
     assert main(command) == 0
     assert main([*command, "--gamma", "0.5"]) == 1
     assert (
@@ -77,10 +105,17 @@ def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
 def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
     path = tmp_path / "run"
     assert main(["train", "1v1Restricted", *SHORT[:6], "--out", str(path), "--no-record"]) == 0
-    assert main(["evaluate", str(path), "--episodes", "50", "--csv", str(tmp_path / "r.csv")]) == 0
+    files = ["--csv", str(tmp_path / "r.csv"), "--markdown", str(tmp_path / "r.md")]
+    assert main(["evaluate", str(path), "--episodes", "50", *LEVELS, *files]) == 0
     out = capsys.readouterr().out
     assert "hard" in out and "shoot" in out and "5_000" in out
     assert len((tmp_path / "r.csv").read_text().splitlines()) == 1 + 3 * 4
+    assert (tmp_path / "r.md").read_text().startswith("| method |  | training distribution |")
+    assert main(["evaluate", str(path), "--episodes", "50", *LEVELS, "--json", "--no-baselines"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert len(found["results"]) == 4 and len(found["levels"]) == 1
+    (mean,) = [entry for entry in found["tables"] if entry["measure"] == "mean"]
+    assert 0 < mean["estimate"] <= 1 and mean["low"] is None  # one run says nothing of the next
 
 
 def test_goals_are_what_counts_whatever_pays_in_training(in_process, monkeypatch):
@@ -133,19 +168,118 @@ def test_the_advantage_of_a_better_method_is_positive():
     assert gain.estimate == pytest.approx(0.42) and gain.low > 0.3
 
 
-def test_the_table_has_scenes_and_methods():
+def two_methods():
     results = [
-        row(method, seed, 50, scene) for method in ("dr", "paired") for seed in (0, 1) for scene in ("easy", "hard")
+        row(method, seed, goals, scene)
+        for method, goals in (("dr", 40), ("paired", 60))
+        for seed in (0, 1)
+        for scene in ("easy", "hard")
     ]
-    results += [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
-    text = render_table(results)
-    lines = text.splitlines()
-    assert lines[0].split()[:4] == ["scene", "dr", "paired", "shoot"]
-    assert lines[2].startswith("easy       return  +0.50 [+0.4")
-    assert "0% [0%, 4%]" in text
-    assert lines[-4].split() == ["runs", "2", "2", "1"]
-    assert lines[-3].split() == ["env_steps", "1_000", "1_000", "–"]
-    assert np.unique([len(line.rstrip()) > 0 for line in lines]).tolist() == [True]
+    return results + [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
+
+
+def test_the_table_has_methods_and_scenes():
+    lines = [line.split("  ") for line in Report(two_methods()).text().splitlines()]
+    cells = [[cell.strip() for cell in line if cell.strip()] for line in lines]
+    assert cells[0] == ["method", "easy", "hard", "runs", "env_steps", "updates"]
+    assert [line[0] for line in cells[2:9]] == ["dr", "goals", "paired", "goals", "− dr", "shoot", "goals"]
+    assert cells[4][2].startswith("+0.60 [+0.") and cells[4][4:] == ["2", "1_000", "10"]
+    assert cells[6][1].startswith("+0.20 [+0.") and cells[7][-3:] == ["1", "–", "–"]
+    assert cells[8] == ["goals", "10% [6%, 17%]", "0% [0%, 4%]"]
+    second = cells.index(["method", "mean", "IQM", "IQM, stratified", "mean − dr", "P(better than dr)"])
+    assert cells[second + 3][-1] == "1.00" and cells[second + 2][0] == "dr"
+    assert cells[second + 4] == ["shoot", "5%", "5%", "5%"]
+
+
+def test_markdown_and_csv_have_the_same_numbers(tmp_path):
+    report = Report(two_methods(), [LevelResult(name, 0, 50, 4, 0.5, 0.2, 0.05) for name in ("dr", "paired", "shoot")])
+    report.save(tmp_path)
+    lines = (tmp_path / "table.md").read_text().splitlines()
+    widths = {line.count("|") for line in lines if line.startswith("| ")}
+    assert widths == {8, 9}  # 7 and 8 columns
+    assert any(
+        line.startswith("| paired | 60% [") and line.endswith("| 50% [43%, 57%] | 20% [10%, 30%] |") for line in lines
+    )
+    with open(tmp_path / "table.csv") as file:
+        entries = {(row["method"], row["measure"], row["scene"]): row for row in csv.DictReader(file)}
+    assert float(entries["paired", "mean minus first", ""]["estimate"]) == pytest.approx(0.2)
+    assert entries["paired", "P(better)", ""] | {"low": "", "high": ""} == entries["paired", "P(better)", ""]
+    assert float(entries["shoot", "goals", "easy"]["high"]) == pytest.approx(0.1744, abs=1e-3)  # Wilson of 10 in 100
+    assert len(read_rows(tmp_path / "levels.csv")) == 3
+
+
+def test_scores_of_all_scenes():
+    """Two runs on three scenes, by hand: the middle half of six values is three of them."""
+    found = Scores(np.array([[0.0, 0.5, 1.0], [0.2, 0.6, 0.7]]), np.zeros((2, 3)))
+    assert iqm_score(found).estimate == pytest.approx((0.5 * 0.2 + 0.5 + 0.6 + 0.5 * 0.7) / 3)
+    assert iqm_score(found).estimate == iqm_stratified(found).estimate
+    assert iqm_stratified(found).low < iqm_stratified(found).high
+    one = Scores(found.rates[:1], found.errors[:1])
+    assert np.isnan(iqm_stratified(one).low) and np.isnan(iqm_score(one).low)
+    other = Scores(np.array([[0.4], [0.4], [0.6]]) + np.zeros((3, 3)), np.zeros((3, 3)))
+    assert chance_of_better(found, other) == pytest.approx(2 / 3)  # both have the mean 0.5
+
+
+def levels_played(goals):
+    """An evaluation of these outcomes `[L, k]`."""
+    count, each = goals.shape
+    returns = goals.T.ravel().astype(float)
+    levels = np.zeros(count, level_dtype(2))
+    return Evaluation(returns, np.ones(len(returns), int), np.arange(count * each) % count, levels, 0)
+
+
+def test_the_worst_levels_are_found_by_other_episodes():
+    """Ten levels, four episodes: level 0 fails in the even ones and scores in the odd ones, level 1 always fails."""
+    goals = np.ones((10, 4), bool)
+    goals[0, ::2] = False
+    goals[1] = False
+    row = summarise_levels(levels_played(goals), "dr", 3)
+    assert (row.method, row.seed, row.levels, row.episodes) == ("dr", 3, 10, 4)
+    assert row.goal_rate == pytest.approx(0.85)
+    # by the even episodes levels 0 and 1 tie for the worst, with 1 and 0 in the odd ones; by the odd ones it is level 1
+    assert row.cvar10 == pytest.approx((0.5 + 0.0) / 2)
+
+
+def test_levels_of_one_and_of_several_runs():
+    one = LevelResult("dr", 0, 100, 10, 0.5, 0.05, 0.05)
+    assert level_rate([one]) == pytest.approx((0.5, 0.469, 0.531), abs=1e-3)
+    assert level_cvar([one]) == pytest.approx((0.05, 0.0, 0.148))
+    several = [replace(one, seed=seed, goal_rate=rate) for seed, rate in enumerate((0.4, 0.5, 0.6))]
+    assert level_rate(several).low < 0.4 and level_cvar(several).estimate == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("flags", [["--levels", "5"], ["--level-episodes", "3"], ["--level-episodes", "0"]])
+def test_levels_that_give_no_cvar_are_refused(flags, capsys):
+    assert main(["compare", *flags]) == 2
+    assert f"{flags[0][2:].replace('-', '_')} must be" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- the page of results
+
+
+def test_a_page_takes_in_a_comparison_and_keeps_the_rest(tmp_path, capsys):
+    folder, page = tmp_path / "results", tmp_path / "RESULTS.md"
+    folder.mkdir()
+    (folder / "curves.png").write_bytes(b"one")
+    results_page.write_page(folder, "a and b", ["compare", "x y"], "| a |", {"Curves": "curves.png"})
+    page.write_text("# Results\n\nMine before.\n")
+    command = [str(folder), "--into", str(page), "--pictures", str(tmp_path / "pictures")]
+    assert results_page.main(command) == 0
+    page.write_text(page.read_text() + "\nMine after.\n")
+    once = page.read_text()
+    assert "## a and b\n\n```sh\nregista compare 'x y'\n```\n\n| a |" in once
+    assert "![Curves](pictures/results_curves.png)" in once
+    assert (tmp_path / "pictures" / "results_curves.png").read_bytes() == b"one"
+    results_page.write_page(folder, "changed", ["compare"], "| b |", {"Curves": "curves.png"})
+    assert results_page.main(command) == 0
+    again = page.read_text()
+    assert again.startswith("# Results\n\nMine before.\n") and again.endswith("\nMine after.\n")
+    assert "## changed" in again and "a and b" not in again and again.count("<!-- begin results -->") == 1
+
+
+def test_a_page_of_an_unfinished_comparison(tmp_path):
+    with pytest.raises(CommandError, match=r"has no page\.md: regista compare writes it"):
+        results_page.main([str(tmp_path), "--into", str(tmp_path / "RESULTS.md")])
 
 
 # ---------------------------------------------------------------- for real
@@ -168,7 +302,16 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
     assert "finished runs are kept" in out
     done = subprocess.run(command, capture_output=True, timeout=600, **options)
     assert done.returncode == 0, done.stderr
-    for name in ("results.csv", "table.txt", "overview.png", "learning_curves.png", "levels.png"):
+    for name in (
+        "results.csv",
+        "table.txt",
+        "table.md",
+        "table.csv",
+        "page.md",
+        "overview.png",
+        "learning_curves.png",
+        "levels.png",
+    ):
         assert (folder / name).stat().st_size > 100
     for run in [folder / f"{method}-{seed}" for method in ("dr", "paired") for seed in range(2)]:
         updates = [int(row["update"]) for row in read_rows(run / "metrics.csv")]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ued.statistics import bootstrap, iqm, wilson
+from ued.statistics import bootstrap, cvar, iqm, probability_of_improvement, stratified, wilson
 
 
 def test_iqm_is_the_mean_of_the_middle_half():
@@ -76,3 +76,50 @@ def test_wilson():
         assert interval.estimate == successes / trials
     with pytest.raises(ValueError, match="got 3 of 2"):
         wilson(3, 2)
+
+
+def test_cvar_is_the_mean_of_the_worst():
+    values = np.array([0.4, 0.1, 0.2, 0.9, 0.3])
+    assert cvar(values, 0.2) == pytest.approx(0.1)
+    assert cvar(values, 0.3) == pytest.approx((0.1 + 0.5 * 0.2) / 1.5)  # one value and a half
+    assert cvar(values, 1.0) == pytest.approx(values.mean())
+    assert cvar(values, 0.01) == pytest.approx(0.1)
+    for bad in ((np.array([]), 0.5), (values, 0.0), (values, 1.1), (values, 0.5, values[:2])):
+        with pytest.raises(ValueError, match="cvar needs values"):
+            cvar(*bad)
+
+
+def test_cvar_by_the_rank_of_other_estimates():
+    values, by = np.array([1.0, 2.0, 3.0, 4.0]), np.array([9.0, 8.0, 7.0, 6.0])
+    assert cvar(values, 0.5, by=by) == 3.5
+    equal = np.array([0.0, 0.0, 0.0, 1.0])  # three tie for two places: each counts two thirds
+    assert cvar(values, 0.5, by=equal) == pytest.approx(2.0)
+    assert cvar(values, 0.8, by=equal) == pytest.approx((1 + 2 + 3 + 0.2 * 4) / 3.2)
+
+
+def test_worst_levels_of_equal_ones_are_not_worse_by_other_episodes():
+    """Levels of one success rate 0.5: ten episodes make some look bad, ten others do not."""
+    rng = np.random.default_rng(0)
+    one, other = rng.binomial(10, 0.5, (2, 1000)) / 10
+    assert cvar(one, 0.1) < 0.3
+    assert cvar(other, 0.1, by=one) == pytest.approx(0.5, abs=0.05)
+
+
+def test_the_probability_of_improvement_counts_pairs():
+    assert probability_of_improvement(np.array([2.0, 3.0]), np.array([0.0, 1.0])) == 1.0
+    assert probability_of_improvement(np.array([1.0, 3.0]), np.array([1.0, 2.0, 4.0])) == pytest.approx(2.5 / 6)
+    assert probability_of_improvement(np.ones(3), np.ones(2)) == 0.5
+
+
+def test_the_stratified_interval_takes_tasks_of_a_run_for_independent():
+    """Runs that are good or bad at all tasks: each task resampled apart evens them out, whole runs do not."""
+    runs = np.array([[0.0], [1.0], [0.0], [1.0]]) + np.zeros((4, 50))
+    narrow = stratified(runs, np.random.default_rng(0))
+    wide = bootstrap(runs, np.random.default_rng(0), iqm).interval()
+    assert narrow.estimate == wide.estimate == iqm(runs) == 0.5
+    assert narrow.high - narrow.low < 0.5 < wide.high - wide.low
+
+
+def test_the_stratified_interval_of_one_task_resamples_its_runs():
+    """Two runs with 0 and 1: the mean of two draws is 0, 0.5 or 1 with probability 1/4, 1/2, 1/4."""
+    assert stratified(np.array([[0.0], [1.0]]), np.random.default_rng(0)) == (0.5, 0.0, 1.0)
