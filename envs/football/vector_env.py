@@ -16,6 +16,7 @@ from envs.football.batch import Rules, begin, empty_batch, empty_outcome, observ
 from envs.football.casting import Casting
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
+from envs.football.control_modes import dismiss
 from envs.football.domain import FOOTBALL
 from envs.football.observation import RAW, Observer
 from envs.football.staging import Staging
@@ -78,6 +79,7 @@ class FootballVectorEnv(UPOMDP):
         tracks = self._observer.tracks(num_envs)
         self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects), tracks)
         self._started = False
+        self._scripted = False  # agents move nobody: the program plays their players, too
 
     @property
     def matches(self) -> np.ndarray:
@@ -96,7 +98,10 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch = self._batch
-        batch.starts[where] = self.casting.starts(levels["theta"], levels["seed"])
+        starts = self.casting.starts(levels["theta"], levels["seed"])
+        if self._scripted:
+            dismiss(starts)
+        batch.starts[where] = starts
         batch.start_registers[where] = self.staging.registers(levels["theta"])
         begin(batch, where, self._rules)
         self._started = True
@@ -185,10 +190,21 @@ class FootballVectorEnv(UPOMDP):
         self._started = True
         return self._observations()
 
+    def scripted(self) -> FootballVectorEnv:
+        """Give a copy in which the program's behaviors play the agents' players, or the built-in AI where it has none.
+
+        It begins the same levels anew; its actions are ignored.
+        """
+        twin = self.copy()
+        twin._scripted = True
+        twin.reset_to_levels(self.levels)
+        return twin
+
     def copy(self) -> FootballVectorEnv:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # they have been given
             twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
+        twin._scripted = self._scripted
         twin.set_state(self.get_state())
         return twin
 
