@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.hands import can_hold, has_hands, hold, parry
 from envs.football.saves import ARM, foresee
@@ -26,11 +28,14 @@ HEADER_FROM, HEADER_CHANCE = 0.9, 0.5  # m; above it a trap succeeds this often
 # Keepers
 SAVE_BELOW, EASY_CATCH = 2.8, 8.0  # m; m/s, slower balls always stick
 CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
-CLAIM_CHANCE, CLAIM_WAIT, CLAIM_DOWN = 0.72, 1.2, 1.0  # chance against a carrier who runs; s when beaten
+CLAIM_CHANCE, CLAIM_STANDING = 0.72, 0.6  # chances against a carrier who runs, who stands
+CLAIM_WAIT, CLAIM_DOWN = 1.2, 1.0  # s when beaten; a carrier who stands does not leave him on the ground
 CLAIM_SWERVE = 10.0  # m/s across his reach at which he cannot have it
 ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
 CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
 BLOCK_DOWN, DIVE_DOWN = 0.3, 1.1  # s on the ground after a block on the spot, after a dive
+
+_COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
 
 
 @kernel
@@ -49,9 +54,13 @@ def reachable(match):
 
 @kernel
 def meet_ball(match, bits):
-    """Let every player named in `bits` try for the ball in this frame; who goes first alternates between steps."""
+    """Let every player named in `bits` try for the ball in this frame.
+
+    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene.
+    """
+    turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
-        i = k if match.step % 2 == 0 else match.num_players - 1 - k
+        i = match.num_players - 1 - k if turned else k
         if match.game_mode != NORMAL:
             return
         if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
@@ -114,7 +123,9 @@ def claim(match, i):
     """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
     player, carrier = match.players[i], match.players[match.carrier]
     stands = length(carrier.vx, carrier.vy) < STANDING
-    chance = 1.0 if stands else CLAIM_CHANCE * (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
+    chance = CLAIM_STANDING
+    if not stands:
+        chance = CLAIM_CHANCE * (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
     if uniform(match) < chance:
         carrier.touch_wait = ROBBED_WAIT
         if has_hands(match, i):
@@ -122,7 +133,7 @@ def claim(match, i):
         else:
             take(match, i)
         return
-    player.touch_wait, player.down = CLAIM_WAIT, CLAIM_DOWN
+    player.touch_wait, player.down = CLAIM_WAIT, 0.0 if stands else CLAIM_DOWN
 
 
 @kernel

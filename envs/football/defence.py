@@ -19,7 +19,7 @@ from scenic_lite.jit import kernel
 
 CLEAR_BY = 2.5  # m by which the opponent on the ball is passed on the way back
 TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
-DANGER_RANGE = 24.0  # m from the carrier to the goal: from here on he is attacked
+DANGER_RANGE = 29.0  # m from the carrier to the goal: from here on he is attacked, and loses the ball some 5 m later
 HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.12  # m, and share of the way to the goal, that is left to a carrier
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball

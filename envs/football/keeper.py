@@ -41,7 +41,7 @@ THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
 THROW_LEAST, THROW_MOST = 8.0, 40.0  # m to a free mate
 HOLD_LONGEST = 40  # steps, then it goes to the nearest mate all the same
 HURRY_AFTER = 30  # steps beyond which a commanded keeper kicks out by himself
-MATE_LEAD = 0.7  # s by which a mate's run is led
+MATE_LEAD = 0.4  # s by which a mate's run is led
 KICK_OUT = 30.0  # m upfield when there is no mate
 
 
@@ -99,6 +99,7 @@ def kick_out(match, i):
         mate = match.players[j]
         player.aim_x, player.aim_y = mate.x + MATE_LEAD * mate.vx, mate.y + MATE_LEAD * mate.vy
     player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
+    player.kick_mate = j
 
 
 @kernel

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from envs.football.constants import DT
 from envs.football.fouls import report_foul
+from envs.football.motion import SLIDE_TIME
 from envs.football.touch import take
 from envs.football.vectors import apart, length, toward
 from scenic_lite.jit import kernel
@@ -27,8 +28,9 @@ TRIP_CHANCE = 0.1  # of a tackle from the side or from behind that misses the ba
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
 
 # Slides
-SLIDE_REACH, TRIP_REACH = 0.9, 1.15  # m from the body to the ball, and to the carrier's body
-SLIDE_RATE, SLIDE_MOVING = 6.0, 0.5  # wins per s within reach of a ball that passes at more than this many m/s
+SLIDE_REACH, TRIP_REACH = 0.8, 1.22  # m from the body to the ball, and to the carrier's body
+LEGS_OUT = SLIDE_TIME - 0.05  # s left of a slide until which it reaches nobody
+SLIDE_RATE, SLIDE_MOVING = 10.0, 1.0  # wins per s within reach of a ball that passes at more than this many m/s
 SHIELDED = 0.3  # share of that if the carrier's body is between
 FOUL_SIDE, FOUL_BEHIND, FOUL_FRONT = 0.97, 0.95, 0.03  # chances; from behind only a carrier who runs is felled
 SEVERITY, SEVERITY_STANDING, SEVERITY_RUNNING = 1.0, 0.5, 0.9  # of never meeting the ball; more from beside or behind
@@ -73,6 +75,8 @@ def share_of_skill(player):
 def slide_into(match, i, distance):
     """Let player i, sliding this far from the ball, win it or fell the carrier if either is in his reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
+    if player.down > LEGS_OUT:
+        return
     front = frontal(player, carrier)
     if apart(player, carrier) < TRIP_REACH and not player.met:
         player.met = True

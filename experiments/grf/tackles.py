@@ -69,21 +69,36 @@ def measure(effort: float = 1.0) -> list[Row]:
         ours = stand_up(target["carrier"], target["side"], n)
         name = f"tackle, carrier {target['carrier']}, {target['side']}: won"
         rows.append(by_distance("tackles", name, ours, float(target["won"]), "share", POINTS))
-    for target in read_data("tackles_sliding"):
-        rows += slide_rows(target, n)
+    slides = read_data("tackles_sliding")
+    slid = [slide_in(target["carrier"], target["side"], float(target["distance"]), n) for target in slides]
+    rows += [slide_row(target, ours) for target, ours in zip(slides, slid, strict=True)]
+    rows += [card_row(slides, slid, stands) for stands in (True, False)]
     for target in read_data("tackles_dribbling"):
         rows += dribble_rows(target, n)
     return rows
 
 
-def slide_rows(target: dict[str, str], n: int) -> list[Row]:
-    """Won, fouls and yellow cards of one way to slide."""
-    ours = slide_in(target["carrier"], target["side"], float(target["distance"]), n)
-    name = f"slide, carrier {target['carrier']}, {target['side']}, {target['distance']} m"
-    return [
-        by_distance("tackles", f"{name}: {what}", getattr(ours, what), float(target[what]), "share", POINTS)
-        for what in ("won", "foul", "yellow")
-    ]
+def slide_row(target: dict[str, str], ours: Outcomes) -> Row:
+    """One way to slide: that of won, foul and nothing which differs most from the original."""
+    grf = Outcomes(*(float(target[name]) for name in ("won", "foul", "yellow")))
+    pairs = {
+        "won": (ours.won, grf.won),
+        "foul": (ours.foul, grf.foul),
+        "nothing": (1.0 - ours.won - ours.foul, 1.0 - grf.won - grf.foul),
+    }
+    what = max(pairs, key=lambda name: abs(pairs[name][0] - pairs[name][1]))
+    name = f"slide, carrier {target['carrier']}, {target['side']}, {target['distance']} m: {what}"
+    return by_distance("tackles", name, *pairs[what], "share", POINTS)
+
+
+def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) -> Row:
+    """Yellow cards per foul by a slide, against carriers who stand, or who run or sprint."""
+    which = [k for k, target in enumerate(targets) if (target["carrier"] == "stands") == stands]
+    grf = sum(float(targets[k]["yellow"]) for k in which) / sum(float(targets[k]["foul"]) for k in which)
+    fouls = sum(ours[k].foul for k in which)
+    rate = sum(ours[k].yellow for k in which) / fouls if fouls else np.nan
+    who = "stand" if stands else "run or sprint"
+    return by_distance("tackles", f"yellow cards per foul on carriers who {who}", rate, grf, "share", POINTS)
 
 
 def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
