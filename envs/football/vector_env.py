@@ -110,6 +110,7 @@ class FootballVectorEnv(UPOMDP):
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._started:
             raise RuntimeError("call reset() before step()")
+        self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
         step_batch(self._batch, self._checked(actions), out, seen, final, self._rules, self.staging.code)
         if out.faults.any():
