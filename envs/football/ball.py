@@ -1,6 +1,6 @@
 """The ball between two touches: air, ground, spin and the goal frame.
 
-Forces are those of Google Research Football, in the plane of flight (no sideways curve, no lift from spin).
+Forces are those of Google Research Football.
 Read next: `physics`, which calls `advance_ball` a hundred times a second.
 """
 
@@ -27,6 +27,8 @@ BOUNCE, BOUNCE_LOSS = 0.62, 0.06  # vertical speed kept, and lost, m/s
 ROLLING = 0.12  # m/s, slower bounces are not bounces
 GRIP = 0.01  # share of the difference between speed and spin that the ground evens out in a frame
 SPIN_GAIN, SPIN_GAIN_BOUNCE = 0.345, 1.38  # m/s by which spin may approach speed in a frame, at a bounce
+SWERVE, SWERVE_TURN, SWERVE_POWER, FASTEST = 0.3, 0.94 * math.pi, 2.6, 70.0  # m/s² per rad/s of spin; speed in m/s
+SPIN_LEAST = 0.5  # rad/s, slower spin does not bend the flight
 POST_BOUNCE = 0.8  # speed kept
 FRAME_REACH = BALL_RADIUS + POST_RADIUS
 
@@ -56,11 +58,25 @@ def fly(ball):
     ball.vx *= keep
     ball.vy *= keep
     ball.vz = ball.vz * keep - GRAVITY * DT
+    swerve(ball, speed)
     ball.z += ball.vz * DT
     if ball.z < BALL_RADIUS:
         bounce(ball)
     if ball.z < BALL_RADIUS + GRASS:
         drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7, 0.0)
+
+
+@kernel
+def swerve(ball, speed):
+    """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side."""
+    wx, wy, wz = -ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
+    if wx * wx + wy * wy + wz * wz < SPIN_LEAST * SPIN_LEAST or speed < 1.0:
+        return
+    force = SWERVE * math.sin(min(speed / FASTEST, 1.0) * SWERVE_TURN) ** SWERVE_POWER * DT / speed
+    vx, vy, vz = ball.vx, ball.vy, ball.vz
+    ball.vx += force * (wy * vz - wz * vy)
+    ball.vy += force * (wz * vx - wx * vz)
+    ball.vz += force * (wx * vy - wy * vx)
 
 
 @kernel
@@ -88,11 +104,12 @@ def even_out(ball, share, gain):
     ball.vy += share * slip_y
     squared = slip_x * slip_x + slip_y * slip_y
     if squared <= gain * gain:  # rolling, without the square root
-        ball.spin_x, ball.spin_y = ball.vx, ball.vy
+        ball.spin_x, ball.spin_y, ball.curl = ball.vx, ball.vy, 0.0
         return
     spin_share = min(gain / math.sqrt(squared), 1.0 - share)
     ball.spin_x -= spin_share * slip_x
     ball.spin_y -= spin_share * slip_y
+    ball.curl -= spin_share * ball.curl
 
 
 @kernel
@@ -160,3 +177,16 @@ def flight_time(speed, distance):
     if speed < 1.0:
         return 9.0
     return min((math.exp(0.02 * distance) - 1.0) / (0.02 * speed), 9.0)
+
+
+@kernel
+def crossing(ball, x):
+    """y in m at which a ball in flight towards x will be there, by its curl; straight on if it has none."""
+    straight = ball.y + (x - ball.x) / ball.vx * ball.vy
+    if ball.curl == 0.0:
+        return straight
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
+    time = flight_time(speed, abs(x - ball.x) * speed / abs(ball.vx))
+    mean = min(speed / (1.0 + 0.5 * AIR_DRAG * speed * time), FASTEST)
+    aside = 0.5 * SWERVE * math.sin(mean / FASTEST * SWERVE_TURN) ** SWERVE_POWER * ball.curl * time * time
+    return straight + aside * speed / ball.vx

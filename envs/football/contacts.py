@@ -10,10 +10,12 @@ import math
 import numpy as np
 
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
+from envs.football.first_touch import cushion
 from envs.football.hands import can_hold, has_hands, hold, parry
+from envs.football.kicks import kick_first_time
 from envs.football.saves import ARM, foresee
 from envs.football.tackles import STANDING, in_tackle_reach, slide_into, tackle, within_reach
-from envs.football.touch import BLOCK_KEEP, deflect, take
+from envs.football.touch import take
 from envs.football.vectors import length
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
@@ -22,8 +24,7 @@ MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything 
 
 # Traps
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
-EASY_SPEED, HARD_SPEED = 20.0, 36.0  # m/s relative: always trapped, never trapped
-HEADER_FROM, HEADER_CHANCE = 0.9, 0.5  # m; above it a trap succeeds this often
+HEADER_FROM = 0.9  # m
 
 # Keepers
 SAVE_BELOW, EASY_CATCH = 2.8, 8.0  # m; m/s, slower balls always stick
@@ -105,17 +106,14 @@ def challenge(match, i, distance):
 
 @kernel
 def trap(match, i):
-    """Let player i bring a free ball under control, or fail to if it comes too hard."""
-    player, ball = match.players[i], match.ball
-    fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    chance = min(max((HARD_SPEED - fast) / (HARD_SPEED - EASY_SPEED), 0.0), 1.0)
-    if ball.z > HEADER_FROM:
-        chance *= HEADER_CHANCE
-    if uniform(match) < chance:
-        take(match, i)
+    """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
+    player = match.players[i]
+    if player.kick_ready and player.kick != 0:
+        kick_first_time(match, i)
         return
-    deflect(match, i, BLOCK_KEEP)
-    foresee(match, player.team)
+    cushion(match, i)
+    if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
+        foresee(match, player.team)
 
 
 @kernel

@@ -31,12 +31,13 @@ from envs.football.possession import ball_speed, forget_kick, meeting_time
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
-KICK_PATIENCE = 6  # steps that a kick waits for the ball to come into reach
+KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 5.1, 4.1  # m/s with the ball
 CARRY_SPRINT, CARRY_KNOCK_ON = 0.93, 0.98  # of top speed with the ball
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
 ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
+PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
 SLIDE_SPEED = 5.0  # m/s at least
 
 
@@ -93,9 +94,9 @@ def release_keys(match, i):
 def hold_kick(player, action):
     """Count how long a kick button is held; the kick is due on release, or when it was held for too long."""
     if LONG_PASS <= action <= SHOT:
-        if player.kick != action or player.kick_ready:
-            if player.kick_wait > 0.0:
-                return  # the leg already swings
+        if player.kick_wait > 0.0:
+            return  # the leg already swings
+        if player.kick != action:
             player.kick, player.kick_held, player.aimed = action, 0, False
             player.kick_ready = False
         player.kick_held += 1
@@ -131,8 +132,14 @@ def steer(match, i):
     if match.use_magnet and not at_feet and drawn_to_ball(match, i):
         chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
         return
-    speed = key_speed(player, match.carrier == i)
+    speed = 0.0 if at_feet and stands_to_pass(player) else key_speed(player, match.carrier == i)
     player.want_x, player.want_y = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
+
+
+@kernel
+def stands_to_pass(player):
+    """Tell whether a player who has asked for a pass plays it from the stand, as he hardly runs yet."""
+    return LONG_PASS <= player.kick < SHOT and length(player.vx, player.vy) < PASS_ON_THE_RUN
 
 
 @kernel

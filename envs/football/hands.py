@@ -82,7 +82,7 @@ def parry(match, i, stretched):
     size = math.sqrt(1.0 + aside * aside)
     ball.vx, ball.vy = keep * fast * out / size, keep * fast * aside / size
     ball.vz = PARRY_LIFT + PARRY_LIFT_SPREAD * normal(match)
-    ball.spin_x, ball.spin_y = 0.0, 0.0
+    ball.spin_x, ball.spin_y, ball.curl = 0.0, 0.0, 0.0
     player.touch_wait = PARRY_WAIT
     match.last_touch = i
     match.kicked = False

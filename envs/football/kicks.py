@@ -1,6 +1,6 @@
-"""Kicks: when the leg swings, where a shot goes, which mate a pass is for, and how fast the ball leaves.
+"""Kicks: when the leg swings, how long it takes, and what happens when the ball leaves the foot.
 
-The rules and numbers are those measured of, or documented for, Google Research Football. Read next: `keeper`.
+Fitted to delays measured of Google Research Football, whose animations quantise them. Read next: `shots`, `passes`.
 """
 
 from __future__ import annotations
@@ -12,50 +12,49 @@ from envs.football.constants import (
     DIRECTION_X,
     DIRECTION_Y,
     DT,
-    HALF_LENGTH,
     HIGH_PASS,
-    LEFT,
-    LONG_PASS,
     NOBODY,
     SHOT,
 )
+from envs.football.offside import whistled
+from envs.football.passes import aim_pass, play_pass
 from envs.football.possession import forget_kick, lose_ball
 from envs.football.saves import foresee_shot
+from envs.football.shots import aim_shot, angle_between, strike
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
-from scenic_lite.stream import normal
+from scenic_lite.stream import uniform
 
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
-SWING = 0.16  # s from the command to the contact, facing the target
-TURN_TO_SIDE, TURN_ROUND = 0.22, 0.28  # s more for the first and for the second quarter turn
 SWING_PATIENCE = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
 
-# Shots
-SHOT_STANDING, SHOT_RUNNING = 27.4, 31.8  # m/s
-RUNNING_FROM = 1.5  # m/s
-CHARGE_STANDING, CHARGE_RUNNING, CHARGE_STEPS = 0.4, 1.0, 5  # m/s per further step that the button was held
-SHOT_TURNED = -5.0  # m/s at a quarter turn, growing with its cube
-SHOT_SPREAD = 1.0  # m/s
-LIFT_STANDING, LIFT_RUNNING, LIFT_TURNED = 4.2, 2.7, 1.2  # m/s upwards
-LIFT_SPREAD, LIFT_LEAST = 1.1, 0.3  # m/s
-AIM_WIDEST, AIM_POWER = 3.33, 0.7  # m from the middle of the goal when aiming a quarter turn off
-DRIFT, DRIFT_POWER = 0.3, 1.3  # rad further out than aimed, at a quarter turn
-SCATTER, SCATTER_TURNED = 0.02, 0.07  # rad
-SHOT_SPIN = -1.5  # m/s
+# Gauge: how long the button was held, 0 to 1
+HELD_STEP, HELD_LEAST, HELD_RANGE = 0.1, 0.06, 0.94  # s
+SHOT_GAUGE_POWER = 0.6
 
-# Passes
-PASS_SPEED, PASS_BASE = 36.0, 0.3  # m/s; share of it at no distance
-GROUND_GAIN, HIGH_GAIN, GAIN_POWER, GAIN_DISTANCE = 1.8, 1.15, 1.4, 60.0  # m
-GROUND_CAP, HIGH_CAP, EXCESS_LIFT = 26.0, 38.0, 0.2
-GROUND_LIFT = 0.11  # tangent of the elevation
-GROUND_SPIN, HIGH_SPIN = 5.2, -1.9  # m/s
-LONG_LEAD = 0.2  # of the distance, towards the goal
-MATE_LEAD = 0.4  # s by which a mate's run is led
-PASS_SCATTER = 0.015  # rad
-LOOK_SHORT, LOOK_LONG, LOOK_HIGH = 6.6, 7.7, 10.6  # m ahead, the place that mates are rated by
-LOOK_SCALE, LOOK_WEIGHT, LOOK_POWER = 70.0, 0.8, 0.8
-UNAIMED_PASS = 12.0  # m, a pass when there is no mate
+# Seconds from the command to the contact: from the stand, when starting to run, on the run; and by how much more
+# the angle from the run to the kick delays it, in full from so many rad
+SWING_STANDING, SWING_STARTING, SWING_RUNNING = 0.26, 0.25, 0.235
+ACROSS, ACROSS_STANDING, ACROSS_STARTING, ACROSS_RUNNING = 0.16, 0.5 * math.pi, 0.3 * math.pi, 0.52 * math.pi
+ROUND_FROM, ROUND_BY = 0.5 * math.pi, 0.62 * math.pi  # turning round, in part and in full
+ROUND, ROUND_RUNNING = 0.3, 0.05
+GROUND_PASS_LATER = 0.1  # a leg swings wider for a pass along the ground ..
+HIGH_NEAR, HIGH_NEAR_LATER = 8.0, 0.1  # .. or for a chip over less than so many m
+PASS_ACROSS = 0.25  # share of a shot's delay across the run that a pass has
+PASS_ROUND, PASS_BEHIND = 0.2, 0.76 * math.pi  # s more when it goes so many rad behind
+RUNNING_FROM = 3.5  # m/s
+SPRINTING_FROM, SPRINT_LATER, SPRINT_SPREAD = 5.6, 0.12, 0.2  # m/s; catching up with the ball takes so much more, s
+SPREAD = 0.04  # s either way, the phase of the stride
+STANDS = 1.0  # m/s, who is slower kicks from where he looks
+
+# Kicks behind the body: he turns on the spot and kicks from short of the kick's direction
+BEHIND = 0.74 * math.pi  # rad from run to kick
+SHORT_OF = 0.35  # rad
+TURNED_SPEED = 0.8  # m/s left
+
+# A pass is aimed again when it leaves the foot, as far off the first aim as this
+AIM_AGAIN = 0.15 * math.pi
 
 
 @kernel
@@ -69,21 +68,56 @@ def swing_legs(match):
         return
     if not player.aimed:
         aim(match, i)
-    dx, dy = player.aim_x - player.x, player.aim_y - player.y
-    player.kick_wait = swing_time(quarter_turns(player.facing_x, player.facing_y, dx, dy))
+    player.kick_wait = swing_time(match, player)
     match.kicker = i
 
 
 @kernel
-def swing_time(turns):
-    """Seconds from the command to the contact when the body must turn by so many quarter turns."""
-    return SWING + TURN_TO_SIDE * min(turns, 1.0) + TURN_ROUND * max(turns - 1.0, 0.0)
+def heading(player):
+    """Direction as a unit vector of the run, or else of the run that is wanted, or where he looks; speed in m/s."""
+    speed = length(player.vx, player.vy)
+    if speed > STANDS:
+        return player.vx / speed, player.vy / speed, speed
+    if player.direction > 0:
+        return DIRECTION_X[player.direction], DIRECTION_Y[player.direction], speed
+    return player.facing_x, player.facing_y, speed
 
 
 @kernel
-def quarter_turns(ax, ay, bx, by):
-    """Angle between two directions in quarter turns, 0 to 2."""
-    return abs(math.atan2(ax * by - ay * bx, ax * bx + ay * by)) / (0.5 * math.pi)
+def swing_time(match, player):
+    """Seconds from the command to the contact: longer across the run, round the body, and at a sprint."""
+    hx, hy, speed = heading(player)
+    dx, dy = player.aim_x - player.x, player.aim_y - player.y
+    starting = speed > STANDS or player.direction > 0
+    angle = abs(angle_between(hx, hy, dx, dy))
+    if player.kick != SHOT:
+        angle = max(angle, abs(angle_between(match.ball.x - player.x, match.ball.y - player.y, dx, dy)))
+    time = delay(player.kick, angle, speed, starting, length(dx, dy))
+    spread = SPREAD
+    if speed > SPRINTING_FROM:
+        time, spread = time + SPRINT_LATER, SPRINT_SPREAD
+    return time + spread * (2.0 * uniform(match) - 1.0)
+
+
+@kernel
+def delay(kick, angle, speed, starting, distance):
+    """Mean seconds from the command to the contact of a kick over `distance`, `angle` rad off the run."""
+    turn = ROUND * min(max((angle - ROUND_FROM) / (ROUND_BY - ROUND_FROM), 0.0), 1.0)
+    if speed > RUNNING_FROM:
+        time, full, turn = SWING_RUNNING, ACROSS_RUNNING, ROUND_RUNNING if angle > BEHIND else 0.0
+    elif starting:
+        time, full = SWING_STARTING, ACROSS_STARTING
+    else:
+        time, full = SWING_STANDING, ACROSS_STANDING
+    side = min(angle / full, 1.0)
+    across = ACROSS * side * side * (3.0 - 2.0 * side)
+    if kick == SHOT:
+        return time + across + turn
+    if kick != HIGH_PASS:
+        time += GROUND_PASS_LATER
+    elif distance < HIGH_NEAR:
+        time += HIGH_NEAR_LATER
+    return time + PASS_ACROSS * across + (PASS_ROUND if angle > PASS_BEHIND else 0.0)
 
 
 @kernel
@@ -105,6 +139,12 @@ def swing_frame(match):
 
 
 @kernel
+def gauge(held):
+    """How full the gauge is, 0 to 1, after so many steps of holding the button."""
+    return min(max((HELD_STEP * held - HELD_LEAST) / HELD_RANGE, 0.0), 1.0)
+
+
+@kernel
 def input_direction(player):
     """Return the direction that aims a kick: the sticky key, or where the player looks."""
     if player.direction > 0:
@@ -118,77 +158,37 @@ def aim(match, i):
     player = match.players[i]
     ux, uy = input_direction(player)
     if player.kick == SHOT:
-        aim_shot(match.ball, player, ux, uy)
+        aim_shot(player, ux, uy)
     else:
-        aim_pass(match, i, ux, uy)
+        aim_pass(match, i, ux, uy, gauge(player.kick_held))
 
 
 @kernel
-def aim_shot(ball, player, ux, uy):
-    """Aim at the goal line: the further the keys point off the middle of the goal, the further off it."""
-    goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
-    dx, dy = goal_x - ball.x, -ball.y
-    deviation = math.atan2(dx * uy - dy * ux, dx * ux + dy * uy) / (0.5 * math.pi)
-    turns = min(abs(deviation), 1.0)
-    side = 1.0 if deviation * dx > 0.0 else -1.0
-    player.aim_x = goal_x
-    player.aim_y = side * AIM_WIDEST * turns**AIM_POWER
-    drift = DRIFT * turns**DRIFT_POWER * min(2.0 - abs(deviation), 1.0)
-    distance = length(dx, player.aim_y - ball.y)
-    player.aim_y += side * math.tan(drift) * distance
-
-
-@kernel
-def aim_pass(match, i, ux, uy):
-    """Aim at the mate whom the original's rating prefers; without one, straight ahead."""
-    player = match.players[i]
-    mate = choose_mate(match, i, ux, uy)
-    player.kick_mate = mate
-    if mate == NOBODY:
-        player.aim_x, player.aim_y = player.x + UNAIMED_PASS * ux, player.y + UNAIMED_PASS * uy
-        return
-    receiver = match.players[mate]
-    player.aim_x = receiver.x + MATE_LEAD * receiver.vx
-    player.aim_y = receiver.y + MATE_LEAD * receiver.vy
-    if player.kick == LONG_PASS:
-        goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
-        distance = length(player.aim_x - player.x, player.aim_y - player.y)
-        to_goal_x, to_goal_y = goal_x - player.aim_x, -player.aim_y
-        lead = LONG_LEAD * distance / max(length(to_goal_x, to_goal_y), 1.0)
-        player.aim_x += lead * to_goal_x
-        player.aim_y += lead * to_goal_y
-
-
-@kernel
-def choose_mate(match, i, ux, uy):
-    """Return the mate for a pass along (ux, uy): near a point ahead and not far off the direction."""
-    player = match.players[i]
-    look = LOOK_HIGH if player.kick == HIGH_PASS else (LOOK_LONG if player.kick == LONG_PASS else LOOK_SHORT)
-    look_x, look_y = player.x + look * ux, player.y + look * uy
-    best, best_rating = NOBODY, math.inf
-    for j in range(match.num_players):
-        mate = match.players[j]
-        if j == i or mate.team != player.team or mate.off:
-            continue
-        off = 0.5 * quarter_turns(ux, uy, mate.x - player.x, mate.y - player.y)
-        far = length(mate.x - look_x, mate.y - look_y) / LOOK_SCALE
-        rating = LOOK_WEIGHT * far**LOOK_POWER + off
-        if rating < best_rating:
-            best, best_rating = j, rating
-    return best
+def aim_again(match, i):
+    """Correct a pass for what has moved since the leg began to swing, unless it would go quite another way."""
+    player, ball = match.players[i], match.ball
+    x, y, mate = player.aim_x, player.aim_y, player.kick_mate
+    aim(match, i)
+    off = angle_between(x - ball.x, y - ball.y, player.aim_x - ball.x, player.aim_y - ball.y)
+    if abs(off) > AIM_AGAIN:
+        player.aim_x, player.aim_y, player.kick_mate = x, y, mate
 
 
 @kernel
 def leave_foot(match, i):
     """Send the ball off player i's foot."""
-    player = match.players[i]
-    dx, dy = player.aim_x - match.ball.x, player.aim_y - match.ball.y
+    player, ball = match.players[i], match.ball
+    if not player.aimed and player.kick != SHOT:
+        aim_again(match, i)
+    dx, dy = player.aim_x - ball.x, player.aim_y - ball.y
     distance = length(dx, dy)
     if distance < 0.1:  # to his own feet: straight ahead
         dx, dy, distance = 0.1 * player.facing_x, 0.1 * player.facing_y, 0.1
     ux, uy = dx / distance, dy / distance
+    turn_body(match, player, ux, uy)
+    ball.z = max(ball.z, BALL_RADIUS)
     if player.kick == SHOT:
-        shoot(match, player, ux, uy)
+        strike(match, player, ux, uy, max(gauge(player.kick_held) ** SHOT_GAUGE_POWER, 0.01))
     else:
         play_pass(match, player, ux, uy, distance)
     player.facing_x, player.facing_y = ux, uy
@@ -201,43 +201,25 @@ def leave_foot(match, i):
 
 
 @kernel
-def shoot(match, player, ux, uy):
-    """Give the ball the velocity of a shot along (ux, uy), with the scatter of a body that had to turn."""
-    turns = min(quarter_turns(player.facing_x, player.facing_y, ux, uy), 1.0)
-    pace = min(length(player.vx, player.vy) / RUNNING_FROM, 1.0)
-    charge = min(max(player.kick_held - 1, 0), CHARGE_STEPS)
-    speed = SHOT_STANDING + (SHOT_RUNNING - SHOT_STANDING) * pace + SHOT_TURNED * turns * turns * turns
-    speed += charge * (CHARGE_STANDING + (CHARGE_RUNNING - CHARGE_STANDING) * pace)
-    speed += SHOT_SPREAD * normal(match)
-    lift = LIFT_STANDING + (LIFT_RUNNING - LIFT_STANDING) * pace + LIFT_TURNED * turns
-    lift += LIFT_SPREAD * normal(match)
-    off = (SCATTER + SCATTER_TURNED * turns * turns) / player.skill * normal(match)
-    send(match.ball, ux, uy, off, speed, max(lift, LIFT_LEAST), SHOT_SPIN)
+def kick_first_time(match, i):
+    """Let player i, who has asked for a kick, play a free ball without stopping it: a volley or a header."""
+    if whistled(match, i):
+        return
+    lose_ball(match)
+    aim(match, i)
+    leave_foot(match, i)
 
 
 @kernel
-def play_pass(match, player, ux, uy, distance):
-    """Give the ball the velocity of a pass over this distance."""
-    far = (distance / GAIN_DISTANCE) ** GAIN_POWER
-    if player.kick == HIGH_PASS:
-        speed = min(PASS_SPEED * (PASS_BASE + HIGH_GAIN * far), HIGH_CAP)
-        rise = 0.45 - 0.15 * min(1.0, distance / GAIN_DISTANCE)
-        excess, spin = 0.0, HIGH_SPIN
-    else:
-        wanted = PASS_SPEED * (PASS_BASE + GROUND_GAIN * far)
-        speed = min(wanted, GROUND_CAP)
-        rise = GROUND_LIFT
-        excess, spin = EXCESS_LIFT * min(wanted - speed, 10.0), GROUND_SPIN
-    flat = speed / math.sqrt(1.0 + rise * rise)
-    off = PASS_SCATTER / player.skill * normal(match)
-    send(match.ball, ux, uy, off, flat, flat * rise + excess, spin)
-
-
-@kernel
-def send(ball, ux, uy, off, speed, lift, spin):
-    """Set the ball's velocity: `speed` in m/s along (ux, uy) turned by `off` rad, `lift` upwards."""
-    cosine, sine = math.cos(off), math.sin(off)
-    wx, wy = ux * cosine - uy * sine, ux * sine + uy * cosine
-    ball.vx, ball.vy, ball.vz = speed * wx, speed * wy, lift
-    ball.spin_x, ball.spin_y = spin * wx, spin * wy
-    ball.z = max(ball.z, BALL_RADIUS)
+def turn_body(match, player, ux, uy):
+    """Bring a body that kicks behind itself round to just short of the kick along (ux, uy)."""
+    hx, hy, speed = heading(player)
+    off = angle_between(hx, hy, ux, uy)
+    if abs(off) < BEHIND:
+        return
+    if math.pi - abs(off) < 0.02:  # straight behind: either way round
+        off = math.pi if uniform(match) < 0.5 else -math.pi
+    cosine, sine = math.cos(SHORT_OF), math.copysign(math.sin(SHORT_OF), -off)
+    player.facing_x, player.facing_y = ux * cosine - uy * sine, ux * sine + uy * cosine
+    speed = min(speed, TURNED_SPEED)
+    player.vx, player.vy = speed * player.facing_x, speed * player.facing_y

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ball import flight_time
+from envs.football.ball import crossing, flight_time
 from envs.football.constants import (
     BOX_DEPTH,
     BOX_HALF_WIDTH,
@@ -78,7 +78,7 @@ def foresee(match, team):
     speed = ball_speed(ball)
     if speed < SHOT_SPEED or ball.vx * goal_x <= 0.0:
         return
-    line_y = ball.y + (goal_x - ball.x) / ball.vx * ball.vy
+    line_y = crossing(ball, goal_x)
     if abs(line_y) > GOAL_MARGIN * GOAL_HALF_WIDTH:
         return
     time = flight_time(speed, length(goal_x - ball.x, line_y - ball.y))

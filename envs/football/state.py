@@ -26,6 +26,7 @@ BALL_FIELDS = (
     ("vz", "f8", (), "m/s", ""),
     ("spin_x", "f8", (), "m/s", "speed of the surface at the bottom, seen from the centre, reversed: v when rolling"),
     ("spin_y", "f8", (), "m/s", ""),
+    ("curl", "f8", (), "rad/s", "spin about the vertical: positive bends the flight to the left"),
 )
 
 PLAYER_FIELDS = (
@@ -109,6 +110,8 @@ MATCH_FIELDS = (
     ("hold_wait", "i8", (), "steps", "until the holder kicks it out"),
     ("kicker", "i8", (), "", "player in the middle of a kick, -1 none"),
     ("last_touch", "i8", (), "", "player, -1 none yet"),
+    ("kicked", "?", (), "", "the last touch was a kick: of a mate's, keepers must not take it with their hands"),
+    ("kick_age", "f8", (), "s", "since the last kick"),
     ("last_owned_team", "i8", (), "", "team of the last owner, -1 none yet"),
     ("receiver", "i8", (), "", "player for whom the last kick was meant, -1 nobody; he need not have the ball yet"),
     ("offside_bits", "i8", (), "", "bit i: player i was offside when a mate last kicked"),
@@ -122,8 +125,6 @@ MATCH_FIELDS = (
     ("advantage", "?", (), "", "a trip, for which play goes on; a slide stops it at once"),
     # Who goes for the ball
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
-    ("kicked", "?", (), "", "the last touch was a kick: of a mate's, keepers must not take it with their hands"),
-    ("kick_age", "f8", (), "s", "since the last kick"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
     ("save_x", "f8", (), "m", "where he means to meet it"),
     ("save_y", "f8", (), "m", ""),
@@ -230,6 +231,7 @@ def kick_off(
     matches["ball"]["z"] = BALL_RADIUS
     _line_up(matches["players"][:, : len(teams)], positions, teams, roles)
     matches["starter"] = _starter(positions, ball, teams)
+    _look_at(matches["players"][:, : len(teams)], ball)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
     matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if lineup.order is None else lineup.order
@@ -255,7 +257,7 @@ def _settle(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> N
 
 
 def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
-    """Place players [N, P], both teams looking at the goal they attack."""
+    """Place players [N, P]."""
     for axis, name in enumerate("xy"):
         players[name] = positions[..., axis]
         players["start_" + name] = positions[..., axis]
@@ -270,7 +272,6 @@ def _line_up(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, role
         players["post_x"][:, own], players["post_y"][:, own] = depth_and_width[:, 0], depth_and_width[:, 1]
     speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
     players["top_speed"] = speeds
-    players["facing_x"] = np.where(teams == LEFT, 1.0, -1.0)
 
 
 def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
@@ -278,3 +279,12 @@ def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
     squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
     left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
     return np.where(left < right, LEFT, RIGHT)
+
+
+def _look_at(players: np.ndarray, ball: np.ndarray) -> None:
+    """Let players [N, P] look at the ball [N, 2], on top of it at the goal that they attack."""
+    away = ball[:, None] - np.stack([players["x"], players["y"]], axis=-1)
+    size = np.hypot(away[..., 0], away[..., 1])
+    on_top = size < 1e-9
+    players["facing_x"] = np.where(on_top, np.where(players["team"] == LEFT, 1.0, -1.0), away[..., 0] / (size + on_top))
+    players["facing_y"] = np.where(on_top, 0.0, away[..., 1] / (size + on_top))

@@ -105,7 +105,7 @@ class FootballVectorEnv(UPOMDP):
         batch.start_registers[where] = self.staging.registers(levels["theta"])
         begin(batch, where, self._rules)
         self._started = True
-        return self._observations()
+        return self.observe()
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._started:
@@ -127,7 +127,7 @@ class FootballVectorEnv(UPOMDP):
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
-    def _observations(self) -> Any:
+    def observe(self) -> Any:
         """The present observations, in arrays of their own."""
         seen = self._observer.room(self.num_envs)
         observe_batch(self._batch, seen, self._rules)
@@ -189,7 +189,7 @@ class FootballVectorEnv(UPOMDP):
             array[:] = state[name]
         self.np_random.bit_generator.state = state["np_random"]
         self._started = True
-        return self._observations()
+        return self.observe()
 
     def scripted(self) -> FootballVectorEnv:
         """Give a copy in which the program's behaviors play the agents' players, or the built-in AI where it has none.
@@ -215,17 +215,16 @@ def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
     for name, array in wanted.items():
         found = state.get(name)
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
-        if (
-            not isinstance(found, np.ndarray)
-            or found.shape != array.shape
-            or (found.dtype.fields or found.dtype) != kind
-        ):
-            what = f"{found.dtype} {list(found.shape)}" if isinstance(found, np.ndarray) else repr(found)
-            what = what if len(what) < 80 else f"{what[:76]} ..."
-            raise ValueError(
-                f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
-                "program, number of matches, control and representation must be those of the environment that gave it"
-            )
+        if isinstance(found, np.ndarray):
+            if found.shape == array.shape and (found.dtype.fields or found.dtype) == kind:
+                continue
+            what = f"shape {list(found.shape)}" if found.shape != array.shape else "other fields"
+        else:
+            what = "none" if found is None else f"a {type(found).__name__}"
+        raise ValueError(
+            f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
+            "program, number of matches, control and representation must be those of the environment that gave it"
+        )
 
 
 def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVectorEnv:

@@ -51,6 +51,7 @@ class ReferenceMatch:
         numbers = np.array([actions[0] if actions else -1.0 for actions in commands.actions], float)
         step_commanded(self.matches[0], np.array([action]), self.casting.cast, numbers)
         verdict = self._ask(self.reference.watch)
+        self.matches["program_reward"][0] = verdict.reward
         return Moment(commands, verdict, int(self.matches["goal"][0]), int(self.matches["ended"][0]))
 
     def _ask(self, question):

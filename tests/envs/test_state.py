@@ -24,7 +24,9 @@ def test_a_fresh_match() -> None:
     assert matches["num_players"].tolist() == [3, 3, 3]
     assert matches["players"]["x"][0, :3].tolist() == [30.0, 50.0, -53.9]
     assert matches["players"]["shirt"][0, :3].tolist() == [0, 0, 1]
-    assert matches["players"]["facing_x"][0, :3].tolist() == [1.0, -1.0, 1.0]
+    players = matches["players"][0, :3]
+    away = np.stack([30.0 - players["x"], 2.76 - players["y"]])  # everybody looks at the ball
+    assert np.stack([players["facing_x"], players["facing_y"]]) == pytest.approx(away / np.hypot(*away))
     assert (matches["agents"][:, 0] == 0).all()
     assert (matches["owner"] == -1).all() and (matches["last_owned_team"] == -1).all()
     assert matches["players"]["skill"][0, :2] == pytest.approx([1.0, 0.72])

@@ -50,8 +50,8 @@ def test_places_are_in_the_units_of_programs() -> None:
     assert facts == {"time": 0, "steps_left": 400, "score_left": 0, "score_right": 0, "game_mode": 0}
 
 
-def test_everybody_looks_at_the_goal_he_attacks_and_headings_grow_anticlockwise() -> None:
-    matches = position(THREE, (0.0, 0.0))
+def test_everybody_looks_at_the_ball_and_headings_grow_anticlockwise() -> None:
+    matches = position([(-10.88, 0.0, LEFT, CM), (27.2, 0.0, RIGHT, GK)], (0.0, 0.0))
     matches["ball"]["vy"] = -8.36
     objects, _ = tables(matches)
     assert [each["heading"] for each in objects] == pytest.approx([WEST, SOUTH, EAST])
