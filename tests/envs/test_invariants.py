@@ -22,7 +22,6 @@ from envs.football.hands import parry
 from envs.football.motion import part_bodies
 from envs.football.simulator import step_matches
 from envs.football.state import MATCH, MatchConfig
-from envs.football.touch import deflect
 from envs.football.whistle import stop_play
 from tests.envs.torture import torture
 
@@ -82,8 +81,8 @@ def test_the_frame_of_the_goal_gives_no_energy(x: float, y: float, z: float, vx:
 
 @given(st.tuples(*[st.floats(-30, 30)] * 3), st.tuples(speed, speed), st.integers(0, 99))
 @settings(max_examples=100, deadline=None)
-def test_blocks_and_parries_slow_the_ball(v: tuple[float, float, float], near: tuple[float, float], seed: int) -> None:
-    for touch in (lambda m: deflect(m, 0, 0.35), lambda m: parry(m, 0, False), lambda m: parry(m, 0, True)):
+def test_parries_slow_the_ball(v: tuple[float, float, float], near: tuple[float, float], seed: int) -> None:
+    for touch in (lambda match: parry(match, 0, False), lambda match: parry(match, 0, True)):
         matches = position([(50.0, 0.0, LEFT, GK)], (50.0 + near[0] / 10, near[1] / 10), seeds=[seed])
         ball = matches["ball"][0]
         ball["vx"], ball["vy"], ball["vz"] = v
