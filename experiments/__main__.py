@@ -19,6 +19,8 @@ COMMANDS = {
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",
+    "play": "play one match, and write a film or a record of it",
+    "replay": "play a recorded match again, bit for bit",
     "benchmark": "measure the speed of the simulator, of training and of the language",
 }
 

@@ -17,7 +17,7 @@ STANDARD = set(sys.stdlib_module_names)
 MAY_IMPORT = {
     "scenic_lite": {"scenic_lite", "numpy", "numba", "shapely"},
     "ued": {"ued", "numpy", "gymnasium", "torch"},
-    "envs": {"envs", "scenic_lite", "ued.upomdp", "numpy", "numba", "gymnasium", "matplotlib"},
+    "envs": {"envs", "scenic_lite", "ued.upomdp", "numpy", "numba", "gymnasium", "matplotlib", "PIL", "imageio_ffmpeg"},
     "minigames": {"minigames", "scenic_lite", "envs", "gymnasium"},
 }
 EXCEPTIONS = {

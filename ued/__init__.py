@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from ued.methods.repaired import Repaired
     from ued.methods.self_regret import SelfRegret
     from ued.methods.sfl import SFL
+    from ued.mixture import Mixture
     from ued.ppo import PPO
     from ued.student import Student
     from ued.training import Training
@@ -64,6 +65,7 @@ _HOME = {
     "LevelBuffer": "ued.level_buffer",
     "Method": "ued.methods",
     "Minimax": "ued.methods.minimax",
+    "Mixture": "ued.mixture",
     "MinimaxConfig": "ued.config",
     "PLR": "ued.methods.plr",
     "PLRConfig": "ued.config",
@@ -112,6 +114,7 @@ __all__ = [
     "Method",
     "Minimax",
     "MinimaxConfig",
+    "Mixture",
     "PLRConfig",
     "PPOConfig",
     "Paired",

@@ -73,6 +73,8 @@ class UPOMDP(VectorEnv):
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
             next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
+        idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
+            means nothing; see `mixture`.
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
@@ -96,6 +98,7 @@ class UPOMDP(VectorEnv):
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.next_levels: Callable[[int], np.ndarray] | None = None
+        self.idle = np.zeros(num_envs, bool)
 
     # ------------------------------------------------------------ what a subclass gives
 

@@ -31,6 +31,7 @@ class Batch(NamedTuple):
     commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
     places: np.ndarray  # [N, 4, P + 1, 2] float64, of the last steps, for observations that need them: see `smm`
     place_agents: np.ndarray  # [N, 4, A] int64, the same of the agents' players
+    idle: np.ndarray  # [N] bool, matches that nobody plays and that stand still
 
 
 class Outcome(NamedTuple):
@@ -59,7 +60,8 @@ def empty_batch(count: int, registers: int, objects: int, tracks: tuple[np.ndarr
     """Room for `count` matches; records whose fields are attributes even when not compiled."""
     matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
-    return Batch(matches, starts, memory, start_memory, np.zeros((count, objects)), *tracks)
+    commands = np.zeros((count, objects))
+    return Batch(matches, starts, memory, start_memory, commands, *tracks, np.zeros(count, np.bool_))
 
 
 def empty_outcome(count: int, agents: int) -> Outcome:
@@ -89,6 +91,10 @@ def step_batch(batch, actions, outcome, seen, final, rules, code):
 @kernel
 def _step_row(batch, actions, outcome, seen, final, rules, code, index):
     """Step, reward, observe and if need be restart one match."""
+    if batch.idle[index]:
+        outcome.terminated[index] = outcome.truncated[index] = False
+        outcome.faults[index] = NO_FAULT
+        return
     match = batch.matches[index]
     if rules.scripted:
         step_scripted(match, actions[index], code, rules.cast, batch.registers[index], batch.commands[index])

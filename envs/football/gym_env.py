@@ -13,8 +13,8 @@ import numpy as np
 
 from envs.football.config import FootballConfig
 from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
+from envs.football.picture import draw_match
 from envs.football.raw import row
-from envs.football.render import FootballPainter, picture
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import Program
 
@@ -65,7 +65,6 @@ class FootballEnv(gymnasium.Env):
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
-        self._painter = FootballPainter(self.batch.casting)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
@@ -100,8 +99,19 @@ class FootballEnv(gymnasium.Env):
         return self._first(self.batch.reset_agent())
 
     def render(self) -> np.ndarray | None:
-        """Give the match as a picture, uint8 `[height, width, 3]`; None without a render mode."""
-        return picture(self._painter, self._painter.frame(self.batch)) if self.render_mode else None
+        """Give the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode."""
+        return draw_match(self.batch.matches[0]) if self.render_mode else None
+
+    def get_state(self) -> dict[str, Any]:
+        """Give everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
+        return self.batch.get_state()
+
+    def set_state(self, state: dict[str, Any]) -> Any:
+        """Take back what `get_state` gave; give the observation of that moment.
+
+        Raises ValueError for a state of another match: see `FootballVectorEnv.set_state`.
+        """
+        return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:
         """Row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""

@@ -87,6 +87,7 @@ def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
     for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
         found[name] = int(found[name])
     found["score"] = found["score"].tolist()
+    found["sticky_actions"] = found["sticky_actions"].astype(np.uint8)
     return found
 
 
@@ -103,7 +104,7 @@ def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
 def _sticky(players: np.ndarray, me: np.ndarray, right: bool) -> np.ndarray:
     """The ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
     rows = np.arange(len(players))
-    sticky = np.zeros((len(players), 10), np.uint8)
+    sticky = np.zeros((len(players), 10), np.int8)  # as Gymnasium batches `MultiBinary`
     direction = players["direction"][rows, me]
     pressed = (direction > 0) & (me >= 0)
     sticky[rows[pressed], (direction[pressed] - 1 + 4 * right) % 8] = 1

@@ -167,17 +167,3 @@ def draw_scene(axes: Axes, places: np.ndarray, classes: np.ndarray, dots: float 
     colours = [PAPER_COLOURS[kind] for kind in classes]
     sizes = np.where(classes == BALL, 0.3 * dots, dots)
     axes.scatter(places[:, 0], places[:, 1], s=sizes, c=colours, edgecolors="white", linewidths=0.7, zorder=3)
-
-
-def picture(painter: FootballPainter, places: np.ndarray) -> np.ndarray:
-    """Draw `places` `[K, 2]` on the whole pitch, as uint8 `[480, 720, 3]`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.2, 4.8), dpi=100)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    draw_pitch(axes, (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN))
-    draw_scene(axes, places, painter.classes)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[..., :3].copy()

@@ -16,6 +16,7 @@ from envs.football.batch import Rules, begin, empty_batch, empty_outcome, observ
 from envs.football.casting import Casting
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
+from envs.football.control_modes import dismiss
 from envs.football.domain import FOOTBALL
 from envs.football.observation import RAW, Observer
 from envs.football.staging import Staging
@@ -78,6 +79,7 @@ class FootballVectorEnv(UPOMDP):
         tracks = self._observer.tracks(num_envs)
         self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects), tracks)
         self._started = False
+        self._scripted = False  # agents move nobody: the program plays their players, too
 
     @property
     def matches(self) -> np.ndarray:
@@ -96,15 +98,19 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch = self._batch
-        batch.starts[where] = self.casting.starts(levels["theta"], levels["seed"])
+        starts = self.casting.starts(levels["theta"], levels["seed"])
+        if self._scripted:
+            dismiss(starts)
+        batch.starts[where] = starts
         batch.start_registers[where] = self.staging.registers(levels["theta"])
         begin(batch, where, self._rules)
         self._started = True
-        return self._observations()
+        return self.observe()
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._started:
             raise RuntimeError("call reset() before step()")
+        self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
         step_batch(self._batch, self._checked(actions), out, seen, final, self._rules, self.staging.code)
         if out.faults.any():
@@ -121,7 +127,7 @@ class FootballVectorEnv(UPOMDP):
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
-    def _observations(self) -> Any:
+    def observe(self) -> Any:
         """The present observations, in arrays of their own."""
         seen = self._observer.room(self.num_envs)
         observe_batch(self._batch, seen, self._rules)
@@ -183,12 +189,23 @@ class FootballVectorEnv(UPOMDP):
             array[:] = state[name]
         self.np_random.bit_generator.state = state["np_random"]
         self._started = True
-        return self._observations()
+        return self.observe()
+
+    def scripted(self) -> FootballVectorEnv:
+        """Give a copy in which the program's behaviors play the agents' players, or the built-in AI where it has none.
+
+        It begins the same levels anew; its actions are ignored.
+        """
+        twin = self.copy()
+        twin._scripted = True
+        twin.reset_to_levels(self.levels)
+        return twin
 
     def copy(self) -> FootballVectorEnv:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # they have been given
             twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
+        twin._scripted = self._scripted
         twin.set_state(self.get_state())
         return twin
 
@@ -198,17 +215,16 @@ def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
     for name, array in wanted.items():
         found = state.get(name)
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
-        if (
-            not isinstance(found, np.ndarray)
-            or found.shape != array.shape
-            or (found.dtype.fields or found.dtype) != kind
-        ):
-            what = f"{found.dtype} {list(found.shape)}" if isinstance(found, np.ndarray) else repr(found)
-            what = what if len(what) < 80 else f"{what[:76]} ..."
-            raise ValueError(
-                f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
-                "program, number of matches, control and representation must be those of the environment that gave it"
-            )
+        if isinstance(found, np.ndarray):
+            if found.shape == array.shape and (found.dtype.fields or found.dtype) == kind:
+                continue
+            what = f"shape {list(found.shape)}" if found.shape != array.shape else "other fields"
+        else:
+            what = "none" if found is None else f"a {type(found).__name__}"
+        raise ValueError(
+            f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
+            "program, number of matches, control and representation must be those of the environment that gave it"
+        )
 
 
 def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVectorEnv:

@@ -1,0 +1,162 @@
+"""Records of matches: where they started and what the agents did, from which they are played again bit for bit.
+
+    recorder = Recorder(env)                  # a FootballVectorEnv that has been reset
+    recorder.step(actions)                    # in place of env.step
+    recorder.save("match.npz")
+    for matches in replay("match.npz"):       # MATCH [N] at the start and after every step
+        ...
+
+A record is a NumPy archive without pickled objects: reading a stranger's runs nothing of his. Read next: `vector_env`.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from envs.football.config import FootballConfig
+from envs.football.state import MATCH
+from envs.football.vector_env import FootballVectorEnv
+from scenic_lite import ScenicError
+
+FORMAT = "regista match record 1"
+_TEXTS = ("format", "program", "program_file", "config", "np_random")
+_ARRAYS = ("actions", "last", "matches", "starts", "registers", "start_registers", "places", "place_agents", "levels")
+
+
+class RecordError(ValueError):
+    """A file that is no record of a match, or one that this simulator plays differently; the message says which."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What is in a record.
+
+    Attributes:
+        program: the text of the program, and `file`, where it stood ("" if nowhere): a program with modules of its own
+            is read from there again.
+        config: the settings of the environment.
+        state: of the environment at the start, as `get_state` gives it.
+        actions: `[T, N]` or `[T, N, A]`.
+        last: MATCH `[N]` after the last step.
+    """
+
+    program: str
+    file: str
+    config: FootballConfig
+    state: dict[str, Any]
+    actions: np.ndarray
+    last: np.ndarray
+
+    def make_env(self) -> FootballVectorEnv:
+        """Give the environment as it was at the start. Raises `RecordError` where that is not possible."""
+        path = Path(self.file)
+        source = path if self.file and path.is_file() and path.read_text() == self.program else self.program
+        try:
+            env = FootballVectorEnv(source, len(self.last), config=self.config)
+            env.set_state(self.state)
+        except (ScenicError, ValueError) as error:
+            raise RecordError(f"the record's program cannot be set up again: {error}") from error
+        return env
+
+
+class Recorder:
+    """Steps an environment and writes down the actions.
+
+    Raises ValueError for an environment that draws new levels by itself (`next_levels`), and before its reset.
+    """
+
+    def __init__(self, env: FootballVectorEnv) -> None:
+        if env.next_levels is not None:
+            raise ValueError("a record needs matches that play their level again; set env.next_levels = None")
+        self.env, self._state = env, env.get_state()
+        self._actions: list[np.ndarray] = []
+
+    def step(self, actions: Any) -> Any:
+        """Step the environment; gives what `env.step` does."""
+        result = self.env.step(actions)
+        self._actions.append(np.array(actions, np.int64))
+        return result
+
+    def record(self) -> Record:
+        """Give the record up to now."""
+        shape = self.env.action_space.shape
+        assert shape is not None
+        actions = np.array(self._actions, np.int64).reshape(len(self._actions), *shape)
+        program = self.env.program
+        folder = program.session.root  # of a program that was read from a file: its modules lie there
+        file = "" if folder is None else str((folder / program.file).resolve())
+        return Record(program.source, file, self.env.config, self._state, actions, np.asarray(self.env.matches))
+
+    def save(self, path: str | Path) -> None:
+        """Write the record to a `.npz` file."""
+        save_record(self.record(), path)
+
+
+def save_record(record: Record, path: str | Path) -> None:
+    """Write a record. Raises ValueError for a file name that does not end in .npz."""
+    if Path(path).suffix != ".npz":
+        raise ValueError(f"{path}: a record ends in .npz")
+    texts = {
+        "format": FORMAT,
+        "program": record.program,
+        "program_file": record.file,
+        "config": json.dumps(asdict(record.config)),
+        "np_random": json.dumps(record.state["np_random"]),
+    }
+    arrays = {name: record.state[name] for name in _ARRAYS[2:]}
+    np.savez_compressed(path, actions=record.actions, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
+
+
+def load_record(path: str | Path) -> Record:
+    """Read a record. Raises `RecordError` for a file that is none, that is damaged, or of another version."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            found = {name: archive[name] for name in archive.files}
+    except (ValueError, EOFError, OSError, zipfile.BadZipFile) as error:
+        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
+            raise
+        raise RecordError(f"{path} is no record of a match, or it is damaged") from error
+    if str(found.get("format")) != FORMAT:
+        raise RecordError(f"{path} is no record of a match: it does not say {FORMAT!r}")
+    missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in found]
+    if missing:
+        raise RecordError(f"{path} is damaged: {', '.join(missing)} missing")
+    if found["last"].dtype != MATCH or found["matches"].dtype != MATCH:
+        raise RecordError(f"{path} was made by another version of the simulator: its matches have other fields")
+    try:
+        config = FootballConfig(**json.loads(str(found["config"])))
+        random = json.loads(str(found["np_random"]))
+    except (TypeError, ValueError) as error:
+        raise RecordError(f"{path} is damaged: {error}") from error
+    state = {name: found[name] for name in _ARRAYS[2:]} | {"np_random": random}
+    return Record(str(found["program"]), str(found["program_file"]), config, state, found["actions"], found["last"])
+
+
+def replay(record: Record | str | Path) -> Iterator[np.ndarray]:
+    """Play a record again: gives MATCH `[N]` at the start and after each of the T steps.
+
+    Raises `RecordError` as `load_record`, and at the end if the matches came out differently than when recorded.
+    """
+    record = record if isinstance(record, Record) else load_record(record)
+    env = record.make_env()
+    yield env.matches
+    for actions in record.actions:
+        try:
+            env.step(actions)
+        except ValueError as error:
+            raise RecordError(f"the record is damaged: {error}") from error
+        yield env.matches
+    if not same(env.matches, record.last):
+        raise RecordError("the matches came out differently than when they were recorded: by another simulator?")
+
+
+def same(first: np.ndarray, second: np.ndarray) -> bool:
+    """Whether two batches of matches are equal field by field, bit for bit."""
+    return bool((np.asarray(first).view(MATCH) == np.asarray(second).view(MATCH)).all())

@@ -1,0 +1,234 @@
+"""Control: whom the agents move, in every mode, on either side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pitch import position, take_over
+
+from envs.football.casting import CastingError
+from envs.football.config import FootballConfig
+from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SPRINT
+from envs.football.simulator import step_matches
+from envs.football.state import Lineup, MatchConfig, kick_off
+from envs.football.vector_env import FootballVectorEnv
+
+PROGRAM = """
+param end_episode_on_possession_change = {ends}
+LeftCM at -10 @ 0
+ego = LeftCM at 5 @ 3
+LeftGK at -99 @ 0
+LeftCM at 5 @ -3
+RightCM at 40 @ 0
+RightGK at 99 @ 0
+ball = Ball at 5 @ 0
+"""
+OPEN = PROGRAM.format(ends=False)
+# A program begins with its ego, a match with the keepers: the left players are 2, 1, 0, 3 of the match.
+
+
+def distances(matches: np.ndarray) -> np.ndarray:
+    left = matches["players"][:, :4]
+    return np.hypot(left["x"] - matches["ball"]["x"][:, None], left["y"] - matches["ball"]["y"][:, None])
+
+
+def started(control: str, right_control: str = "none", count: int = 2) -> FootballVectorEnv:
+    env = FootballVectorEnv(OPEN, count, config=FootballConfig(control=control, right_control=right_control))
+    env.reset(seed=0)
+    return env
+
+
+@pytest.mark.parametrize(
+    ("control", "agents"),
+    [
+        ("closest1", [1]),
+        ("closest2", [1, 3]),
+        ("closest3", [1, 3, 2]),
+        ("active", [1]),
+        ("1", [1]),
+        ("2", [1, 3]),
+        ("4", [1, 3, 2, 0]),
+        ("all", [1, 2, 0, 3]),
+        ("allNonGK", [1, 2, 3]),
+    ],
+)
+def test_at_the_start_ties_keep_the_order_of_the_program(control: str, agents: list[int]) -> None:
+    """Players 1 and 3 are equally far from the ball; in the program the keeper is third."""
+    env = started(control)
+    assert env.num_agents == len(agents)
+    assert env.matches["agents"][0, : len(agents)].tolist() == agents
+    assert (env.matches["agents"][0, len(agents) :] == NOBODY).all()
+    assert env.matches["players"]["agent"][0, agents].tolist() == list(range(len(agents)))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_the_closest_are_chosen_anew_before_every_action(count: int) -> None:
+    env = started(f"closest{count}")
+    rng = np.random.default_rng(0)
+    seen = set()
+    for _ in range(150):
+        env.step(rng.integers(0, 19, env.action_space.shape))
+        matches = env.matches
+        wanted = np.argsort(distances(matches), axis=1, kind="stable")[:, :count]
+        assert (matches["agents"][:, :count] == wanted).all()
+        seen.add(tuple(wanted[0]))
+    assert len(seen) > 1
+
+
+@pytest.mark.parametrize("control", ["2", "all", "allNonGK"])
+def test_fixed_players_stay(control: str) -> None:
+    env = started(control)
+    before = env.matches["agents"].copy()
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        env.step(rng.integers(0, 19, env.action_space.shape))
+    assert (env.matches["agents"] == before).all()
+
+
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        ("5", "control '5' needs 5 players in the left team, which has 4"),
+        ("0", "whole number of players from 1, not '0'"),
+        ("-1", "whole number of players from 1, not '-1'"),
+        ("closest4", "not 'closest4'"),
+        ("everybody", "not 'everybody'"),
+    ],
+)
+def test_modes_that_do_not_fit_are_refused(control: str, message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        FootballVectorEnv(OPEN, config=FootballConfig(control=control))
+    assert message in str(error.value)
+
+
+def test_all_but_the_keeper_needs_exactly_one_keeper() -> None:
+    with pytest.raises(CastingError, match="exactly one keeper in the left team, which has 0"):
+        FootballVectorEnv(OPEN.replace("LeftGK", "LeftCB"), config=FootballConfig(control="allNonGK"))
+
+
+def test_there_must_be_an_agent() -> None:
+    with pytest.raises(ValueError, match="there must be an agent"):
+        FootballConfig(control="none")
+
+
+def test_one_agent_has_no_axis_and_several_have_one() -> None:
+    one, three = started("closest1"), started("closest3")
+    assert one.single_action_space.n == 19 and one.action_space.shape == (2,)
+    assert three.single_action_space.nvec.tolist() == [19] * 3 and three.action_space.shape == (2, 3)
+    size = one.single_observation_space.shape[0]
+    assert three.single_observation_space.shape == (3, size)
+    observations, _, _, _, info = three.step(np.zeros((2, 3), int))
+    assert observations.shape == (2, 3, size) and info["agent_rewards"].shape == (2, 3)
+
+
+def test_each_observation_belongs_to_the_player_whom_the_next_action_moves() -> None:
+    """His place stands first in `features`, and the key that is pressed next is his."""
+    env = started("closest3", count=4)
+    rng = np.random.default_rng(1)
+    observations = env.observe()
+    for _ in range(120):
+        matches = env.matches
+        rows = np.arange(4)[:, None]
+        mine = matches["players"][rows, matches["agents"][:, :3]]
+        np.testing.assert_allclose(observations[..., 0], mine["x"] / 55.0, atol=1e-6)
+        np.testing.assert_allclose(observations[..., 1], mine["y"] / 36.0, atol=1e-6)
+        actions = rng.integers(1, 9, (4, 3))
+        going_on = env.step(actions)
+        observations, ended = going_on[0], going_on[2] | going_on[3]
+        after = env.matches["players"]["action"][rows, matches["agents"][:, :3]]
+        assert (after == actions)[~ended].all()
+
+
+# ---------------------------------------------------------------- both sides
+
+MIRROR = [(-10.0, 0.0, LEFT, CM), (-20.0, 4.0, LEFT, CM), (10.0, 0.0, RIGHT, CM), (20.0, -4.0, RIGHT, CM)]
+
+
+def facing(control: MatchConfig) -> np.ndarray:
+    places = np.array([[row[:2] for row in MIRROR]])
+    lineup = Lineup([row[2] for row in MIRROR], [row[3] for row in MIRROR])
+    return kick_off(places, np.zeros((1, 2)), lineup, [0], control).view(np.recarray)
+
+
+def test_a_right_agent_sees_and_moves_the_turned_pitch() -> None:
+    """Both teams stand turned by 180°: with equal keys until the ball is near, both go the same way as each sees it."""
+    matches = facing(MatchConfig(control="2", right_control="2", use_magnet=False))
+    assert matches["agents"][0, :4].tolist() == [0, 1, 2, 3]
+    for action in (3, SPRINT, 2, 4):
+        step_matches(matches, np.array([[action] * 4]))
+    players = matches["players"][0]
+    np.testing.assert_allclose(players["x"][:2], -players["x"][2:4], atol=1e-9)
+    np.testing.assert_allclose(players["y"][:2], -players["y"][2:4], atol=1e-9)
+    assert abs(players["y"][0]) > 0.3
+
+
+def test_right_agents_observe_what_left_ones_would() -> None:
+    text = """
+        ego = LeftCM at -10 @ 0
+        LeftCM at -20 @ 4
+        RightCM at 10 @ 0
+        RightCM at 20 @ -4
+        ball = Ball at 0 @ 0
+        """.replace("        ", "")
+    for name in ("features", "simple115", "smm_stacked"):
+        settings = FootballConfig(representation=name, control="2", right_control="2")
+        env = FootballVectorEnv(text, 1, config=settings)
+        seen, _ = env.reset(seed=0)
+        assert env.num_agents == 4
+        if name != "smm_stacked":  # whose pixels are cut, not rounded
+            np.testing.assert_allclose(seen[0, :2], seen[0, 2:], atol=1e-6)
+        assert (seen[0, 0] != seen[0, 1]).any()
+
+
+def test_right_agents_are_paid_for_their_goals() -> None:
+    text = "param end_episode_on_score = True\nego = LeftCM at 60 @ 20\nRightCM at -90 @ 0\nball = Ball at -92 @ 0\n"
+    env = FootballVectorEnv(text, 1, config=FootballConfig(control="closest1", right_control="closest1"))
+    env.reset(seed=0)
+    for _ in range(100):
+        _, rewards, terminated, _, info = env.step(np.array([[0, DIRECTION_RIGHT]]))
+        if terminated[0]:
+            break
+    assert rewards[0] == -1.0 and info["agent_rewards"].tolist() == [[-1.0, 1.0]]
+
+
+# ---------------------------------------------------------------- the original's active player
+
+
+def test_the_active_player_is_the_receiver_as_soon_as_a_pass_leaves() -> None:
+    players = [(0.0, 0.0, LEFT, CM), (20.0, 0.0, LEFT, CM), (-50.0, 0.0, LEFT, GK), (50.0, 20.0, RIGHT, GK)]
+    matches = position(players, (0.4, 0.0), MatchConfig(control="active", end_episode_on_possession_change=False))
+    keys = [DIRECTION_RIGHT, 0, 0, SHORT_PASS, *[0] * 20]
+    for key in keys:
+        step_matches(matches, np.array([[key]]))
+        if matches["carrier"][0] == NOBODY and matches["last_touch"][0] == 0 and matches["ball"]["vx"][0] > 8.0:
+            break
+    assert matches["ball"]["x"][0] < 10.0  # far closer to the passer
+    assert matches["agents"][0, 0] == 1
+    assert matches["players"]["direction"][0, 1] == DIRECTION_RIGHT  # the keys go with the agent
+
+
+def test_the_magnet_can_be_switched_off() -> None:
+    """A lone player who is told to run away from a free ball does so without it, and is pulled with it."""
+    players = [(0.0, 0.0, LEFT, CM), (50.0, 20.0, RIGHT, GK)]
+    ends = []
+    for magnet in (True, False):
+        matches = position(players, (12.0, 0.0), MatchConfig(use_magnet=magnet, game_duration=100))
+        for _ in range(15):
+            step_matches(matches, np.array([[1]]))
+        ends.append(matches["players"]["x"][0, 0])
+    assert ends[0] > 3.0 and ends[1] < -0.9 * RUN_SPEED
+
+
+def test_a_player_who_was_sent_off_is_not_chosen() -> None:
+    matches = position([(0.0, 1.0, LEFT, CM), (0.0, 9.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (0.0, 0.0))
+    matches["players"]["off"][0, 0] = True
+    step_matches(matches, np.array([[0]]))
+    assert matches["agents"][0, 0] == 1
+
+
+def test_a_match_without_agents_plays_itself() -> None:
+    matches = position([(0.0, 1.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (0.0, 0.0))
+    take_over(matches, NOBODY)
+    for _ in range(30):
+        step_matches(matches, np.zeros((1, 1), np.int64))
+    assert matches["players"]["action"][0, 0] == 19 and matches["ball"]["x"][0] != 0.0

@@ -1,0 +1,78 @@
+"""Pictures and films of a match."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+from pitch import position
+
+from envs.football.constants import CM, GK, LEFT, RIGHT
+from envs.football.picture import BORDER, SCALE, SHARPER, draw_match, write_video
+from envs.football.render import LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR
+
+PLAYERS = [(-20.0, 10.0, LEFT, CM), (-50.0, 0.0, LEFT, GK), (20.0, -10.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)]
+
+
+def pixel(x, y):
+    """Row and column of a place in metres."""
+    return round((36 + BORDER - y) * SCALE / SHARPER) + 34, round((x + 55 + BORDER) * SCALE / SHARPER)
+
+
+def near(picture, x, y, colour, reach=9):
+    """Whether the colour is to be seen near a place."""
+    line, column = pixel(x, y)
+    part = picture[line - reach : line + reach, column - reach : column + reach].reshape(-1, 3).astype(int)
+    return bool((np.abs(part - colour).sum(1) < 30).any())
+
+
+def test_everybody_is_where_he_is_in_his_colours():
+    picture = draw_match(position(PLAYERS, (0.0, 20.0))[0])
+    colours = (LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR)
+    assert picture.dtype == np.uint8 and picture.shape == (594, 826, 3)
+    for (x, y, _, _), colour in zip(PLAYERS, colours, strict=True):
+        assert near(picture, x, y, colour)
+        assert not near(picture, x, y + 5, colour)
+    assert near(picture, 0.0, 20.0, (255, 255, 255), 4)
+
+
+def test_a_ball_in_the_air_is_drawn_above_its_shadow():
+    matches = position(PLAYERS, (0.0, 20.0))
+    low = draw_match(matches[0])
+    matches["ball"]["z"] = 5.0
+    high = draw_match(matches[0])
+    assert not near(low, 0.0, 22.7, (255, 255, 255), 4) and near(high, 0.0, 22.7, (255, 255, 255), 4)
+    assert not near(high, 0.0, 20.0, (255, 255, 255), 3)
+
+
+def test_the_bar_tells_the_score_the_mode_and_whom_the_agent_moves():
+    matches = position(PLAYERS, (0.0, 20.0))
+    before = draw_match(matches[0])
+    for field, value in (("score", [1, 0]), ("game_mode", 4), ("step", 300)):
+        changed = matches.copy()
+        changed[field] = value
+        after = draw_match(changed[0])
+        assert (after[:34] != before[:34]).any() and (after[34:] == before[34:]).all()
+    assert near(before, -20.0, 10.0, (255, 235, 59), 16) and not near(before, -50.0, 0.0, (255, 235, 59), 16)
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_a_film_has_a_frame_per_step(tmp_path, suffix):
+    matches = position(PLAYERS, (0.0, 20.0))
+    frames = []
+    for x in (0.0, 10.0, 20.0, 30.0):
+        matches["ball"]["x"] = x
+        frames.append(draw_match(matches[0]))
+    write_video(tmp_path / f"film{suffix}", frames, speed=2.0)
+    with Image.open(tmp_path / f"film{suffix}") as film:
+        assert film.n_frames == 4 and film.size == (826, 594)
+        film.seek(1)
+        film.load()
+        assert film.info["duration"] == 50
+
+
+def test_what_is_no_film_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"ends in \.gif, \.webp or \.mp4"):
+        write_video(tmp_path / "film.avi", [np.zeros((10, 10, 3), np.uint8)])
+    with pytest.raises(ValueError, match="no frame"):
+        write_video(tmp_path / "film.gif", [])

@@ -1,0 +1,95 @@
+"""Records and replays: bit for bit, and a clear word about what is no record."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import minigames
+from envs.football.config import FootballConfig
+from envs.football.replay import Recorder, RecordError, load_record, replay, same
+from envs.football.vector_env import FootballVectorEnv
+
+PROGRAM = minigames.MINIGAMES["3v2FourBehaviors"].program  # with behaviors, and a module of its own
+ALONE = "ego = LeftCM at 0 @ 0\nRightGK at 99 @ 0\nball = Ball at Range(1, 3) @ 0\n"
+
+
+def recorded(path, program, steps=120, **settings):
+    env = FootballVectorEnv(program, 3, config=FootballConfig(**settings))
+    env.reset(seed=8)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        env.step(rng.integers(0, 19, env.action_space.shape))
+    recorder = Recorder(env)
+    course = [env.matches]
+    for _ in range(steps):
+        recorder.step(rng.integers(0, 19, env.action_space.shape))
+        course.append(env.matches)
+    recorder.save(path)
+    return course
+
+
+@pytest.mark.parametrize(
+    ("program", "settings"),
+    [(PROGRAM, {"representation": "smm_stacked", "control": "closest2"}), (ALONE, {"rewards": "scoring,checkpoints"})],
+)
+def test_a_record_plays_again_bit_for_bit(tmp_path, program, settings):
+    course = recorded(tmp_path / "match.npz", program, **settings)
+    again = list(replay(tmp_path / "match.npz"))
+    assert len(again) == len(course)
+    assert all(same(one, two) for one, two in zip(course, again, strict=True))
+
+
+def test_foreign_and_damaged_files_are_refused(tmp_path):
+    recorded(tmp_path / "match.npz", ALONE, 20)
+    data = (tmp_path / "match.npz").read_bytes()
+    for name, content in (("cut", data[: len(data) // 2]), ("text", b"hello"), ("empty", b"")):
+        (tmp_path / f"{name}.npz").write_bytes(content)
+        with pytest.raises(RecordError, match=f"{name}.npz is no record of a match"):
+            load_record(tmp_path / f"{name}.npz")
+    np.savez(tmp_path / "other.npz", a=np.arange(3))
+    with pytest.raises(RecordError, match="does not say 'regista match record 1'"):
+        load_record(tmp_path / "other.npz")
+    with pytest.raises(FileNotFoundError):
+        load_record(tmp_path / "none.npz")
+
+
+def changed(tmp_path, **changes):
+    """A record in which some of what it holds is another."""
+    recorded(tmp_path / "match.npz", ALONE, 20)
+    with np.load(tmp_path / "match.npz") as archive:
+        parts = {name: archive[name] for name in archive.files}
+    for name, change in changes.items():
+        parts[name] = change(parts[name])
+    np.savez(tmp_path / "changed.npz", **parts)
+    return tmp_path / "changed.npz"
+
+
+def test_a_replay_that_comes_out_differently_says_so(tmp_path):
+    path = changed(tmp_path, actions=lambda actions: np.full_like(actions, 5))
+    with pytest.raises(RecordError, match="came out differently"):
+        list(replay(path))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"actions": lambda a: a + 100}, "the record is damaged: action 1"),
+        ({"last": lambda a: a["step"]}, "another version of the simulator"),
+        ({"program": lambda a: "ego = LeftCM at"}, "cannot be set up again"),
+        ({"program": lambda a: str(a) + "LeftGK at -99 @ 0\n"}, "cannot be set up again|came out differently"),
+        ({"config": lambda a: "{"}, "is damaged"),
+        ({"config": lambda a: '{"colour": 1}'}, "is damaged"),
+    ],
+)
+def test_what_is_wrong_in_a_record_is_named(tmp_path, changes, message):
+    with pytest.raises(RecordError, match=message):
+        list(replay(changed(tmp_path, **changes)))
+
+
+def test_matches_that_draw_their_own_levels_cannot_be_recorded():
+    env = FootballVectorEnv(ALONE, 1)
+    env.reset(seed=0)
+    env.next_levels = env.sample_levels
+    with pytest.raises(ValueError, match="next_levels = None"):
+        Recorder(env)

@@ -1,0 +1,108 @@
+"""Several programs in one batch, the program a part of the level."""
+
+import numpy as np
+import pytest
+from probes import Choice, Endless, HalfValid, Landscape
+
+from ued import ACCEL, ACCELConfig, BufferConfig, Paired, PPOConfig
+from ued.mixture import Mixture
+from ued.probes import Frontier
+
+PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)
+
+
+def mixture(num_envs=12):
+    """Two actions in three-step landscapes of two columns, half of one's levels invalid, and one of no column."""
+    return Mixture([Landscape(num_envs), HalfValid(num_envs), Choice(num_envs)], ["plain", "half", "choice"])
+
+
+def test_theta_chooses_the_program_and_the_program_its_own_columns():
+    env = mixture(3)
+    env.reset(seed=0, options={"theta": [[-1.0, 0.1, 0.2], [0.0, 0.3, -0.4], [1.0, 0.5, 0.5]]})
+    assert env.levels["program"].tolist() == [0, 1, 2]
+    assert env.members[0].levels["theta"][0].tolist() == [0.1, 0.2]
+    assert env.members[1].levels["theta"][1].tolist() == [0.3, -0.4]
+    assert [member.idle.tolist() for member in env.members] == [
+        [False, True, True],
+        [True, False, True],
+        [True, True, False],
+    ]
+    assert [each["program"] for each in env.describe(env.levels["theta"])] == ["plain", "half", "choice"]
+    assert set(env.describe(env.levels["theta"])[2]) == {"program"}
+
+
+def test_validity_is_that_of_the_program():
+    env = mixture()
+    theta = np.array([[-0.9, -0.5, 0.0], [0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [0.9, -0.5, 0.0]])
+    assert env.valid(theta).tolist() == [True, False, True, True]
+    drawn = env.sample_levels(600)
+    assert env.valid(drawn["theta"]).all()
+    assert np.bincount(drawn["program"]) / 600 == pytest.approx([0.4, 0.2, 0.4], abs=0.06)
+
+
+def test_observations_say_which_program_it_is():
+    env = mixture(3)
+    seen, _ = env.reset(seed=0, options={"theta": [[-1.0, 0.1, 0.2], [0.0, 0.3, -0.4], [1.0, 0.5, 0.5]]})
+    assert seen.shape == (3, 5)
+    assert seen[0] == pytest.approx([0.1, 0.2, 1, 0, 0]) and seen[1] == pytest.approx([0.3, -0.4, 0, 1, 0])
+    assert seen[2].tolist() == [0, 0, 0, 0, 1]
+    assert env.observation_space.contains(seen)
+
+
+def test_each_environment_gets_the_rewards_of_its_program():
+    env = mixture(30)
+    env.reset(seed=1)
+    for _ in range(20):
+        actions = np.zeros(30, int)
+        _, reward, terminated, truncated, info = env.step(actions)
+        choice = env.levels["program"] == 2
+        assert (reward[choice] == -1).all() and terminated[choice].all()
+        assert (reward[~choice] >= 0).all() and not truncated.any()
+        ended = terminated | truncated
+        assert (info["final_obs"][ended, 2:].argmax(1) == env.levels["program"][ended]).all()
+        env.reset_to_levels(env.sample_levels(int(ended.sum())), ended)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda env: Paired(env, PPO),
+        lambda env: ACCEL(env, PPO, ACCELConfig(buffer=BufferConfig(capacity=32))),
+    ],
+)
+def test_methods_train_on_it_and_resume(make):
+    method, resumed = make(mixture()), make(mixture())
+    for _ in range(4):
+        method.update()
+    resumed.load_state_dict(method.state_dict())
+    one, other = method.update(), resumed.update()
+    assert all(one[k] == other[k] or one[k] != one[k] for k in one if not k.startswith("time/"))
+    assert one["env_steps"] == 5 * 32 * 12 * len(method.seats)
+
+
+def test_members_must_go_together():
+    with pytest.raises(ValueError, match=r"frontier has actions Discrete\(4\), plain Discrete\(2\)"):
+        Mixture([Landscape(4), Frontier(4)], ["plain", "frontier"])
+    with pytest.raises(ValueError, match="choice has 5 environments, plain 4"):
+        Mixture([Landscape(4), Choice(5)], ["plain", "choice"])
+    with pytest.raises(ValueError, match="one name for each member"):
+        Mixture([Landscape(4), Endless(4)], ["a", "a"])
+
+
+@pytest.mark.slow
+def test_minigames_of_football_in_one_batch():
+    from envs.football.vector_env import FootballVectorEnv
+    from minigames.suites import MINIGAMES
+
+    names = ["1v1Restricted", "1v1Free"]
+    env = Mixture([FootballVectorEnv(MINIGAMES[name].program, 16) for name in names], names)
+    env.reset(seed=0)
+    assert len(set(env.levels["program"].tolist())) == 2
+    total = np.zeros(16)
+    for _ in range(50):
+        seen, reward, *_ = env.step(np.full(16, 5))
+        total += reward
+        assert np.isfinite(seen).all()
+    alone = FootballVectorEnv(MINIGAMES["1v1Free"].program, 16)
+    assert alone.single_observation_space.shape[0] + 2 <= seen.shape[1]
+    assert {each["program"] for each in env.describe(env.levels["theta"])} == set(names)

@@ -1,0 +1,162 @@
+"""Several programs in one UPOMDP: levels of different games in one batch, the game a part of the level.
+
+So a curriculum chooses among skills as it chooses among levels (thesis, section 5.1): the first column of θ says which
+program, cut evenly as a discrete choice, and the others are that program's own, as many as it has. Every method works
+on it as it stands. Read next: `upomdp`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box
+
+from ued.gym_upomdp import Parameter
+from ued.upomdp import UPOMDP, check_theta, level_dtype
+
+
+class Mixture(UPOMDP):
+    """N environments, each of which plays whichever of K programs its level asks for.
+
+    Args:
+        members: K UPOMDPs of N environments each, with equal action spaces and flat observations. They belong to the
+            mixture from then on; those of their environments that nobody plays are `idle`.
+        names: of the programs.
+
+    θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
+    order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
+    padded with zeros to the longest, and a one-hot of the program behind.
+
+    Raises `ValueError` for members that do not go together.
+    """
+
+    def __init__(self, members: Sequence[UPOMDP], names: Sequence[str]) -> None:
+        _check(members, names)
+        self.members, self.names = tuple(members), tuple(names)
+        first = members[0]
+        self.sizes = [_size(member) for member in members]
+        self.width = max(self.sizes)
+        widest = max(member.theta_dim for member in members)
+        draws = [Parameter("program", 0.0, float(len(members)))]
+        draws += [Parameter(str(k + 1), -1.0, 1.0) for k in range(widest)]
+        space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
+        super().__init__(first.num_envs, space, first.single_action_space, draws)
+        self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
+
+    def program_of(self, theta: Any) -> np.ndarray:
+        """Give the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
+        column = check_theta(theta, self.theta_dim)[:, 0]
+        return np.minimum((column + 1) / 2 * len(self.members), len(self.members) - 1).astype(np.int32)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        theta = check_theta(theta, self.theta_dim)
+        program, valid = self.program_of(theta), np.zeros(len(theta), bool)
+        for k, member in enumerate(self.members):
+            mine = program == k
+            if mine.any():
+                valid[mine] = member.valid(theta[mine, 1 : 1 + member.theta_dim])
+        return valid
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        theta = check_theta(theta, self.theta_dim)
+        found = []
+        for row, k in zip(theta, self.program_of(theta), strict=True):
+            member = self.members[k]
+            found.append({"program": self.names[k], **member.describe(row[1 : 1 + member.theta_dim])[0]})
+        return found
+
+    def make_levels(self, theta: Any) -> np.ndarray:
+        levels = super().make_levels(theta)
+        levels["program"] = self.program_of(levels["theta"])
+        return levels
+
+    # ------------------------------------------------------------ the environments
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        program = self.program_of(levels["theta"])
+        levels["program"] = self.levels["program"][where] = program
+        for k, member in enumerate(self.members):
+            member.idle[where] = program != k
+            mine = where[program == k]
+            if len(mine):
+                self._start_member(k, levels[program == k], mine)
+        return self._observations.copy()
+
+    def _start_member(self, k: int, levels: np.ndarray, where: np.ndarray) -> None:
+        member, mask = self.members[k], np.zeros(self.num_envs, bool)
+        mask[where] = True
+        own = np.zeros(len(levels), level_dtype(member.theta_dim))
+        own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + member.theta_dim]
+        observations, _ = member.reset_to_levels(own, mask)
+        self._see(k, observations, where, self._observations)
+
+    def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
+        """Put observations of program k, of the environments `where`, in their places."""
+        into[where] = 0.0
+        into[where, : self.sizes[k]] = observations[where]
+        into[where, self.width + k] = 1.0
+
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        rewards = np.zeros(self.num_envs)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        final = np.zeros_like(self._observations)
+        for k, member in enumerate(self.members):
+            where = np.flatnonzero(~member.idle)
+            if not len(where):
+                continue
+            observations, reward, over, cut, info = member.step(actions)
+            rewards[where], terminated[where], truncated[where] = reward[where], over[where], cut[where]
+            self._see(k, observations, where, self._observations)
+            ended = where[(over | cut)[where]]
+            self._see(k, info["final_obs"], ended, final)
+        info = {"final_obs": final, "_final_obs": terminated | truncated}
+        return self._observations.copy(), rewards, terminated, truncated, info
+
+    # ------------------------------------------------------------ state
+
+    def get_state(self) -> dict[str, Any]:
+        return {
+            "members": [member.get_state() for member in self.members],
+            "idle": [member.idle.copy() for member in self.members],
+            "levels": self.levels.copy(),
+            "observations": self._observations.copy(),
+            "np_random": self.np_random.bit_generator.state,
+        }
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        for member, saved, idle in zip(self.members, state["members"], state["idle"], strict=True):
+            member.set_state(saved)
+            member.idle[:] = idle
+        self.levels[:], self._observations[:] = state["levels"], state["observations"]
+        self.np_random.bit_generator.state = state["np_random"]
+        return self._observations.copy()
+
+    def copy(self) -> Mixture:
+        twin = Mixture([member.copy() for member in self.members], self.names)
+        twin.set_state(self.get_state())
+        return twin
+
+    def close_extras(self, **kwargs: Any) -> None:
+        for member in self.members:
+            member.close()
+
+
+def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
+    if not members or len(members) != len(names) or len(set(names)) < len(names):
+        raise ValueError(f"a mixture needs one name for each member, all different; got {len(members)} and {names}")
+    first = members[0]
+    for member, name in zip(members, names, strict=True):
+        if member.num_envs != first.num_envs:
+            raise ValueError(f"{name} has {member.num_envs} environments, {names[0]} {first.num_envs}")
+        if member.single_action_space != first.single_action_space:
+            raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
+        if len(member.single_observation_space.shape or ()) != 1:
+            raise ValueError(f"{name} has observations {member.single_observation_space}; a mixture needs flat ones")
+
+
+def _size(member: UPOMDP) -> int:
+    shape = member.single_observation_space.shape
+    assert shape is not None
+    return int(shape[0])
