@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo test test-quick lint format benchmark clean
+.PHONY: setup demo results test test-quick lint format benchmark clean
 
 setup: $(READY)
 
@@ -16,6 +16,11 @@ $(READY): pyproject.toml constraints.txt
 
 demo: $(READY)
 	$(BIN)/regista compare 1v1Restricted --out demo
+
+results: $(READY)
+	$(BIN)/regista compare 1v1Free --methods dr paired_literal paired accel --seeds 5 --total-env-steps 2_000_000 --out runs/results
+	$(BIN)/regista probe --out runs/probe
+	$(BIN)/python -m experiments.results_page runs/results runs/probe
 
 test: lint
 	$(BIN)/pytest --numprocesses auto

@@ -210,7 +210,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
     wanted["return on the levels trained on"] = ("return/", "mean return")
     wanted["success on the levels trained on"] = ("success", "share of episodes")
     wanted["regret of the levels trained on"] = ("regret", "regret")
-    wanted["spread of the levels trained on"] = ("theta_entropy", "entropy of θ (nats)")
+    wanted["spread of the levels trained on"] = ("theta_std", "deviation of θ; uniform: 0.58")
     panels = {}
     for heading, (name, unit) in wanted.items():
         curves = []

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments import arguments, build, plots
+from experiments import arguments, build, plots, results_page
 from experiments.arguments import group
 from experiments.config import TrainConfig
 from experiments.progress import Progress
@@ -91,6 +91,9 @@ def main(argv: Sequence[str]) -> int:
     except OSError as error:
         raise cannot_write(config.out, error) from error
     draw(runs, config.methods, config.out / "curves.png")
+    heading = f"The frontier: {plots.listed(config.methods)}"
+    pictures = {"Share of the turns known, over simulated steps": "curves.png"}
+    results_page.write_page(config.out, heading, ["probe", *argv], table, pictures)
     print(table)
     print(f"\n{config.out}/table.md, curves.csv, curves.png")
     return 0

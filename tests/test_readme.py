@@ -10,6 +10,7 @@ import torch
 import envs.football.domain
 import scenic_lite
 from experiments.__main__ import COMMANDS, main
+from experiments.build import METHODS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -23,7 +24,7 @@ def blocks(language):
 
 def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     torch.set_num_threads(1)
-    (example,) = blocks("python")
+    (example,) = [text for text in blocks("python") if "GymUPOMDP(" in text]
     assert example.count(STEPS) == 1
     names = {}
     exec(example.replace(STEPS, "6_000"), names)
@@ -35,6 +36,27 @@ def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     assert values and str(values) == lines[-1]
     for draw in upomdp.draws:
         assert all(draw.low <= level[draw.name] <= draw.high for level in values)
+
+
+def test_the_curriculum_with_a_trainer_of_ones_own():
+    """The student of this trainer solves levels whose first parameter is below a frontier, which moves as it learns."""
+    (example,) = [text for text in blocks("python") if "propose(" in text]
+    learned = []
+
+    def play(theta, learn):
+        learned.append(bool(learn))
+        return float(np.random.default_rng(len(learned)).random() < 0.5 - theta[0])
+
+    names = {"play": play}
+    exec(example, names)
+    assert len(learned) == 100 * 16 * 2
+    assert names["metrics"]["buffer/fill"] == 1.0 and any(learned) and not all(learned)  # replayed ones alone
+
+
+def test_every_method_is_in_the_table():
+    (section,) = re.findall(r"^## The methods\n(.*?)^## ", README, re.M | re.S)
+    shown = re.findall(r"^\| `(\w+)` \|", section, re.M)
+    assert shown == list(METHODS)
 
 
 def test_the_scenario_has_the_free_parameters_that_are_promised():

@@ -234,12 +234,19 @@ FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-
 BUDGET = ["--total-env-steps", "30000", "--eval-every", "10000", "--checkpoint-seconds", "0.5", "--no-record"]
 
 
+SMALL_BUFFER = {  # so that levels are replayed within a short run
+    "accel": ["--accel.buffer.capacity", "8"],
+    "repaired": ["--repaired.buffer.capacity", "4", "--repaired.episodes-per-level", "1"],
+}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["dr", "paired"])
+@pytest.mark.parametrize("method", ["dr", "paired", "accel", "repaired"])
 def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method):
-    whole = regista("train", *FOOTBALL, *BUDGET, "--method", method, "--out", str(tmp_path / "whole"))
+    flags = [*FOOTBALL, *BUDGET, "--method", method, *SMALL_BUFFER.get(method, [])]
+    whole = regista("train", *flags, "--out", str(tmp_path / "whole"))
     assert whole.wait(timeout=300) == 0, whole.stderr.read().decode()
-    killed = regista("train", *FOOTBALL, *BUDGET, "--method", method, "--out", str(tmp_path / "killed"))
+    killed = regista("train", *flags, "--out", str(tmp_path / "killed"))
     deadline = time.monotonic() + 300
     while not (tmp_path / "killed" / "checkpoint.pt").exists() and time.monotonic() < deadline:
         time.sleep(0.02)
@@ -251,6 +258,9 @@ def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, m
         rows = without_time(tmp_path / "killed" / name)
         assert rows == without_time(tmp_path / "whole" / name)
         assert len(rows) > 10
+    if method in SMALL_BUFFER:
+        replayed = read_columns(tmp_path / "killed" / "metrics.csv")["levels/replayed"]
+        assert replayed[-10:].sum() > 0
 
 
 @pytest.mark.slow
