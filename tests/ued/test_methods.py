@@ -29,7 +29,9 @@ from ued import (
     checkpoint,
 )
 from ued.config import ALPGMMConfig
+from ued.curriculum import ThetaSpace
 from ued.methods.accel import edit
+from ued.methods.sfl import CANDIDATE, SFLLevels
 from ued.probes import Frontier
 from ued.trials import NONE, Origin
 
@@ -266,6 +268,21 @@ def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     assert sum(given) + len(method.curriculum.teacher.lessons) == own
     assert (trials["train"] == replayed).all()
     assert not np.isnan(trials["returns"][replayed]).any()  # both students played the same replayed level
+
+
+def test_sfl_chooses_even_where_looking_takes_longer_than_the_time_between_two_choices():
+    """One candidate is judged in each update, 12 of them in the time of four choices."""
+    levels = SFLLevels(ThetaSpace(2), SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2))
+    levels.update(levels.propose(4)[:0])
+    trials = levels.propose(12)
+    assert (trials["slot"] == CANDIDATE).all()
+    trials["returns"][:, 0] = np.stack([np.arange(12) % 2, np.zeros(12)], 1)  # every second is learnable
+    for k in range(12):
+        metrics = levels.update(trials[k : k + 1])
+    assert metrics["sfl/chosen_score"] == pytest.approx(0.5 + 0.0005)  # p (1 - p) n / (n - 1), and the tie-break
+    again = levels.propose(100)
+    again = again[again["origin"] == Origin.REPLAYED]
+    assert len(again) and np.isin(again["level"]["theta"], trials["level"]["theta"][1::2]).all()
 
 
 def test_sfl_counts_its_looking_around_and_trains_on_the_chosen():

@@ -42,6 +42,7 @@ class SFLLevels:
         self.stock = LevelStock(space)
         self.rng = np.random.default_rng(seed)
         self.waiting = 0  # candidates yet to be proposed
+        self.looking = False  # whether there are candidates to be proposed or to be judged
         self.judged = np.zeros(0, self.dtype)
         self.chosen = np.zeros(0, level_dtype(space.theta_dim))
         self.updates = 0
@@ -71,9 +72,9 @@ class SFLLevels:
             order = np.argsort(-self.judged["score"], kind="stable")
             self.chosen = self.judged["level"][order[: self.config.chosen]]
             metrics["sfl/chosen_score"] = float(self.judged["score"][order[: self.config.chosen]].mean())
-            self.judged = self.judged[:0]
-        if self.updates % self.config.choose_every == 0:
-            self.waiting, self.judged = self.config.candidates, self.judged[:0]
+            self.judged, self.looking = self.judged[:0], False
+        if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may take it longer
+            self.waiting, self.looking = self.config.candidates, True
         self.updates += 1
         return metrics
 
@@ -87,6 +88,7 @@ class SFLLevels:
             "stock": self.stock.levels.copy(),
             "rng": self.rng.bit_generator.state,
             "waiting": self.waiting,
+            "looking": self.looking,
             "judged": self.judged.copy(),
             "chosen": self.chosen.copy(),
             "updates": self.updates,
@@ -96,7 +98,7 @@ class SFLLevels:
         """Take back what `state_dict` gave."""
         self.stock.levels, self.rng.bit_generator.state = state["stock"].copy(), state["rng"]
         self.judged, self.chosen = state["judged"].copy(), state["chosen"].copy()
-        self.waiting, self.updates = state["waiting"], state["updates"]
+        self.waiting, self.looking, self.updates = state["waiting"], state["looking"], state["updates"]
 
 
 class SFL(Training):
