@@ -182,7 +182,7 @@ def throw(match, i):
     forget_kick(player)
     lose_ball(match)
     player.touch_wait = AFTER_KICK
-    match.last_touch = i
+    match.last_touch, match.kicked, match.kick_age = i, True, 0.0
 
 
 @kernel

@@ -29,6 +29,8 @@ def write_simple115(match, agent, row):
     side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
     for i in range(match.num_players):
         player = match.players[i]
+        if player.off:
+            continue  # as if he had never been in the team
         at = 2 * player.shirt + (0 if player.team == me.team else _THEIRS)
         row[at] = side * player.x / UNIT_X
         row[at + 1] = side * player.y / UNIT_Y

@@ -175,7 +175,14 @@ MATCH = np.dtype(
 
 @dataclass(frozen=True)
 class MatchConfig:
-    """Settings of an episode, named as in Google Research Football; each one value or an array [N]."""
+    """Settings of an episode, named as in Google Research Football; each one value or an array [N].
+
+    What ends an episode means what it means there. A goal by either side. Out of play: the first step that shows a
+    mode other than 0, so a throw-in, a corner, a goal kick, a foul or an offside; never a kick-off. Possession: the
+    ball is owned by the other team than the last that owned it, however long nobody did, and goals do not make that
+    forgotten. An episode has exactly `game_duration` steps, and the second half begins after exactly `second_half` of
+    them. (Theirs has one step more, because its first action is lost.)
+    """
 
     game_duration: npt.ArrayLike = 400
     end_episode_on_score: npt.ArrayLike = True

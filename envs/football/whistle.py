@@ -46,7 +46,7 @@ def put_ball(match, x, y):
     ball.x, ball.y, ball.z = x, y, BALL_RADIUS
     ball.vx, ball.vy, ball.vz, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0, 0.0
     lose_ball(match)
-    match.saver, match.receiver = NOBODY, NOBODY
+    match.saver, match.receiver, match.kicked = NOBODY, NOBODY, False
 
 
 @kernel

@@ -23,6 +23,7 @@ from envs.football.constants import (
     NOBODY,
     NORMAL,
     PENALTY,
+    POSSESSION,
     RB,
     RIGHT,
     RM,
@@ -211,6 +212,14 @@ def test_a_throw_in_is_taken_where_the_ball_went_out_by_the_other_team() -> None
         assert (matches["ball"]["x"][0], matches["ball"]["y"][0]) == (7.0, -36.0)
         assert matches["players"]["team"][0, matches["taker"][0]] == team
         assert matches["ended"][0] == 0
+
+
+def test_the_ball_in_the_hands_of_a_thrower_is_owned_so_possession_can_change() -> None:
+    matches = position(ELEVENS, (0.0, 35.9), replace(OPEN, end_episode_on_possession_change=True, control="none"))
+    matches["ball"]["vy"], matches["last_touch"], matches["last_owned_team"] = 12.0, 1, LEFT
+    play(matches, [0])
+    assert matches["game_mode"][0] == THROW_IN
+    assert matches["ended"][0] == POSSESSION
 
 
 def test_a_team_without_players_leaves_its_restarts_to_the_other() -> None:

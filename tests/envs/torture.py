@@ -180,6 +180,7 @@ def choose_actions(match, style, actions):
 @kernel
 def torment(matches, starts, styles, actions, steps, played):
     """Play `steps` steps of every match; return the first that is not sane and why: (index, complaint), or (-1, 0)."""
+    waits = np.zeros(matches[0].players.shape[0])
     for e in range(len(matches)):
         match = matches[e]
         for _ in range(steps):
@@ -194,15 +195,33 @@ def torment(matches, starts, styles, actions, steps, played):
                 foul_at_random(match)
             score, step, toucher = match.score[0] + match.score[1], match.step, match.last_touch
             energy = energy_of(match.ball) + spin_energy(match.ball) if free(match) else -1.0
-            waits = match.kicker == NOBODY
+            if match.kicker != NOBODY:
+                energy = -1.0
+            note_waits(match, waits)
             step_teams(match, actions[e])
-            if match.last_touch != toucher or not waits:
+            if match.last_touch != toucher or touched(match, waits):
                 energy = -1.0
             wrong = complaint(match, score, energy, step)
             played[0] += match.num_players
             if wrong != 0:
                 return e, wrong
     return -1, 0
+
+
+@kernel
+def note_waits(match, waits):
+    """Note when each player can touch the ball again."""
+    for i in range(match.num_players):
+        waits[i] = match.players[i].touch_wait
+
+
+@kernel
+def touched(match, waits):
+    """Whether somebody has touched the ball since: he must wait longer now."""
+    count = 0
+    for i in range(match.num_players):
+        count += match.players[i].touch_wait > waits[i]
+    return count > 0
 
 
 @kernel
