@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
-from envs.football.control import CARRY_SPRINT, chase
+from envs.football.control import chase
 from envs.football.dribble import TOUCH_REACH
 from envs.football.effort import RUNS, WALKS
 from envs.football.passing import consider_pass
@@ -62,7 +62,7 @@ def carrying_speed(player, wish):
     """The speed in m/s with the ball that suits a wish; he never stands."""
     if wish < WALKS:
         return DRIBBLE_SPEED
-    return RUN_SPEED if wish < RUNS else player.top_speed * CARRY_SPRINT
+    return RUN_SPEED if wish < RUNS else player.top_speed
 
 
 @kernel

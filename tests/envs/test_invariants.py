@@ -17,9 +17,9 @@ from pitch import OPEN, Player, plain, position
 from test_restarts import ELEVENS, MODES, PLACES
 
 from envs.football.ball import bounce, drag_on_ground, hit_goal_frame
+from envs.football.bodies import part_bodies
 from envs.football.constants import BALL_RADIUS, CM, GK, LEFT, NORMAL, RIGHT
 from envs.football.hands import parry
-from envs.football.motion import part_bodies
 from envs.football.simulator import step_matches
 from envs.football.state import MATCH, MatchConfig
 from envs.football.whistle import stop_play
