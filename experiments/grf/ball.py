@@ -14,7 +14,8 @@ import numpy as np
 
 from envs.football.ball import advance_ball
 from envs.football.constants import FRAMES
-from envs.football.kicks import GROUND_SPIN, HIGH_SPIN, SHOT_SPIN
+from envs.football.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
+from envs.football.shots import SHOT_SPIN
 from envs.football.state import MATCH
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
@@ -57,12 +58,19 @@ def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
     matches = np.zeros(1, MATCH).view(np.recarray)
     ball = matches["ball"]
     ball["z"], ball["vx"], ball["vz"] = theirs[0, 1:]
-    ball["spin_x"] = SHOT_SPIN if name == "shot" else HIGH_SPIN if name.startswith("high") else GROUND_SPIN
+    ball["spin_x"] = spin_of(name, float(np.hypot(theirs[0, 2], theirs[0, 3])))
     path = []
     for _ in theirs:
         path.append([ball["x"][0], ball["z"][0], ball["vx"][0], ball["vz"][0]])
         roll_on(matches)
     return np.array(path)
+
+
+def spin_of(name: str, speed: float) -> float:
+    """The spin in m/s that a kick of this kind and speed in m/s gives."""
+    if name == "shot":
+        return SHOT_SPIN
+    return (HIGH_SPIN if name.startswith("high") else GROUND_SPIN) * min(speed / FULL_SPIN, 1.0)
 
 
 @kernel
