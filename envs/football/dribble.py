@@ -24,14 +24,14 @@ AT_FOOT_TIME, AT_FOOT_SPEED = 0.1, 3.0  # s; m/s at most, relative to the player
 # How one runs with the ball, by the speed wanted: at a dribble, at a run, at a sprint, knocking it on in a sprint
 DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)
 DRIBBLE_BELOW = 4.7  # m/s wanted
-NEXT_TOUCH = (0.5, 0.52, 0.93, 0.75)  # m ahead at which he goes for the next touch
+NEXT_TOUCH = (0.5, 0.52, 0.93, 1.05)  # m ahead at which he goes for the next touch
 SLOWER = 0.1  # m/s, so much faster than the player the ball may be then
 HELD_BACK = (0.4, 0.1, 0.75, 0.5)  # m/s, while he does, at a run or faster; slower, by the square of the speed
 HELD_TURNING = 0.5  # m/s, while he sends it elsewhere
 PUSHED_PACE = (1.1, 1.1, 1.1, 1.36)  # a touch gives the ball this times his speed
 PUSHED_MORE = (1.5, 2.0, 1.9, 3.5)  # m/s and this more,
-PUSHED_MOST = (0.15, 0.33, 1.0, 3.9)  # m/s but at most this more than he wants to run
-KNOCK_LIFT = 1.2  # m/s upwards of a ball that is knocked on
+PUSHED_MOST = (0.15, 0.33, 0.85, 3.9)  # m/s but at most this more than he wants to run
+PUSHED_UP = (0.0, 0.3, 0.0, 1.2)  # m/s upwards
 TURNED_BALL, TURNS_BELOW = 1.4, 6.9  # m/s of a ball that is turned back; m/s at which he does that
 SLOWED_BALL = 1.2  # m/s less than his speed, where he stops
 ASIDE_TIME, ASIDE = 0.4, 2.0  # s in which a touch brings the ball back to his line, m/s at most
@@ -275,8 +275,8 @@ def push_on(ball, player, vx, vy, want):
     aside = (across * abs(across) / (2.0 * BRAKING) - off) / ASIDE_TIME
     aside = min(max(aside, -ASIDE), ASIDE)
     roll(ball, fast * ux - aside * uy, fast * uy + aside * ux)
-    if gait_of(player, want) == KNOCKED_ON:
-        ball.vz = KNOCK_LIFT
+    if want > WALKING and pace > 0.0:
+        ball.vz = PUSHED_UP[gait_of(player, max(want, speed))]
 
 
 @kernel
