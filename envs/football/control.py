@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ball import rolled
 from envs.football.constants import (
     DIRECTION_X,
     DIRECTION_Y,
@@ -27,7 +26,7 @@ from envs.football.constants import (
 )
 from envs.football.dribble import TOUCH_REACH
 from envs.football.motion import SLIDE_TIME
-from envs.football.possession import ball_speed, forget_kick, meeting_time
+from envs.football.possession import ball_speed, fall_time, forget_kick, meeting_time, travelled
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
@@ -167,7 +166,7 @@ def chase(match, i, speed):
     rolling = ball_speed(ball)
     share = 0.0
     if rolling > 0.5:
-        share = rolled(rolling, meeting_time(match, player, rolling)) / rolling
+        share = travelled(rolling, fall_time(ball), meeting_time(match, player, rolling)) / rolling
     run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
 
 
