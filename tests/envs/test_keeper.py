@@ -140,7 +140,7 @@ def test_a_pass_back_is_not_for_the_hands_but_a_deflection_is() -> None:
 def test_with_a_free_second_attacker_he_does_not_come_all_the_way() -> None:
     """A lone striker at 20 m is met half way out; one with a free mate near the goal is not."""
     out = []
-    for second in ((-20.0, 0.0), (42.0, 14.0)):
+    for second in ((-20.0, 0.0), (46.0, 8.0)):
         players = [(35.0, -4.0, LEFT, CM), (54.3, 0.0, RIGHT, GK), (*second, LEFT, CM)]
         matches = position(players, (35.4, -4.0))
         play(matches, [0] * 15)
