@@ -66,7 +66,7 @@ def best_pass(match, i, threshold):
         gain *= KEEPER_SHARE if mate.role == GK else 1.0
         if gain < max(BETTER, best):
             continue
-        kind, worth, x, y = best_kind(match, player, mate, gain)
+        kind, worth, x, y = best_kind(match, player, mate, own, gain)
         if worth > best:
             best, found = worth, True
             ask_kick(player, kind, x, y)
@@ -74,8 +74,11 @@ def best_pass(match, i, threshold):
 
 
 @kernel
-def best_kind(match, player, mate, gain):
-    """Compare a pass to a mate's feet, into his run, and through the air: kind, worth, and where it is aimed."""
+def best_kind(match, player, mate, own, gain):
+    """Compare a pass to a mate's feet, into his run, and through the air: kind, worth, and where it is aimed.
+
+    `own` is the player's own situation, `gain` what the mate's is better.
+    """
     distance = apart(mate, player)
     x, y = mate.x + LEAD_TIME * mate.vx, mate.y + LEAD_TIME * mate.vy
     kind, worth, aim_x, aim_y = SHORT_PASS, -1.0, x, y
@@ -83,7 +86,8 @@ def best_kind(match, player, mate, gain):
         worth = gain * ground_odds(match, player, x, y)
         through_x, through_y = into_run(player, mate, distance)
         if forward(player.team) * mate.vx > 2.0:
-            through = (gain + LONG_LEAD) * ground_odds(match, player, through_x, through_y)
+            through = min(situation(match, player, through_x, through_y) - own, GAIN_MOST)
+            through *= ground_odds(match, player, through_x, through_y)
             if through > worth:
                 kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
     if distance > HIGH_LEAST:
