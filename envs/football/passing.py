@@ -6,7 +6,7 @@ shorter he has had the ball. Read next: `kicks`, which carries passes out.
 
 from __future__ import annotations
 
-from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, SHORT_PASS
+from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
 from envs.football.formation import forward
 from envs.football.offside import second_last
 from envs.football.saves import own_goal_x
@@ -70,6 +70,7 @@ def best_pass(match, i, threshold):
         if worth > best:
             best, found = worth, True
             ask_kick(player, kind, x, y)
+            player.kick_mate = j
     return found
 
 
@@ -160,4 +161,4 @@ def clear_in_panic(match, i):
 def ask_kick(player, kick, x, y):
     """Ask for a kick to a chosen place."""
     player.kick, player.kick_held, player.kick_ready = kick, 1, True
-    player.aimed, player.aim_x, player.aim_y = True, x, y
+    player.aimed, player.aim_x, player.aim_y, player.kick_mate = True, x, y, NOBODY
