@@ -15,7 +15,7 @@ from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 DECIDED_EVERY = 2  # steps
-GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 45.0  # m
+GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 36.0  # m
 BETTER = 0.1  # by how much a mate's situation must be better
 GAIN_MOST = 1.2  # more is not worth more
 EAGER, PATIENT, PATIENCE = 0.06, 0.3, 50  # least gain times odds after PATIENCE steps on the ball, and at once
