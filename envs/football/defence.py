@@ -24,7 +24,8 @@ CLOSED_DOWN = 3.0  # m to the ball, from where a defender before his goal sprint
 CLEAR_BY = 2.5  # m by which the opponent on the ball is passed on the way back
 TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
 DANGER_RANGE = 29.0  # m from the carrier to the goal: from here on he is attacked, and loses the ball some 5 m later
-CLOSE_RANGE = 14.0  # m: the same where a keeper is behind the defender
+CLOSE_RANGE = 20.0  # m: the same where a keeper is behind the defender
+PATIENCE, PRESSED_RANGE = 50, 40.0  # steps a carrier may keep the ball within this many m of the goal, against several
 HOLD_UP_MOST, HOLD_UP_FROM = 7.0, 24.0  # m left to a carrier who is far away; m to the goal, from where on less is
 HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.5  # m that are left at least, and more per m that he is further from the goal
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
@@ -100,7 +101,7 @@ def hold_up(match, i, on_ball):
     late = reaction_time(player)
     x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
-    if to_goal < (CLOSE_RANGE if keeper_behind(match, player) else DANGER_RANGE):
+    if to_goal < attacked_from(match, player):
         attack_ball(match, i, rival, to_goal)
         return
     gap = HOLD_UP_GAP + HOLD_UP_SHARE * max(to_goal - HOLD_UP_FROM, 0.0)
@@ -122,15 +123,22 @@ def go_along(player, rival, x, y):
 
 
 @kernel
-def keeper_behind(match, player):
-    """Tell whether a player's keeper is nearer to their goal than he is."""
+def attacked_from(match, player):
+    """Distance in m from the goal within which a player attacks the opponent whom he holds up."""
     goal_x = own_goal_x(player.team)
     own = length(goal_x - player.x, player.y)
+    mates, keeper_behind = 0, False
     for j in range(match.num_players):
         mate = match.players[j]
-        if mate.team == player.team and mate.role == GK:
-            return length(goal_x - mate.x, mate.y) < own
-    return False
+        if mate.team != player.team:
+            continue
+        if mate.role == GK:
+            keeper_behind = length(goal_x - mate.x, mate.y) < own
+        else:
+            mates += 1
+    if mates > 1 and match.borne > PATIENCE:
+        return PRESSED_RANGE
+    return CLOSE_RANGE if keeper_behind else DANGER_RANGE
 
 
 @kernel

@@ -10,7 +10,7 @@ from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG
 from envs.football.formation import forward
 from envs.football.offside import second_last
 from envs.football.saves import own_goal_x
-from envs.football.situation import attacked_goal_x, nearest_opponent, situation
+from envs.football.situation import attacked_goal_x, eagerness, nearest_opponent, situation
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
@@ -19,6 +19,7 @@ GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 36.0  # m
 BETTER = 0.1  # by how much a mate's situation must be better
 GAIN_MOST = 1.2  # more is not worth more
 EAGER, PATIENT, PATIENCE = 0.06, 0.3, 50  # least gain times odds after PATIENCE steps on the ball, and at once
+IMPATIENCE = 0.1  # of the weight of ground: what it is worth after PATIENCE steps to be rid of the ball
 KEEPER_SHARE = 0.7  # of its worth that a pass to the own keeper has
 HIGH_LOSS = 0.4  # of the odds
 LEAD_TIME, LONG_LEAD = 0.4, 0.2  # s; of the distance, towards the goal
@@ -42,16 +43,19 @@ def consider_pass(match, i):
         return False
     waited = min(match.borne / PATIENCE, 1.0)
     threshold = PATIENT + (EAGER - PATIENT) * waited
-    if best_pass(match, i, threshold):
+    if best_pass(match, i, threshold, IMPATIENCE * eagerness(player) * waited * waited):
         return True
     return clear_in_panic(match, i)
 
 
 @kernel
-def best_pass(match, i, threshold):
-    """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
+def best_pass(match, i, threshold, bonus):
+    """Ask for the pass with the greatest worth above `threshold`; return whether there is one.
+
+    `bonus` is what it is worth to be rid of the ball.
+    """
     player = match.players[i]
-    own = situation(match, player, player.x, player.y)
+    own = situation(match, player, player.x, player.y) - bonus
     line = max(second_last(match, 1 - player.team, forward(player.team)), forward(player.team) * match.ball.x, 0.0)
     best, found = threshold, False
     for j in range(match.num_players):
