@@ -70,8 +70,8 @@ class Teacher:
         """Give what is seen of `count` random levels as they begin (thesis, section 4.3): `[count, size]`."""
         if self.view is None:
             return None
-        seen = []
-        while sum(map(len, seen)) < count:  # no step is simulated
+        seen: list[np.ndarray] = []
+        while sum(len(each) for each in seen) < count:  # no step is simulated
             levels = self.space.sample_levels(self.view.num_envs)
             seen.append(self.view.reset_to_levels(levels)[0].reshape(len(levels), -1))
         return np.concatenate(seen)[:count]

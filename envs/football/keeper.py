@@ -190,9 +190,9 @@ def first_at_ball(match, i):
     if rival == NOBODY:
         return True
     speed = ball_speed(match.ball)
-    return (
-        meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)
-    ) or (through_on_goal(match, i) and not second_attacker(match, i, rival))
+    return (meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)) or (
+        through_on_goal(match, i) and not second_attacker(match, i, rival)
+    )
 
 
 @kernel
