@@ -35,7 +35,7 @@ class Teacher:
         self.space, self.config = space, config
         adversary, mix = split_seed(seed, 2)
         self.view = self._view()
-        size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape))
+        size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
         self.adversary = Adversary(space.theta_dim, config.adversary, torch_stream(adversary), size)
         self.mix = np.random.default_rng(mix)
         own = [
