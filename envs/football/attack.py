@@ -20,7 +20,7 @@ from scenic_lite.jit import kernel
 
 CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
 RIVALS_RANGE, RIVALS_PUSH = 10.0, 2.0  # m; push of an opponent at no distance, against a pull of 1
-LINES_RANGE, LINES_PUSH = 20.0, 0.8  # m
+LINES_RANGE, LINES_PUSH = 20.0, 0.6  # m
 BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
 FORCE_SPEED = 8.0  # m/s for a force of 1
 

@@ -17,7 +17,7 @@ from scenic_lite.stream import uniform
 SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
 FREE_RANGE = 7.0  # m around it for whom no opponent stands before: he goes on for as long
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-CORNER_AIM = 3.5  # m off the middle
+CORNER_AIM = 3.0  # m off the middle
 LANE_NARROW, LANE_WIDE = 0.4, 1.6  # m from an opponent to the lane: no odds, full odds
 POWER_STEPS = 3.0  # steps for which the button would be held, at most
 
