@@ -25,6 +25,7 @@ import numpy as np
 from experiments import arguments, build
 from experiments.benchmark_behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmark_language import language_suite, render_language
+from experiments.benchmark_observations import observation_rows
 from experiments.config import TrainConfig
 from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.measuring import STRETCHES, Measurement, rate
@@ -123,7 +124,7 @@ def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
         Measurement("1 match, through the same interface", single, f"{single / baseline:.2f} x {config.num_envs}")
     )
     rows.append(Measurement("levels drawn, checked and set up", _levels_per_second(config), "levels, not steps"))
-    return rows
+    return rows + observation_rows(config.seconds)
 
 
 def first_step(config: BenchmarkConfig) -> Measurement:

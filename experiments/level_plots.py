@@ -29,8 +29,8 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
         return np.zeros((0, 0))
-    share = (table["update"] - 1) / max(table["update"].max(), 1.0)
-    inside = (share >= period[0]) & (share <= period[1])
+    update, count = table["update"], max(table["update"].max(), 1.0)
+    inside = (update > period[0] * count) & (update - 1 < period[1] * count)  # some part of the update
     return np.stack(columns, 1)[inside]
 
 
@@ -48,7 +48,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path) -> None
                 draw_levels(axes, painter, [read_theta(run, span) for run in paths])
                 axes.set_title(f"{plots.title(method)}: {period}")
         team_legend(figure)
-        figure.tight_layout(rect=(0, 0.05, 1, 1))
+        figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))
         plots.save(figure, path)
 
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 
 WIDTH = 11.5  # inches
+CURVES_HEIGHT = 2.4  # inches
+TITLE_HEIGHT = 0.35  # inches, of a pitch's title
 COLUMNS = 4  # pitches in a row
 HEADING_LENGTH = 105  # characters in a line of the heading
 
@@ -40,23 +42,33 @@ def overview(found: Comparison, path: Path) -> None:
 
     x_low, x_high, y_low, y_high = found.painter.bounds
     rows = _level_rows(found.runs)
-    pitch = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low)  # height of one, inches
+    heading, methods = _heading(found), unique([row.method for row in found.results])
+    head = 0.55 + 0.2 * heading.count("\n")  # inches, as all that follows
+    legend = 0.65 + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
+    above_height = head + CURVES_HEIGHT + legend
+    pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
+    below_height = len(rows) * pitch_height + TITLE_HEIGHT
     with plots.style():
-        figure = plt.figure(figsize=(WIDTH, 3.6 + len(rows) * (pitch + 0.35)))
-        halves: Any = figure.subfigures(2, 1, height_ratios=[3.6, len(rows) * (pitch + 0.35)])
+        figure = plt.figure(figsize=(WIDTH, above_height + below_height))
+        halves: Any = figure.subfigures(2, 1, height_ratios=[above_height, below_height])
         above, below = halves
         left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
         _draw_learning(left, found)
         _draw_goals(right, found)
-        above.suptitle(_heading(found), x=0.01, y=0.99, ha="left", fontsize=13, fontweight="bold")
-        above.subplots_adjust(left=0.06, right=0.99, top=0.80, bottom=0.23, wspace=0.16)
+        above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
+        top, bottom = 1 - head / above_height, legend / above_height
+        above.subplots_adjust(left=0.06, right=0.99, top=top, bottom=bottom, wspace=0.16)
+        columns = min(plots.LEGEND_COLUMNS, len(methods))
+        handles, labels = right.get_legend_handles_labels()
+        above.legend(handles, labels, loc="lower center", ncols=columns, columnspacing=1.2)
         grid = below.subplots(len(rows), COLUMNS, squeeze=False)
         for line, panels in zip(grid, rows, strict=True):
-            for axes, (heading, paths, span) in zip(line, panels, strict=True):
+            for axes, (title, paths, span) in zip(line, panels, strict=True):
                 draw_levels(axes, found.painter, [read_theta(run, span) for run in paths])
-                axes.set_title(heading)
+                axes.set_title(title)
         team_legend(below)
-        below.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.12, wspace=0.05, hspace=0.15)
+        top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
+        below.subplots_adjust(left=0.01, right=0.99, top=top, bottom=bottom, wspace=0.05, hspace=0.16)
         plots.save(figure, path)
 
 
@@ -87,7 +99,6 @@ def _draw_learning(axes: Axes, found: Comparison) -> None:
             plots.draw_curve(axes, curve, method)
     axes.set_title("Return on the training distribution (uniform θ)")
     axes.set_xlabel("simulated steps, all students (millions)")
-    axes.legend(loc="lower right")
 
 
 def _draw_goals(axes: Axes, found: Comparison) -> None:
@@ -112,5 +123,3 @@ def _draw_goals(axes: Axes, found: Comparison) -> None:
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
     axes.set_title("Goals scored after training (% of episodes)")
-    columns = min(plots.LEGEND_COLUMNS, len(methods))
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=columns, columnspacing=1.2)

@@ -40,7 +40,7 @@ METHOD_NAMES = {
     "dr": "domain randomisation",
     "minimax": "minimax",
     "paired": "PAIRED",
-    "paired_literal": "PAIRED, literal",
+    "paired_literal": "literal PAIRED",
     "self_regret": "self-regret",
     "repaired": "REPAIRED",
     "plr": "PLR",
@@ -207,10 +207,10 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
     headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
     scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
     wanted = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
-    wanted["return on the levels trained on"] = ("return/", "mean return")
-    wanted["success on the levels trained on"] = ("success", "share of episodes")
-    wanted["regret of the levels trained on"] = ("regret", "regret")
-    wanted["spread of the levels trained on"] = ("theta_std", "deviation of θ; uniform: 0.58")
+    wanted["return on the levels played"] = ("return/", "mean return")
+    wanted["success on the levels played"] = ("success", "share of episodes")
+    wanted["regret of the levels played"] = ("regret", "regret")
+    wanted["spread of the levels played"] = ("theta_std", "deviation of θ; uniform: 0.58")
     panels = {}
     for heading, (name, unit) in wanted.items():
         curves = []

@@ -42,7 +42,7 @@ def probe_run() -> TrainConfig:
     ppo = PPOConfig(
         num_steps=64, learning_rate=2e-3, gamma=0.99, num_minibatches=4, update_epochs=4, ent_coef=0.02, hidden_size=64
     )
-    return TrainConfig(total_env_steps=400_000, num_envs=32, ppo=ppo, **with_buffer)
+    return TrainConfig(total_env_steps=200_000, num_envs=32, ppo=ppo, **with_buffer)
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class ProbeConfig:
         "methods to compare; the differences are to the first",
     )
     seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...")
-    longest: int = setting(20, "length of the longest path")
+    longest: int = setting(15, "length of the longest path")
     dim: int = setting(4, "columns of theta; the more, the rarer short paths are")
     processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path = setting(Path("runs/probe"), "folder of the table, the curves and the picture")

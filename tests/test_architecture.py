@@ -23,6 +23,7 @@ MAY_IMPORT = {
 EXCEPTIONS = {
     "ued/upomdp.py": {"numpy", "gymnasium"},
     "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.upomdp"},
+    "ued/methods/alp_gmm.py": {"ued", "numpy", "sklearn", "threadpoolctl"},
     "ued/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder_layout.py": {"ued", "numpy", "rerun"},
     "ued/recorder_scenes.py": {"ued", "numpy", "rerun"},

@@ -100,10 +100,10 @@ DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "
 class AdversaryNetwork(nn.Module):
     """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units."""
 
-    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator) -> None:
+    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int) -> None:
         super().__init__()
         self.distribution = DISTRIBUTIONS[config.distribution]
-        self.torso = mlp(config.context_size, config.hidden_size, 2, generator)
+        self.torso = mlp(context_size, config.hidden_size, 2, generator)
         self.heads = nn.ModuleList(linear(config.hidden_size, dim, 0.01, generator) for _ in range(2))
         self.value = linear(config.hidden_size, 1, 1.0, generator)
 
@@ -115,24 +115,36 @@ class AdversaryNetwork(nn.Module):
 class Adversary:
     """Proposes levels and learns from the regret that they caused, by PPO's clipped objective on one-step episodes.
 
+    Args:
+        dim: D.
+        config: its network and its learning.
+        generator: of its weights and draws.
+        context_size: entries of the context where this is no random vector; see `propose`.
+
     Raises `ValueError` where there is nothing to propose (D = 0).
     """
 
-    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator) -> None:
+    def __init__(
+        self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int | None = None
+    ) -> None:
         if dim < 1:
             raise ValueError(
                 "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
                 "columns); use domain randomisation, or give the program a random value"
             )
         self.dim, self.config, self.generator = dim, config, generator
-        self.network = AdversaryNetwork(dim, config, generator)
+        self.context_size = context_size or config.context_size
+        self.network = AdversaryNetwork(dim, config, generator, self.context_size)
         self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
         self.scale = RunningScale()
 
     @torch.inference_mode()
-    def propose(self, count: int) -> Proposals:
-        """Draw `count` proposals."""
-        z = torch.empty(count, self.config.context_size).normal_(generator=self.generator)
+    def propose(self, count: int, context: np.ndarray | None = None) -> Proposals:
+        """Draw `count` proposals, from random vectors or from this context `[count, context_size]`."""
+        if context is None:
+            z = torch.empty(count, self.context_size).normal_(generator=self.generator)
+        else:
+            z = torch.as_tensor(context, dtype=torch.float32)
         policy, _ = self.network(z)
         raw = policy.sample(self.generator)
         return Proposals(z.numpy(), raw.numpy(), policy.log_prob(raw).numpy())

@@ -92,7 +92,10 @@ class AdversaryConfig:
     distribution: Literal["squashed", "beta"] = setting(
         "squashed", "of theta: a Gaussian squashed by tanh, or a Beta distribution of each column"
     )
-    context_size: int = setting(16, "length of the random vector z that each proposal starts from")
+    context: Literal["random", "observation"] = setting(
+        "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
+    )
+    context_size: int = setting(16, "length of z")
     hidden_size: int = setting(64, "units in each of the two hidden layers")
     min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
 
@@ -100,7 +103,7 @@ class AdversaryConfig:
         check_at_least_1(self, "update_epochs", "context_size", "hidden_size", "min_batch")
         check_positive(self, "learning_rate", "clip_coef", "max_grad_norm", "adam_eps")
         check_not_negative(self, "ent_coef", "vf_coef")
-        check_choices(self, "distribution")
+        check_choices(self, "distribution", "context")
 
     @classmethod
     def thesis(cls) -> AdversaryConfig:

@@ -30,7 +30,7 @@ def level_metrics(trials: np.ndarray) -> dict[str, float]:
 
 
 def theta_metrics(theta: np.ndarray) -> dict[str, float]:
-    """Give how widely levels θ `[L, D]` are spread.
+    """Give how widely levels θ `[L, D]` are spread; nothing for fewer than two.
 
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
     theta_entropy: sum of the columns' entropies in nats, from histograms of 10 bins with Miller and Madow's correction
@@ -38,7 +38,7 @@ def theta_metrics(theta: np.ndarray) -> dict[str, float]:
     theta_coverage: share of the bins that hold a level, divided by what as many uniform levels would reach.
     """
     count, dim = theta.shape
-    if not dim or not count:
+    if not dim or count < 2:
         return {}
     bins = np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1)
     tally = np.stack([np.bincount(column, minlength=BINS) for column in bins.T])  # [D, BINS]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, Protocol
 
+import numpy as np
 import torch
 from gymnasium.spaces import Box, Discrete, Space
 from torch import Tensor, nn
@@ -91,20 +92,55 @@ def mlp(inputs: int, hidden_size: int, hidden_layers: int, generator: torch.Gene
     return nn.Sequential(*layers)
 
 
-def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
-    """Give the torso that fits the observations: an MLP for a flat vector of features.
+CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, stride (thesis, Fig. 4.10)
 
-    Raises `ValueError` for observations that are no array, `NotImplementedError` for images.
+
+class ChannelsFirst(nn.Module):
+    """Images `[B, height, width, channels]`, as environments give them, to `[B, channels, height, width]`."""
+
+    def forward(self, image: Tensor) -> Tensor:
+        return image.permute(0, 3, 1, 2)
+
+
+def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator) -> nn.Sequential:
+    """Give the convolutional torso of the thesis (Fig. 4.10): `[B, *shape]` in [0, 1] -> `[B, hidden_size]`.
+
+    `shape` is height, width, channels; planes of 72 × 96 come down to 32 of 5 × 8. Raises `ValueError` for images that
+    are smaller than what the convolutions need.
     """
+    height, width, channels = shape
+    layers: list[nn.Module] = [ChannelsFirst()]
+    for outputs, kernel, stride in CONVOLUTIONS:
+        layer = nn.utils.skip_init(nn.Conv2d, channels, outputs, kernel, stride)
+        nn.init.orthogonal_(layer.weight, math.sqrt(2), generator=generator)
+        nn.init.zeros_(layer.bias)
+        layers += [layer, nn.ReLU()]
+        channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
+        if height < 1 or width < 1:
+            raise ValueError(f"images of {shape[0]} x {shape[1]} are too small for convolutions; give 36 x 36 at least")
+    features = channels * height * width
+    return nn.Sequential(*layers, nn.Flatten(), linear(features, hidden_size, math.sqrt(2), generator), nn.ReLU())
+
+
+def is_image(space: Space) -> bool:
+    """Tell whether observations are images: uint8 `[height, width, channels]`."""
+    return isinstance(space, Box) and len(space.shape) == 3 and space.dtype == np.uint8
+
+
+def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
+    """Give the torso that fits the observations: an MLP for a flat vector of features, convolutions for an image.
+
+    Raises `ValueError` for observations that are neither.
+    """
+    if is_image(space):
+        assert space.shape is not None
+        return cnn(space.shape, hidden_size, generator)
     if not isinstance(space, Box):
         raise ValueError(
             f"observations must be a Box, got {space}; wrap the environment with gymnasium.wrappers.FlattenObservation"
         )
     if len(space.shape) == 3:
-        raise NotImplementedError(
-            f"observations of shape {space.shape} look like images, and there is no convolutional torso yet; "
-            "use flat features"
-        )
+        raise ValueError(f"images must be uint8 [height, width, channels], got {space.dtype} {list(space.shape)}")
     if len(space.shape) != 1:
         raise ValueError(
             f"observations must be flat vectors, got shape {space.shape}; "

@@ -11,13 +11,15 @@ import torch
 from gymnasium.spaces import Discrete, Space
 from torch import Tensor
 
+from ued.networks import is_image
+
 
 @dataclass
 class Rollout:
     """T steps of N environments. Episodes run on from one rollout to the next.
 
     Attributes:
-        observation: `[T, N, size]` what was seen before the action.
+        observation: `[T, N, size]`, images as uint8, what was seen before the action.
         action: `[T, N]` or `[T, N, K]` as the policy drew it.
         log_prob, value, reward: `[T, N]`.
         terminated: `[T, N]` the episode ended in this step, and nothing follows.
@@ -43,9 +45,10 @@ class Rollout:
         """Allocate a rollout for these spaces of one environment."""
         assert observation_space.shape is not None and action_space.shape is not None
         shape = (num_steps, num_envs)
+        seen = torch.uint8 if is_image(observation_space) else torch.float32
         kind = torch.int64 if isinstance(action_space, Discrete) else torch.float32
         return cls(
-            observation=torch.zeros(*shape, *observation_space.shape),
+            observation=torch.zeros(*shape, *observation_space.shape, dtype=seen),
             action=torch.zeros(*shape, *action_space.shape, dtype=kind),
             log_prob=torch.zeros(shape),
             value=torch.zeros(shape),

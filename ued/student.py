@@ -13,7 +13,7 @@ from gymnasium.spaces import Box, Discrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.networks import Policy, PolicyHead, linear, torso
+from ued.networks import Policy, PolicyHead, is_image, linear, torso
 
 CLIP = 10.0  # standard deviations; a feature that hardly ever moves must not blow up when it does
 
@@ -47,11 +47,21 @@ class Normaliser(nn.Module):
         self.count.copy_(total)
 
 
+class Pixels(nn.Module):
+    """Scale images uint8 to [0, 1]; there is nothing to learn of their statistics."""
+
+    def forward(self, observation: Tensor) -> Tensor:
+        return observation.float() / 255
+
+    def track(self, observation: Tensor) -> None:
+        """Do nothing: see the class."""
+
+
 class Student(nn.Module):
     """An actor and a critic on top of one or two torsos.
 
     Args:
-        observation_space, action_space: of one environment; flat Box, and Discrete or flat Box.
+        observation_space, action_space: of one environment; flat Box or image, and Discrete or flat Box.
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
     """
@@ -64,7 +74,7 @@ class Student(nn.Module):
         self.actor_torso = torso(observation_space, *sizes, generator)
         self.critic_torso = self.actor_torso if config.shared_torso else torso(observation_space, *sizes, generator)
         assert observation_space.shape is not None  # `torso` has refused the others
-        self.normaliser = Normaliser(observation_space.shape[0])
+        self.normaliser = Pixels() if is_image(observation_space) else Normaliser(observation_space.shape[0])
         self.actor = PolicyHead(action_space, config.hidden_size, generator)
         self.critic = linear(config.hidden_size, 1, 1.0, generator)
         self.action_space = action_space

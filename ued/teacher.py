@@ -16,7 +16,7 @@ from ued.curriculum import LevelSpace
 from ued.methods import prefixed
 from ued.streams import split_seed, torch_stream
 from ued.trials import Origin, make_trials, trial_dtype
-from ued.upomdp import level_dtype
+from ued.upomdp import UPOMDP, level_dtype
 
 
 class Teacher:
@@ -34,10 +34,12 @@ class Teacher:
     def __init__(self, space: LevelSpace, config: TeacherConfig, students: int, episodes: int, seed: int) -> None:
         self.space, self.config = space, config
         adversary, mix = split_seed(seed, 2)
-        self.adversary = Adversary(space.theta_dim, config.adversary, torch_stream(adversary))
+        self.view = self._view()
+        size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
+        self.adversary = Adversary(space.theta_dim, config.adversary, torch_stream(adversary), size)
         self.mix = np.random.default_rng(mix)
         own = [
-            ("z", np.float32, (config.adversary.context_size,)),
+            ("z", np.float32, (self.adversary.context_size,)),
             ("raw", np.float32, (space.theta_dim,)),
             ("log_prob", np.float32),
         ]
@@ -46,7 +48,7 @@ class Teacher:
 
     def propose(self, count: int) -> np.ndarray:
         """Give `count` trials: the adversary's proposals, some random levels among them."""
-        proposals = self.adversary.propose(count)
+        proposals = self.adversary.propose(count, self._context(count))
         theta = self.adversary.theta(proposals)
         trials = make_trials(self.dtype, self.space.make_levels(theta), Origin.PROPOSED)
         trials["z"], trials["raw"], trials["log_prob"] = proposals
@@ -55,6 +57,24 @@ class Teacher:
         random = trials["origin"] != Origin.PROPOSED
         trials["level"][random] = self.space.sample_levels(int(random.sum()))
         return trials
+
+    def _view(self) -> UPOMDP | None:
+        """Give environments of the adversary's own, if it is to see what students see."""
+        if self.config.adversary.context == "random":
+            return None
+        if not isinstance(self.space, UPOMDP):
+            raise ValueError("the context 'observation' needs a UPOMDP to look at; use 'random'")
+        return self.space.copy()
+
+    def _context(self, count: int) -> np.ndarray | None:
+        """Give what is seen of `count` random levels as they begin (thesis, section 4.3): `[count, size]`."""
+        if self.view is None:
+            return None
+        seen: list[np.ndarray] = []
+        while sum(len(each) for each in seen) < count:  # no step is simulated
+            levels = self.space.sample_levels(self.view.num_envs)
+            seen.append(self.view.reset_to_levels(levels)[0].reshape(len(levels), -1))
+        return np.concatenate(seen)[:count]
 
     def learn(self, trials: np.ndarray) -> dict[str, float]:
         """Let the adversary learn from its own among these scored trials, once enough of them are there."""

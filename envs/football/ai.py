@@ -7,15 +7,17 @@ Decisions of a team (posts, markers, runs) are made anew every few steps. Read n
 from __future__ import annotations
 
 from envs.football.attack import play_ball
-from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT
+from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
 from envs.football.control import chase
 from envs.football.defence import defend
+from envs.football.effort import FULL_REACTION, reaction_time
 from envs.football.formation import exchange_posts, remember_ball
 from envs.football.keeper import think_keeper
 from envs.football.marking import choose_hunters, choose_markers
 from envs.football.possession import ball_speed, meeting_time
 from envs.football.support import start_runs, support
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 POSTS_EVERY, MARKS_EVERY = 10, 5  # steps
 LATE = 0.3  # s behind the opponents at a free ball: further behind, nobody runs for it
@@ -74,6 +76,8 @@ def think(match, i):
         return
     if player.role == GK:
         think_keeper(match, i)
+    elif unaware_of_kick(match, player):
+        return  # he goes on with what he was doing
     elif match.carrier == i:
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
@@ -82,6 +86,14 @@ def think(match, i):
         support(match, i)
     else:
         defend(match, i)
+
+
+@kernel
+def unaware_of_kick(match, player):
+    """Tell whether the ball has just been kicked and a player has not reacted to that yet."""
+    if match.carrier != NOBODY or match.kick_age > FULL_REACTION + 0.5 * STEP:
+        return False
+    return match.kick_age < reaction_time(player) + (uniform(match) - 0.5) * STEP
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
-from envs.football.control import CARRY_SPRINT, chase
+from envs.football.control import chase
 from envs.football.dribble import TOUCH_REACH
 from envs.football.effort import RUNS, WALKS
 from envs.football.passing import consider_pass
@@ -20,7 +20,7 @@ from scenic_lite.jit import kernel
 
 CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
 RIVALS_RANGE, RIVALS_PUSH = 10.0, 2.0  # m; push of an opponent at no distance, against a pull of 1
-LINES_RANGE, LINES_PUSH = 20.0, 0.8  # m
+LINES_RANGE, LINES_PUSH = 20.0, 0.6  # m
 BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
 FORCE_SPEED = 8.0  # m/s for a force of 1
 
@@ -62,7 +62,7 @@ def carrying_speed(player, wish):
     """The speed in m/s with the ball that suits a wish; he never stands."""
     if wish < WALKS:
         return DRIBBLE_SPEED
-    return RUN_SPEED if wish < RUNS else player.top_speed * CARRY_SPRINT
+    return RUN_SPEED if wish < RUNS else player.top_speed
 
 
 @kernel

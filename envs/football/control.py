@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ball import rolled
 from envs.football.constants import (
     DIRECTION_X,
     DIRECTION_Y,
@@ -27,18 +26,17 @@ from envs.football.constants import (
 )
 from envs.football.dribble import TOUCH_REACH
 from envs.football.motion import SLIDE_TIME
-from envs.football.possession import ball_speed, forget_kick, meeting_time
+from envs.football.possession import ball_speed, fall_time, forget_kick, meeting_time, travelled
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
-CARRY_RUN, CARRY_DRIBBLE = 5.1, 4.1  # m/s with the ball
-CARRY_SPRINT, CARRY_KNOCK_ON = 0.93, 0.98  # of top speed with the ball
+CARRY_RUN, CARRY_DRIBBLE = 5.15, 4.3  # m/s with the ball, were there no touches (`dribble`)
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
 ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
 PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
-SLIDE_SPEED = 5.0  # m/s at least
+SLIDE_KEEPS, SLIDE_SPEED = 0.9, 1.8  # of the run's speed; m/s at least
 
 
 @kernel
@@ -119,7 +117,7 @@ def slide(match, i):
         return
     if match.carrier != NOBODY and match.players[match.carrier].team == player.team:
         return
-    speed = max(length(player.vx, player.vy), SLIDE_SPEED)
+    speed = max(SLIDE_KEEPS * length(player.vx, player.vy), SLIDE_SPEED)
     player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
     player.sliding, player.down = True, SLIDE_TIME
 
@@ -154,10 +152,8 @@ def drawn_to_ball(match, i):
 @kernel
 def key_speed(player, with_ball):
     """Speed in m/s that the sprint and dribble keys ask for."""
-    if player.sprint and player.dribble:
-        return player.top_speed * (CARRY_KNOCK_ON if with_ball else 1.0)
     if player.sprint:
-        return player.top_speed * (CARRY_SPRINT if with_ball else 1.0)
+        return player.top_speed
     if player.dribble:
         return CARRY_DRIBBLE if with_ball else DRIBBLE_SPEED
     return CARRY_RUN if with_ball else RUN_SPEED
@@ -170,7 +166,7 @@ def chase(match, i, speed):
     rolling = ball_speed(ball)
     share = 0.0
     if rolling > 0.5:
-        share = rolled(rolling, meeting_time(match, player, rolling)) / rolling
+        share = travelled(rolling, fall_time(ball), meeting_time(match, player, rolling)) / rolling
     run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
 
 

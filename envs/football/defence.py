@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import HALF_LENGTH, NOBODY
-from envs.football.control import go_for_ball, run_to
+from envs.football.constants import GK, HALF_LENGTH, NOBODY, RUN_SPEED
+from envs.football.control import go_for_ball, run_to, slide
 from envs.football.effort import head_for, reaction_time
 from envs.football.formation import DEPTH, FOCUS, FOCUS_RANGE, block_x, formation_place, forward
 from envs.football.marking import man_on_ball
@@ -17,10 +17,17 @@ from envs.football.saves import own_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
+SLIDE_NEAR, SLIDE_FAR, SLIDE_COSINE = 0.7, 1.6, 0.7  # m to the ball, and how nearly straight ahead it lies
+SLIDE_LOOSE = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
+CATCH_UP, STEADY = 1.5, 0.5  # 1/s by which a gap that is too wide or too narrow is mended; m/s too little to move for
+CLOSED_DOWN = 3.0  # m to the ball, from where a defender before his goal sprints at it
 CLEAR_BY = 2.5  # m by which the opponent on the ball is passed on the way back
 TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
 DANGER_RANGE = 29.0  # m from the carrier to the goal: from here on he is attacked, and loses the ball some 5 m later
-HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.12  # m, and share of the way to the goal, that is left to a carrier
+CLOSE_RANGE = 20.0  # m: the same where a keeper is behind the defender
+PATIENCE, PRESSED_RANGE = 110, 40.0  # steps a carrier may keep the ball within this many m of the goal, against several
+HOLD_UP_MOST, HOLD_UP_FROM = 7.0, 24.0  # m left to a carrier who is far away; m to the goal, from where on less is
+HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.5  # m that are left at least, and more per m that he is further from the goal
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
 MARK_MOST = 3.5  # m
@@ -36,6 +43,8 @@ def defend(match, i):
     on_ball = man_on_ball(match, 1 - player.team)
     if tackles(match, player):
         go_for_ball(match, i, player.top_speed)
+        if may_slide(match, player):
+            slide(match, i)
     elif on_ball != NOBODY and (match.hunter[player.team, 0] == i or match.hunter[player.team, 1] == i):
         hunt(match, i, on_ball)
     elif player.mark == NOBODY:
@@ -55,6 +64,18 @@ def tackles(match, player):
         return False
     coming = -(dx * ball.vx + dy * ball.vy) / (length(dx, dy) + 1e-9)
     return coming > COMING and forward(player.team) * dx > 0.0
+
+
+@kernel
+def may_slide(match, player):
+    """Tell whether a slide reaches a ball that is loose for long enough; teams with agents leave that to them."""
+    ball, carrier = match.ball, match.players[match.carrier]
+    if match.num_agents[player.team] != 0 or apart(ball, carrier) < SLIDE_LOOSE:
+        return False
+    dx, dy = ball.x - player.x, ball.y - player.y
+    distance = length(dx, dy)
+    ahead = player.facing_x * dx + player.facing_y * dy
+    return SLIDE_NEAR < distance < SLIDE_FAR and ahead > SLIDE_COSINE * distance
 
 
 @kernel
@@ -80,11 +101,53 @@ def hold_up(match, i, on_ball):
     late = reaction_time(player)
     x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
-    if to_goal < DANGER_RANGE:
-        hunt(match, i, on_ball)
+    if to_goal < attacked_from(match, player):
+        attack_ball(match, i, rival, to_goal)
         return
-    share = min((HOLD_UP_GAP + HOLD_UP_SHARE * to_goal) / to_goal, 0.9)
-    run_round(player, rival, x + share * (goal_x - x), y * (1.0 - share))
+    gap = HOLD_UP_GAP + HOLD_UP_SHARE * max(to_goal - HOLD_UP_FROM, 0.0)
+    share = min(min(gap, HOLD_UP_MOST) / to_goal, 0.9)
+    x, y = x + share * (goal_x - x), y * (1.0 - share)
+    if length(goal_x - player.x, player.y) < to_goal:
+        go_along(player, rival, x, y)
+    else:
+        run_round(player, rival, x, y)
+
+
+@kernel
+def go_along(player, rival, x, y):
+    """Move as an opponent does, and meanwhile towards (x, y)."""
+    want_x, want_y = rival.vx + CATCH_UP * (x - player.x), rival.vy + CATCH_UP * (y - player.y)
+    size = length(want_x, want_y)
+    share = min(player.top_speed / size, 1.0) if size > STEADY else 0.0
+    player.want_x, player.want_y = share * want_x, share * want_y
+
+
+@kernel
+def attacked_from(match, player):
+    """Distance in m from the goal within which a player attacks the opponent whom he holds up."""
+    goal_x = own_goal_x(player.team)
+    own = length(goal_x - player.x, player.y)
+    mates, keeper_behind = 0, False
+    for j in range(match.num_players):
+        mate = match.players[j]
+        if mate.team != player.team:
+            continue
+        if mate.role == GK:
+            keeper_behind = length(goal_x - mate.x, mate.y) < own
+        else:
+            mates += 1
+    if mates > 1 and match.borne > PATIENCE:
+        return PRESSED_RANGE
+    return CLOSE_RANGE if keeper_behind else DANGER_RANGE
+
+
+@kernel
+def attack_ball(match, i, rival, to_goal):
+    """Go for the ball near the goal: at a run while between it and the goal, sprinting when close or behind it."""
+    player, ball = match.players[i], match.ball
+    goal_side = length(own_goal_x(player.team) - player.x, player.y) < to_goal
+    far = apart(ball, player) > CLOSED_DOWN
+    go_for_ball(match, i, RUN_SPEED if goal_side and far else player.top_speed)
 
 
 @kernel

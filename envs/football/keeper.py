@@ -139,18 +139,18 @@ def rush(match, i):
         go_for_ball(match, i, player.top_speed)
         return
     share = RUSH_SHARE * distance / (to_goal + 1e-9)
-    if second_attacker(match, i):
+    if second_attacker(match, i, match.carrier):
         share = max(share, 1.0 - SECOND_SHARE)
     run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
 
 
 @kernel
-def second_attacker(match, i):
-    """Tell whether an opponent without the ball is near keeper i's goal and unmarked: then he must not go all out."""
+def second_attacker(match, i, first):
+    """Tell whether an opponent other than `first` is near keeper i's goal and unmarked: then he must not go all out."""
     goal_x = own_goal_x(match.players[i].team)
     for j in range(match.num_players):
         rival = match.players[j]
-        if rival.team == match.players[i].team or j == match.carrier:
+        if rival.team == match.players[i].team or j == first:
             continue
         if length(goal_x - rival.x, rival.y) < SECOND_RANGE and not marked(match, i, j):
             return True
@@ -190,9 +190,9 @@ def first_at_ball(match, i):
     if rival == NOBODY:
         return True
     speed = ball_speed(match.ball)
-    return (
-        meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)
-    ) or through_on_goal(match, i)
+    return (meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)) or (
+        through_on_goal(match, i) and not second_attacker(match, i, rival)
+    )
 
 
 @kernel

@@ -6,19 +6,20 @@ shorter he has had the ball. Read next: `kicks`, which carries passes out.
 
 from __future__ import annotations
 
-from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, SHORT_PASS
+from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
 from envs.football.formation import forward
 from envs.football.offside import second_last
 from envs.football.saves import own_goal_x
-from envs.football.situation import attacked_goal_x, nearest_opponent, situation
+from envs.football.situation import attacked_goal_x, eagerness, nearest_opponent, situation
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 DECIDED_EVERY = 2  # steps
-GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 45.0  # m
+GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 36.0  # m
 BETTER = 0.1  # by how much a mate's situation must be better
 GAIN_MOST = 1.2  # more is not worth more
-EAGER, PATIENT, PATIENCE = 0.06, 0.3, 50  # least gain times odds after PATIENCE steps on the ball, and at once
+EAGER, PATIENT, PATIENCE = 0.08, 0.36, 50  # least gain times odds after PATIENCE steps on the ball, and at once
+IMPATIENCE = 0.1  # of the weight of ground: what it is worth after PATIENCE steps to be rid of the ball
 KEEPER_SHARE = 0.7  # of its worth that a pass to the own keeper has
 HIGH_LOSS = 0.4  # of the odds
 LEAD_TIME, LONG_LEAD = 0.4, 0.2  # s; of the distance, towards the goal
@@ -27,7 +28,7 @@ BALL_MOST = 20.0  # m/s
 RIVAL_SPEED, RIVAL_REACH, RIVAL_DELAY = 6.5, 0.8, 0.2  # m/s, m, s
 SURE = 0.6  # s between the ball and a rival: odds of 1
 LANDING = 8.0  # m from where a high ball lands to the nearest rival: odds of 1
-ONSIDE = 0.2  # m
+ONSIDE = -0.5  # m: he misjudges by this much who is offside
 
 # Clearances
 PANIC_POST, PANIC_RANGE, PANIC_NEAR = -0.4, 30.0, 2.5  # posts further back; m to the own goal; m to an opponent
@@ -42,16 +43,19 @@ def consider_pass(match, i):
         return False
     waited = min(match.borne / PATIENCE, 1.0)
     threshold = PATIENT + (EAGER - PATIENT) * waited
-    if best_pass(match, i, threshold):
+    if best_pass(match, i, threshold, IMPATIENCE * eagerness(player) * waited * waited):
         return True
     return clear_in_panic(match, i)
 
 
 @kernel
-def best_pass(match, i, threshold):
-    """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
+def best_pass(match, i, threshold, bonus):
+    """Ask for the pass with the greatest worth above `threshold`; return whether there is one.
+
+    `bonus` is what it is worth to be rid of the ball.
+    """
     player = match.players[i]
-    own = situation(match, player, player.x, player.y)
+    own = situation(match, player, player.x, player.y) - bonus
     line = max(second_last(match, 1 - player.team, forward(player.team)), forward(player.team) * match.ball.x, 0.0)
     best, found = threshold, False
     for j in range(match.num_players):
@@ -66,16 +70,20 @@ def best_pass(match, i, threshold):
         gain *= KEEPER_SHARE if mate.role == GK else 1.0
         if gain < max(BETTER, best):
             continue
-        kind, worth, x, y = best_kind(match, player, mate, gain)
+        kind, worth, x, y = best_kind(match, player, mate, own, gain)
         if worth > best:
             best, found = worth, True
             ask_kick(player, kind, x, y)
+            player.kick_mate = j
     return found
 
 
 @kernel
-def best_kind(match, player, mate, gain):
-    """Compare a pass to a mate's feet, into his run, and through the air: kind, worth, and where it is aimed."""
+def best_kind(match, player, mate, own, gain):
+    """Compare a pass to a mate's feet, into his run, and through the air: kind, worth, and where it is aimed.
+
+    `own` is the player's own situation, `gain` what the mate's is better.
+    """
     distance = apart(mate, player)
     x, y = mate.x + LEAD_TIME * mate.vx, mate.y + LEAD_TIME * mate.vy
     kind, worth, aim_x, aim_y = SHORT_PASS, -1.0, x, y
@@ -83,7 +91,8 @@ def best_kind(match, player, mate, gain):
         worth = gain * ground_odds(match, player, x, y)
         through_x, through_y = into_run(player, mate, distance)
         if forward(player.team) * mate.vx > 2.0:
-            through = (gain + LONG_LEAD) * ground_odds(match, player, through_x, through_y)
+            through = min(situation(match, player, through_x, through_y) - own, GAIN_MOST)
+            through *= ground_odds(match, player, through_x, through_y)
             if through > worth:
                 kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
     if distance > HIGH_LEAST:
@@ -156,4 +165,4 @@ def clear_in_panic(match, i):
 def ask_kick(player, kick, x, y):
     """Ask for a kick to a chosen place."""
     player.kick, player.kick_held, player.kick_ready = kick, 1, True
-    player.aimed, player.aim_x, player.aim_y = True, x, y
+    player.aimed, player.aim_x, player.aim_y, player.kick_mate = True, x, y, NOBODY

@@ -1,16 +1,16 @@
 """The ten frames of a step: bodies, ball and their meetings, until the ball leaves the pitch.
 
-Read next: `ball`, `motion`, `contacts`, one per line of `play_frames`.
+Read next: `ball`, `bodies`, `contacts`, one per line of `play_frames`.
 """
 
 from __future__ import annotations
 
 from envs.football.ball import advance_ball
+from envs.football.bodies import advance_player, crowded, keep_on_pitch, part_bodies
 from envs.football.constants import DT, FRAMES, NOBODY, NORMAL
 from envs.football.contacts import meet_ball, reachable
 from envs.football.hands import carry_in_hands
 from envs.football.kicks import swing_frame
-from envs.football.motion import advance_player, crowded, keep_on_pitch, part_bodies
 from envs.football.offside import mark_offside
 from envs.football.whistle import off_pitch
 from scenic_lite.jit import kernel

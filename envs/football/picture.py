@@ -91,7 +91,8 @@ def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], 
     from PIL import Image
 
     first_image = Image.fromarray(first)
-    palette = first_image.quantize(96)  # of one frame for all: the pitch must not flicker
+    # One palette for all, for the pitch must not flicker, with a place for rare colours such as the keepers'.
+    palette = first_image.quantize(256, Image.Quantize.MAXCOVERAGE)
 
     def paged(frame: np.ndarray) -> Image.Image:
         image = Image.fromarray(frame)

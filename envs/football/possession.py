@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ball import rolled
+from envs.football.ball import AIR_DRAG, GRAVITY, rolled
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
@@ -18,6 +18,8 @@ OWNED_BELOW = 0.5  # m
 OWNED_SPEED = 6.0  # m/s, relative
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
 CHASE_SPEED = 7.5  # m/s, for estimates
+OVER_HEADS, CAUGHT_AT = 1.3, 0.9  # m, of a ball that nobody reaches in its flight; height at which he then does
+LANDED = 0.6  # share of its speed that a ball keeps when it comes down
 
 
 @kernel
@@ -27,16 +29,36 @@ def ball_speed(ball):
 
 
 @kernel
+def fall_time(ball):
+    """Time in s until a ball that flies over the players comes down to them; 0 for one that stays low."""
+    if ball.vz * ball.vz + 2.0 * GRAVITY * ball.z < 2.0 * GRAVITY * OVER_HEADS:
+        return 0.0
+    return (ball.vz + math.sqrt(max(ball.vz * ball.vz + 2.0 * GRAVITY * (ball.z - CAUGHT_AT), 0.0))) / GRAVITY
+
+
+@kernel
+def travelled(speed, flight, time):
+    """Estimate in m how far a ball goes in `time` s: through the air for `flight` s, then over the ground."""
+    if flight == 0.0:
+        return rolled(speed, time)
+    drag = 1.0 + AIR_DRAG * speed * min(time, flight)
+    way = math.log(drag) / AIR_DRAG
+    return way if time <= flight else way + rolled(LANDED * speed / drag, time - flight)
+
+
+@kernel
 def meeting_time(match, player, speed):
-    """Estimate in s how soon a player can be at the ball, which rolls on at `speed` m/s meanwhile."""
+    """Estimate in s how soon a player can be at the ball, which goes on at `speed` m/s meanwhile."""
     ball = match.ball
     time = length(ball.x - player.x, ball.y - player.y) / CHASE_SPEED
     if speed < 1.0:
         return time
+    flight = fall_time(ball)
+    time = max(time, flight)
     for _ in range(3):
-        share = rolled(speed, time) / speed
+        share = travelled(speed, flight, time) / speed
         reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
-        time = 0.5 * (time + reach / CHASE_SPEED)
+        time = max(0.5 * (time + reach / CHASE_SPEED), flight)
     return time
 
 

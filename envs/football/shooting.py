@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import SHOT
+from envs.football.constants import FRAMES, SHOT
 from envs.football.passing import ask_kick
 from envs.football.situation import attacked_goal_x
 from envs.football.vectors import length
@@ -16,8 +16,8 @@ from scenic_lite.stream import uniform
 
 SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
 FREE_RANGE = 7.0  # m around it for whom no opponent stands before: he goes on for as long
-SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this shoots
-CORNER_AIM = 3.5  # m off the middle
+SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
+CORNER_AIM = 3.0  # m off the middle
 LANE_NARROW, LANE_WIDE = 0.4, 1.6  # m from an opponent to the lane: no odds, full odds
 POWER_STEPS = 3.0  # steps for which the button would be held, at most
 
@@ -36,7 +36,8 @@ def consider_shot(match, i):
         odds = lane_odds(match, player, goal_x, aim_y)
         if odds > best:
             best, best_y = odds, aim_y
-    if math.sqrt(best) + 0.5 * uniform(match) < SHOT_CHANCE:
+    luck = uniform(match) ** (1.0 / FRAMES)  # the best of a frame's draws each
+    if math.sqrt(best) + 0.5 * luck < SHOT_CHANCE:
         return False
     ask_kick(player, SHOT, goal_x, best_y)
     player.kick_held = 1 + int(POWER_STEPS * uniform(match) + 0.5)

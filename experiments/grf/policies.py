@@ -69,6 +69,7 @@ class Policy:
     def __call__(self, matches: np.ndarray, step: int) -> np.ndarray:
         """Keys [N] of the step with this number."""
         if step < len(self.opening):
+            self.passer = matches["agents"][:, 0].copy()
             return np.full(len(matches), self.opening[step])
         me = matches["players"][np.arange(len(matches)), matches["agents"][:, 0]]
         self._watch_pass(matches)
@@ -79,12 +80,10 @@ class Policy:
         return keys
 
     def _watch_pass(self, matches: np.ndarray) -> None:
-        """Go on when a mate of the first owner has the ball."""
+        """Go on when a mate of the passer has the ball."""
         owner = matches["owner"]
         ours = (owner >= 0) & (matches["players"]["team"][np.arange(len(owner)), np.maximum(owner, 0)] == LEFT)
-        self.passer = np.where((self.passer == NOBODY) & ours, owner, self.passer)
-        kicker = np.where(self.passer == NOBODY, matches["last_touch"], self.passer)
-        self.running |= ours & (owner != kicker)
+        self.running |= ours & (owner != self.passer)
 
     def _watch_run(self, matches: np.ndarray, me: np.ndarray) -> None:
         """Finish when the run is over, and where it matters the ball is the player's own."""

@@ -18,7 +18,7 @@ from experiments.grf.rows import Row
 from experiments.results import align
 from experiments.table import cannot_write
 
-FAMILIES = ("motion", "passes", "shots", "keeper", "tackles")
+FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "academy", "matches")
 
 
 def family_module(name: str) -> ModuleType:

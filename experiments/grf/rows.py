@@ -25,7 +25,7 @@ class Row:
     @property
     def ok(self) -> bool:
         """Whether the difference is within the tolerance; what could not be measured is not."""
-        return self.difference <= self.tolerance
+        return bool(self.difference <= self.tolerance)
 
 
 def by_share(family: str, name: str, ours: float, grf: float, unit: str, tolerance: float) -> Row:

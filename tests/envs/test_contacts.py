@@ -69,7 +69,7 @@ def test_a_slide_takes_a_while_and_is_no_use_with_the_ball() -> None:
     assert matches["players"]["down"][0, 0] == 0.0
     alone = position([(0.0, 0.0, LEFT, CM), (3.0, 0.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)], (3.4, 0.0))
     play(alone, [0] * 5 + [SLIDING])
-    assert alone["players"]["down"][0, 0] > 1.5
+    assert alone["players"]["down"][0, 0] > 1.2
     assert alone["players"]["sliding"][0, 0]
 
 

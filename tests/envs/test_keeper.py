@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pitch import OPEN, play, position
+from pitch import OPEN, play, position, take_over
 
 from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
 from envs.football.keeper import bisector_foot
@@ -119,3 +119,64 @@ def test_a_shot_off_the_post_is_forgotten() -> None:
     play(matches, [0] * 30)
     assert matches["saver"][0] == -1
     assert matches["holder"][0] == 1
+
+
+def test_a_pass_back_is_not_for_the_hands_but_a_deflection_is() -> None:
+    """
+    M → K    a mate plays the ball back along the ground: the keeper takes it with his feet, after a ricochet by hand
+    """
+    for kicked in (True, False):
+        matches = position([(30.0, 20.0, LEFT, CM), (52.0, 0.0, RIGHT, GK), (35.0, 0.0, RIGHT, CM)], (46.0, 0.0))
+        matches["ball"]["vx"], matches["last_touch"], matches["kicked"] = 10.0, 2, kicked
+        held, carried = False, False
+        for _ in range(12):
+            play(matches, [0])
+            held |= matches["holder"][0] == 1
+            carried |= matches["carrier"][0] == 1
+        assert carried
+        assert held == (not kicked)
+
+
+def test_with_a_free_second_attacker_he_does_not_come_all_the_way() -> None:
+    """A lone striker at 20 m is met half way out; one with a free mate near the goal is not."""
+    out = []
+    for second in ((-20.0, 0.0), (46.0, 8.0)):
+        players = [(35.0, -4.0, LEFT, CM), (54.3, 0.0, RIGHT, GK), (*second, LEFT, CM)]
+        matches = position(players, (35.4, -4.0))
+        play(matches, [0] * 15)
+        out.append(55.0 - matches["players"]["x"][0, 1])
+    assert out[0] > 6.0
+    assert out[1] < out[0] - 2.0
+
+
+def test_he_waits_for_a_free_mate_but_not_for_ever() -> None:
+    """
+    K  M o    his only mate has an opponent beside him: the ball stays in the hands for 4 s; free, he gets it sooner
+    """
+    waits = []
+    for rival_y in (2.0, 30.0):
+        players = [(-20.0, rival_y, LEFT, CM), (52.0, 0.0, RIGHT, GK), (-20.0, 0.0, RIGHT, CM)]
+        matches = position(players, (51.5, 0.0))
+        held = 0
+        for _ in range(70):
+            matches["players"]["x"][0, 0], matches["players"]["y"][0, 0] = -20.0, rival_y
+            matches["players"]["x"][0, 2], matches["players"]["y"][0, 2] = -20.0, 0.0
+            play(matches, [0])
+            held += matches["holder"][0] == 1
+        waits.append(held)
+    assert 38 <= waits[0] <= 50
+    assert 4 <= waits[1] <= 22
+
+
+def test_a_high_ball_is_met_where_it_comes_down() -> None:
+    """A ball kicked high over 22 m lands in front of a mate 25 m away who goes to meet it."""
+    matches = position([(25.0, 3.0, RIGHT, CM), (-50.0, 0.0, LEFT, GK)], (0.0, 0.0))
+    take_over(matches, -1)
+    ball = matches["ball"]
+    ball["vx"], ball["vz"], ball["z"] = 17.4, 6.8, 0.2
+    for _ in range(25):
+        play(matches, [0])
+        if matches["carrier"][0] == 0:
+            break
+    assert matches["carrier"][0] == 0
+    assert 18.0 < ball["x"][0] < 27.0

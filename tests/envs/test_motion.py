@@ -30,7 +30,7 @@ TRACES = Path(__file__).resolve().parents[3] / "shared" / "football" / "grf" / "
 
 # What is pressed first, for how many steps, and then; the measured speeds from that moment on.
 WITHOUT_BALL = {
-    "run from rest": ([], DIRECTION_RIGHT, [0.0, 1.33, 2.65, 3.53, 4.32, 4.93, 5.0]),
+    "run from rest": ([], DIRECTION_RIGHT, [1.33, 2.65, 3.53, 4.32, 4.93, 5.0]),
     "stop": ([DIRECTION_RIGHT] * 20, RELEASE_DIRECTION, [5.0, 5.0, 4.3, 1.3, 0.0]),
     "turn 45": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP_RIGHT, [5.0, 5.0, 4.8, 4.8, 5.0]),
     "turn 90": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP, [5.0, 5.0, 4.4, 2.5, 2.9, 3.8, 4.5, 5.0]),
@@ -84,12 +84,13 @@ def test_steady_speeds_and_distance_of_the_ball(keys: list[int], alone: float, w
     play(matches, [*keys, *[DIRECTION_RIGHT] * 60], player=0)
     assert matches["players"]["vx"][0, 0] == pytest.approx(alone, abs=0.1)
     matches = dribbler()
-    distances = []
+    distances, run = [], []
     play(matches, [*keys, *[DIRECTION_RIGHT] * 30])
-    for _ in range(30):
+    for _ in range(35):  # several touches
         play(matches, [DIRECTION_RIGHT])
         distances.append(matches["ball"]["x"][0] - matches["players"]["x"][0, 0])
-    assert matches["players"]["vx"][0, 0] == pytest.approx(with_ball, abs=0.2)
+        run.append(matches["players"]["vx"][0, 0])
+    assert np.mean(run) == pytest.approx(with_ball, abs=0.2)
     assert np.mean(distances) == pytest.approx(ahead, rel=0.15)
 
 

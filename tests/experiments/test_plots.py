@@ -112,3 +112,24 @@ def test_the_painter_puts_players_and_ball_in_metres(painter):
     assert ego == pytest.approx((50 * 0.544, 0.0))
     assert positions[-1] == pytest.approx((50 * 0.544, 2.0 * 0.836 + 0.1 * 0.836), abs=0.2)
     assert painter.bounds[0] == -3.0  # the right half: only the own keeper stands on the left
+
+
+def test_a_short_run_has_levels_in_all_periods(tmp_path):
+    Table(tmp_path / "levels.csv").append([{"update": update, "theta/0": update / 10} for update in range(1, 7)])
+    found = {name: level_plots.read_theta(tmp_path, span)[:, 0].tolist() for name, span in level_plots.PERIODS.items()}
+    assert found == {"first tenth": [0.1], "middle": [0.3, 0.4], "last tenth": [0.6]}
+
+
+def test_every_method_has_a_colour_and_a_name_of_its_own():
+    for known in (plots.METHOD_COLOURS, plots.METHOD_NAMES):
+        assert set(build.METHODS) <= set(known) and len(set(known.values())) == len(known)
+
+
+def test_curves_of_students_whatever_their_names(tmp_path):
+    """A population has no protagonist: its first student is the one that is evaluated."""
+    run = tmp_path / "paired-0"
+    run.mkdir()
+    rows = [{"update": k, "env_steps": k, "return/student0": 1.0, "return/student1": 0.0} for k in range(1, 9)]
+    Table(run / "metrics.csv").append(rows)
+    (panel,) = plots._panels({"paired": [run]}).values()
+    assert panel.curves[0][1].values.tolist() == [[1.0] * 200]

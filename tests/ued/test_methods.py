@@ -1,12 +1,16 @@
 """Every method on a probe: what its paper says must change in an update, and what must not."""
 
+import ast
 import copy
+import inspect
+from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 from probes import Choice
 
+import ued
 from ued import (
     ACCEL,
     ALPGMM,
@@ -28,7 +32,7 @@ from ued import (
     SFLConfig,
     checkpoint,
 )
-from ued.config import ALPGMMConfig
+from ued.config import AdversaryConfig, ALPGMMConfig
 from ued.curriculum import ThetaSpace
 from ued.methods.accel import edit
 from ued.methods.sfl import CANDIDATE, SFLLevels
@@ -45,6 +49,9 @@ METHODS = {
     "paired_population": lambda env, seed=0: Paired(env, PPO, PairedConfig(population=3), seed),
     "paired_scripted": lambda env, seed=0: Paired(env, PPO, PairedConfig(antagonist="scripted"), seed),
     "paired_literal": lambda env, seed=0: Paired(env, PPO, PairedConfig.literal(), seed),
+    "paired_image": lambda env, seed=0: Paired(
+        env, PPO, PairedConfig(adversary=AdversaryConfig(context="observation", distribution="beta")), seed
+    ),
     "self_regret": lambda env, seed=0: SelfRegret(env, PPO, seed=seed),
     "repaired": lambda env, seed=0: Repaired(env, PPO, RepairedConfig(buffer=SMALL), seed),
     "plr": lambda env, seed=0: PLR(env, PPO, PLRConfig(buffer=SMALL), seed),
@@ -333,3 +340,20 @@ def test_methods_that_choose_theta_need_one(name):
 def test_settings_that_contradict_each_other_are_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_the_adversary_can_look_at_what_students_see():
+    method = METHODS["paired_image"](frontier())
+    method.update()
+    z = method.queue.trials["z"]
+    assert z.shape[1] == 10 and (z[:, 0] == 1).all()  # at the first place of the path
+    assert len(np.unique(z[:, -1])) > 2  # of random lengths
+
+
+def test_an_update_fits_on_a_screen():
+    for path in (Path(ued.__file__).parent / "methods").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef) and node.name == "update":
+                assert node.end_lineno - node.lineno < 40, f"{path.name}:{node.lineno}"
+    training = inspect.getsource(ued.Training.update)
+    assert len(training.splitlines()) <= 40

@@ -1,0 +1,140 @@
+"""The built-in AI: posts, markers, hunters, runs, passes and shots, from hand-made positions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pitch import OPEN, play, position, take_over
+
+from envs.football.constants import CB, CF, CM, GK, LB, LEFT, NOBODY, RB, RIGHT, SHOT
+from envs.football.formation import posts
+from envs.football.state import MatchConfig
+
+KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
+FOUR = [(-20.0, -8.0, LEFT, CB), (-20.0, 8.0, LEFT, CB), (-8.0, 0.0, LEFT, CM), (-2.0, 3.0, LEFT, CF)]
+THEIRS = [(20.0, -8.0, RIGHT, CB), (20.0, 8.0, RIGHT, CB), (8.0, 0.0, RIGHT, CM), (2.0, -13.0, RIGHT, CF)]
+
+
+def alone(players: list, ball: tuple[float, float], n: int = 40, **settings: object) -> np.ndarray:
+    """Matches of built-in players only."""
+    matches = position(players, ball, replace(OPEN, **settings), range(n))
+    take_over(matches, NOBODY)
+    return matches
+
+
+def test_posts_come_from_the_line_up_and_the_role() -> None:
+    x, y = np.array([[-50.0, -20.0, -20.0, 0.0]]), np.array([[0.0, -16.0, 16.0, 0.0]])
+    depth, width = posts(x, y, np.array([GK, LB, RB, CF]))[0]
+    assert depth[1] == depth[2] < -0.8 and depth[3] == 1.0
+    assert width[1] == -width[2] < -0.8
+
+
+def test_a_line_up_without_depth_leaves_it_to_the_roles() -> None:
+    depth = posts(np.array([[10.0, 10.5]]), np.array([[0.0, 3.0]]), np.array([CB, CF]))[0, 0]
+    assert depth.tolist() == [-1.0, 1.0]
+
+
+def test_the_block_follows_the_ball() -> None:
+    means = []
+    for ball_x in (-30.0, 30.0):
+        matches = alone([*KEEPERS, *FOUR, *THEIRS], (ball_x, 0.0), game_duration=1000)
+        play(matches, [0] * 60)
+        means.append(matches["players"]["x"][:, 2:10].mean())
+    assert means[1] - means[0] > 5.0
+
+
+def test_the_most_dangerous_are_marked_and_at_most_two_hunt() -> None:
+    matches = alone([*KEEPERS, *FOUR, *THEIRS], (-1.0, 3.0), game_duration=1000)
+    marked = hunters = 0
+    for _ in range(200):
+        play(matches, [0])
+        players = matches["players"]
+        for team in (LEFT, RIGHT):
+            marks = np.where(players["team"] == team, players["mark"], NOBODY)[:, :10]
+            for row in marks:
+                of = row[row != NOBODY]
+                assert len(of) <= 3 and len(set(of)) == len(of)
+                marked += len(of)
+            hunters += np.count_nonzero(matches["hunter"][:, team] != NOBODY)
+    assert marked > 0 and hunters > 0
+
+
+@pytest.mark.parametrize("difficulty", [0.05, 1.0])
+def test_a_lone_defender_gives_way_in_midfield(difficulty: float) -> None:
+    """Measured: nobody loses the ball to a lone defender before he is some 25 m from the goal."""
+    players = [(-50.0, 0.0, LEFT, GK), (0.0, 0.0, LEFT, CM), (12.0, 0.0, RIGHT, CB), (-50.0, 30.0, RIGHT, GK)]
+    config = MatchConfig(right_team_difficulty=difficulty, end_episode_on_out_of_play=False)
+    matches = position(players, (0.5, 0.0), config, range(20))
+    for _ in range(35):
+        play(matches, [5], player=1)
+    assert np.all(matches["carrier"] == 1)
+    assert np.all(matches["players"]["x"][:, 2] > matches["players"]["x"][:, 1] + 1.5)
+
+
+def test_nobody_supports_from_an_offside_place() -> None:
+    matches = alone([*KEEPERS, *FOUR, *THEIRS], (-20.0, 0.0), game_duration=1000, offsides=True)
+    ahead = []
+    for step in range(150):
+        play(matches, [0])
+        if step > 30:
+            line = np.sort(matches["players"]["x"][:, 6:10], axis=1)[:, -1]
+            front = matches["players"]["x"][:, 2:6].max(axis=1)
+            favoured = (matches["favoured"] == LEFT) & (matches["ball"]["x"] < line)
+            ahead += list((front - np.maximum(line, 0.0))[favoured])
+    assert np.percentile(ahead, 90) < 2.0
+
+
+def test_a_striker_before_an_open_goal_shoots() -> None:
+    matches = alone([(-50.0, 0.0, LEFT, GK), (44.0, 2.0, LEFT, CF), (-40.0, 0.0, RIGHT, GK)], (44.4, 2.0))
+    play(matches, [0] * 30)
+    assert np.mean(matches["score"][:, 0] == 1) > 0.8
+
+
+def test_a_pressed_player_passes_to_the_mate_who_is_free_ahead() -> None:
+    players = [
+        *KEEPERS,
+        (0.0, 0.0, LEFT, CM),
+        (12.0, 12.0, LEFT, CM),
+        (2.5, 0.0, RIGHT, CB),
+        (30.0, -20.0, RIGHT, CB),
+    ]
+    matches = alone(players, (0.4, 0.0))
+    passed = np.zeros(len(matches), bool)
+    for _ in range(40):
+        play(matches, [0])
+        passed |= matches["last_touch"] == 3
+    assert passed.mean() > 0.6
+
+
+def test_defenders_clear_under_pressure() -> None:
+    players = [*KEEPERS, (-40.0, 5.0, LEFT, CB), (-38.0, 5.0, RIGHT, CF), (-38.0, 7.0, RIGHT, CF)]
+    matches = alone(players, (-40.0, 5.4), right_team_difficulty=0.05)
+    height = np.zeros(len(matches))
+    for _ in range(25):
+        play(matches, [0])
+        height = np.maximum(height, matches["ball"]["z"])
+    assert np.mean(height > 1.5) > 0.3
+
+
+def test_in_a_team_with_agents_built_in_mates_leave_kicks_to_them() -> None:
+    players = [*KEEPERS, (44.0, 2.0, LEFT, CF), (-20.0, 2.0, LEFT, CM)]
+    matches = position(players, (44.4, 2.0), OPEN, range(20))
+    for _ in range(25):
+        take_over(matches, 3)
+        play(matches, [0], player=3)
+        assert not np.any(matches["players"]["kick"][:, 2] == SHOT)
+
+
+@pytest.mark.parametrize("sizes", [(1, 1), (2, 5), (11, 1), (11, 11)])
+def test_any_number_of_players_plays(sizes: tuple[int, int]) -> None:
+    players = []
+    for team, size in enumerate(sizes):
+        side = 1.0 if team == RIGHT else -1.0
+        for i in range(size):
+            players.append((side * (50.0 - 4.0 * i), -20.0 + 4.0 * i, team, GK if i == 0 else CM))
+    matches = alone(players, (0.0, 0.0), n=8, game_duration=2000)
+    play(matches, [0] * 300)
+    assert np.all(np.isfinite(matches["players"]["x"][:, : sum(sizes)]))
+    assert np.all(matches["fault"] == 0)
