@@ -290,7 +290,7 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
     command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "2", "--out", str(folder)]
     command += ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
-    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32"]
+    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32", *LEVELS]
     options = {"cwd": ROOT, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "text": True}
     first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
     deadline = time.monotonic() + 300
