@@ -188,7 +188,11 @@ class Scenario:
         return [each for each in kept if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == scope]
 
     def run_monitors(self) -> End | None:
-        """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject."""
+        """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
+
+        Their `terminate` ends this scenario and with it the simulation, as in Scenic 3.1.1, wherever they belong; another
+        end that was asked for here or inside is the reason that counts.
+        """
         end: End | None = None
         own: End | None = None
         with self.current():
@@ -202,7 +206,7 @@ class Scenario:
             end = sub.run_monitors() or end
         if own is not None and self.running:
             self.stop(own)
-        return end or (own if self.parent is None else None)
+        return end or own
 
     def simulation_ends(self) -> str | None:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""

@@ -117,8 +117,7 @@ def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
         code.reachable = False
         code.put(on)
     else:  # when all monitors have run
-        reason = c.reason(f"terminatedByMonitor: {statement}") if part.parent is None else code.constant(1)
-        register_of(code, Live(reason), part.ending)
+        register_of(code, Live(c.reason(f"terminatedByMonitor: {statement}")), part.ending)
         pause(c)
     check_invariants(c, frame)
 

@@ -275,6 +275,10 @@ def monitor_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
 
 def monitors_of(c: Compilation, threads: list[Thread], part: Part) -> None:
     where = "" if part.parent is None else f" of {part.name}"
+    ending = any(ends_scenario(each.call) for each in part.monitors)
+    before = c.code.fixed.take()
+    if ending:
+        every(c, threads, f"before the monitors{where}", lambda: put_aside(c, before))
     for monitor in part.monitors:
         title = f"monitor {monitor.call.behavior.name}{where}"
         with c.within(part):
@@ -282,24 +286,33 @@ def monitors_of(c: Compilation, threads: list[Thread], part: Part) -> None:
         threads.append((monitor.slot, -1, monitor.entry, title))
     for each in part.parts:
         monitors_of(c, threads, each)
-    if any(ends_scenario(each.call) for each in part.monitors):
-        every(c, threads, f"after the monitors{where}", lambda: end_asked_for(c, part))
+    if ending:
+        every(c, threads, f"after the monitors{where}", lambda: end_asked_for(c, part, before))
 
 
 def ends_scenario(call: BehaviorCall) -> bool:
     return any(isinstance(each, nodes.Terminate) for each in ast.walk(call.behavior.node))
 
 
-def end_asked_for(c: Compilation, part: Part) -> None:
-    """What a monitor's `terminate` does when all have run: `terminate simulation` of another counts more."""
-    code, out = c.code, Label()
-    code.row(Op.JUMP_UNLESS, part.ending, c=out)
-    if part.parent is None:
-        code.row(Op.JUMP_IF, TERMINATED, c=out)
-        register_of(code, Live(part.ending), TERMINATED)
-    else:
-        register_of(code, 0, part.ending)
+def put_aside(c: Compilation, before: int) -> None:
+    """What others have asked for so far, to see whether a monitor of a scenario or inside it asks for an end."""
+    register_of(c.code, Live(TERMINATED), before)
+    register_of(c.code, 0, TERMINATED)
+
+
+def end_asked_for(c: Compilation, part: Part, before: int) -> None:
+    """What a monitor's `terminate` does when all have run: any other end that was asked for inside counts more."""
+    code, out, none, known = c.code, Label(), Label(), Label()
+    code.row(Op.JUMP_UNLESS, part.ending, c=none)
+    if part.parent is not None:
         part.call_routine(code, part.stop)
+    code.row(Op.JUMP_IF, TERMINATED, c=out)
+    register_of(code, Live(part.ending), TERMINATED)
+    code.row(Op.JUMP, c=out)
+    code.put(none)
+    code.row(Op.JUMP_IF, TERMINATED, c=known)
+    register_of(code, Live(before), TERMINATED)
+    code.put(known)
     code.put(out)
 
 

@@ -79,7 +79,7 @@ class Part:
     running: int
     back: int
     slot: int  # of the compose block
-    ending: int  # asked for by a monitor of its own: 1, or the reason if it is the program's scenario
+    ending: int  # asked for by a monitor of its own: the reason
     ego: Instance | None = None
     frame: Any = None  # the LiveFrame of its variables
     limit: tuple[int, int] | None = None  # registers: steps taken, steps allowed

@@ -114,8 +114,12 @@ def spread(frame: LiveFrame, target: ast.Tuple | ast.List, parts: list[Value]) -
 
 
 def bind_item(c: Compilation, frame: LiveFrame, target: ast.Subscript, container: Value) -> None:
-    """Assigning an element assigns a changed container."""
-    if container is not None:
+    """Assigning an element assigns a changed container, to a variable wherever that belongs."""
+    if container is None:
+        return
+    if isinstance(target.value, ast.Name):
+        frame.assign_where_it_is(target.value.id, container)
+    else:
         bind(c, frame, target.value, container)
 
 

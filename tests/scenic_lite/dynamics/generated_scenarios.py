@@ -106,7 +106,6 @@ class Generator:
             f"terminate when {self.truth(names)}",
             f"record {self.value(names).replace('kind', 'x')} as r{number}",
             f"record ego.position as r{number}",
-            f"require monitor Stop({self.random.randrange(1, 5)})",
             f"require monitor Pay({self.value(names)})",
         ]
         if self.chance(0.25):
@@ -116,6 +115,7 @@ class Generator:
                 f"require (ego.position.y < 3) until ({self.truth(names)} or ego.position.y > 3)",
                 f"require ({self.truth(names)}) implies next (ego.position.y > 1 or simulation().currentTime < 3)",
                 f"require monitor Halt({self.random.randrange(3, 14)})",
+                f"require monitor Stop({self.random.randrange(1, 12)})",
                 f"terminate simulation when ego.position.y > {self.random.randrange(6, 20)}",
                 f"override {thing} with behavior None",
                 f"override {thing} with behavior Ends({self.random.randrange(2, 9)})",

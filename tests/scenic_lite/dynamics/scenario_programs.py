@@ -133,16 +133,15 @@ scenario End():
 do End(), Level(2) for 4 steps
 wait
 """,
-    "a monitor ends its scenario": """
+    "monitors inside end the match": """
 scenario Timed(n):
     setup:
         override ego with behavior Loop('t')
         require monitor Stop(n)
         require monitor Pay(n)
 ---
-do Timed(2)
-wait
-do Timed(1), Timed(3)
+do Timed(4) for 3 steps
+do Timed(4), Timed(2)
 wait
 """,
     "monitors in a compose block": """

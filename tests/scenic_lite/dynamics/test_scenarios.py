@@ -8,6 +8,7 @@ import pytest
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.reference import Reference
 from scenic_lite.dynamics.toy import toy_world
+from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 
 PARTS = """
@@ -47,12 +48,53 @@ def test_an_aborted_scenario_gives_back_what_it_had_overridden():
     assert actions(composed(compose)) == "a a -"
 
 
-def test_a_monitor_ends_the_scenario_that_it_belongs_to():
-    """At once, while the compose block around it goes on in the next step."""
-    part = "monitor Stop():\n    wait\n    terminate\n"
-    part += "scenario Watched():\n    setup:\n        override ego with behavior Loop('w')\n"
-    part += "        require monitor Stop()\n"
-    assert actions(composed("do Watched()\ndo Part('p', 2)", part)) == "w - p p"
+STOP = """
+monitor Stop(n):
+    for i in range(n):
+        wait
+    terminate
+monitor Halt(n):
+    for i in range(n):
+        wait
+    terminate simulation
+scenario Inner(n):
+    setup:
+        require monitor Stop(n)
+scenario Outer(halt, stop, inner):
+    setup:
+        override ego with behavior Loop('o')
+        require monitor Halt(halt)
+        require monitor Stop(stop)
+    compose:
+        do Inner(inner)
+"""
+STOPPED, HALTED = '"terminate" executed on line 13', '"terminate simulation" executed on line 17'
+
+
+@pytest.mark.parametrize(
+    "call, reason",
+    [
+        ("Outer(9, 2, 9)", STOPPED),
+        ("Outer(9, 9, 2)", STOPPED),
+        ("Outer(2, 2, 9)", HALTED),  # of two ends in one scenario
+        ("Outer(2, 9, 2)", STOPPED),  # of two ends, the one further inside
+        ("Inner(2), Outer(2, 2, 9)", HALTED),  # the one that was asked for later
+        ("Outer(2, 2, 9), Inner(2)", STOPPED),
+    ],
+)
+def test_a_monitor_ends_the_simulation_wherever_it_belongs(call, reason):
+    """As Scenic 3.1.1 does, whose manual says that it ends its scenario; the endings are those that it gave."""
+    text = composed(f"do {call}\nwait", STOP)
+    _, trace = played(text, 9)
+    assert trace.ending == f"terminatedByMonitor: {reason}" and len(trace.commands) == 2
+    assert differences(text, range(1))[0] == []
+
+
+def test_what_an_ended_scenario_leaves_unsatisfied_rejects():
+    text = composed("do Inner(2)", STOP.replace("Stop(n)\nscenario", "Stop(n)\n        require eventually ego.position.y > 5\nscenario"))
+    _, trace = played(text, 9)
+    assert trace.rejected == "require eventually ego.position.y > 5"
+    assert differences(text, range(1))[0] == []
 
 
 def test_records_of_a_scenario_inside():
