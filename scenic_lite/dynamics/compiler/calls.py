@@ -19,7 +19,7 @@ from scenic_lite.dynamics.compiler.slots import copied, pairs, registers_in, set
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
 from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import Value
+from scenic_lite.graph import Column, Random, Value
 from scenic_lite.values import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
 
 
@@ -38,6 +38,7 @@ def call_value(
     if isinstance(function, Choice):
         return over_options(c, function, lambda each: call_value(c, frame, each, arguments, keywords, node), id(node))
     if isinstance(function, Bound):
+        refuse_hashing(function, arguments)
         return call_value(c, frame, function.function, [function.receiver, *arguments], keywords, node)
     if isinstance(function, Function):
         return inlined(c, frame, function, arguments, keywords, node)
@@ -60,7 +61,42 @@ def call_value(
                 lambda each: call_value(c, frame, function, [*before, each, *after], keywords, node),
                 (id(node), at),
             )
-    return call(frame, function, arguments, keywords, node)
+    return certain(call(frame, function, arguments, keywords, node))
+
+
+def refuse_hashing(method: Bound, arguments: list) -> None:
+    """Raise the error for methods of sets and dictionaries that the machine has no rows for.
+
+    It knows the elements of a set as they are for all matches; which of those that vary are equal, a match decides.
+    """
+    name = getattr(method.function, "name", "")
+    if not isinstance(method.receiver, set | dict):
+        return
+    kind = "set" if isinstance(method.receiver, set) else "dictionary"
+    if name in CHANGING:
+        raise ScenicError("unsupported", f"{name}() of a {kind} cannot be done in a match", hint="use a list")
+    if any(map(undecided, arguments if kind == "set" else arguments[:1])):
+        raise ScenicError("unsupported", f"{name}() of a {kind} with what the match decides", hint="use a list")
+
+
+CHANGING = frozenset({"add", "discard", "remove", "pop", "clear", "update", "setdefault", "popitem"})
+
+
+def certain(value: Value) -> Value:
+    """A set or dictionary, if its elements or keys are the same in all matches. Raises ScenicError."""
+    if isinstance(value, set | dict) and any(map(undecided, value)):
+        kind, parts = ("set", "elements") if isinstance(value, set) else ("dictionary", "keys")
+        raise ScenicError("unsupported", f"a {kind} whose {parts} the match decides", hint="write a list: [ ... ]")
+    return value
+
+
+def undecided(value: Value) -> bool:
+    """Whether matches may disagree about what a value is equal to; behaviors and points of an interval are their own."""
+    if isinstance(value, BehaviorCall | Column):
+        return False
+    if isinstance(value, list | tuple | set):
+        return any(map(undecided, value))
+    return isinstance(value, Random | Choice | LiveList) or varies(value)
 
 
 def inlined(

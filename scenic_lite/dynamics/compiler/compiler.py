@@ -19,7 +19,7 @@ from scenic_lite.dynamics.bytecode import REWARD, TERMINATED, Op
 from scenic_lite.dynamics.compiled import Compiled
 from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, run_behavior
-from scenic_lite.dynamics.compiler.calls import call_node, call_value
+from scenic_lite.dynamics.compiler.calls import call_node, call_value, certain
 from scenic_lite.dynamics.compiler.choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live
 from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
@@ -61,6 +61,7 @@ EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
     ast.DictComp: dictionary_comprehension,
     nodes.Operator: scenic_operator,
 }
+HASHING = (ast.Set, ast.SetComp, ast.Dict, ast.DictComp, ast.Name)  # and `calls`
 
 
 def compile_program(program: Program, world: World) -> Compiled:
@@ -106,6 +107,8 @@ def meanings(c: Compilation) -> dict[str, Any]:
     """The fields of the session that differ while a program is compiled."""
     session = c.session
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
+    for kind in HASHING:
+        own[kind] = partial(hashed, own.get(kind, session.expressions[kind]))
     statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
     simulation = Builtin("simulation", lambda: c.simulation, lifted=False)
 
@@ -127,6 +130,11 @@ def meanings(c: Compilation) -> dict[str, Any]:
         "budget": Budget(session.budget.limits),
         "builtins": session.builtins | {"simulation": simulation},
     }
+
+
+def hashed(handler: Callable[[Frame, Any], Value], frame: Frame, node: ast.expr) -> Value:
+    """What may be a set or a dictionary; an error if what is in it is not the same in all matches."""
+    return certain(handler(frame, node))
 
 
 def draw(c: Compilation, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:

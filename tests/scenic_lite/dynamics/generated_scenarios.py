@@ -226,6 +226,7 @@ class Generator:
         self.write(1, "compose:")
         self.block(2, ["y"], 3, levels)
         self.block(2, ["y"], 2, levels)
+        self.write(2, "wait")
         return "\n".join(self.lines) + "\n"
 
 

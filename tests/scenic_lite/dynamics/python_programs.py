@@ -7,6 +7,16 @@ foe = new Object at -4 @ 1, with requireVisible False
 things = [ego, mate, foe]
 """
 PROGRAMS = {
+    "an element of a list of the module": """
+log = []
+behavior Main():
+    while True:
+        log.append(self.position.y)
+        if len(log) > 3:
+            log[0] = 7
+            log[1] += 0.5
+        take f'{len(log)} {sum(log):.6g}'
+""",
     "the last five": """
 behavior Main():
     hist = []
