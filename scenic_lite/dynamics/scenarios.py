@@ -190,8 +190,8 @@ class Scenario:
     def run_monitors(self) -> End | None:
         """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
 
-        Their `terminate` ends this scenario and with it the simulation, as in Scenic 3.1.1, wherever they belong; another
-        end that was asked for here or inside is the reason that counts.
+        Their `terminate` ends this scenario and with it the simulation, as in Scenic 3.1.1, wherever they belong;
+        another end that was asked for here or inside is the reason that counts.
         """
         end: End | None = None
         own: End | None = None

@@ -91,7 +91,7 @@ def certain(value: Value) -> Value:
 
 
 def undecided(value: Value) -> bool:
-    """Whether matches may disagree about what a value is equal to; behaviors and points of an interval are their own."""
+    """Whether matches may disagree about what a value is equal to: never about a behavior or a point of an interval."""
     if isinstance(value, BehaviorCall | Column):
         return False
     if isinstance(value, list | tuple | set):

@@ -91,7 +91,8 @@ def test_a_monitor_ends_the_simulation_wherever_it_belongs(call, reason):
 
 
 def test_what_an_ended_scenario_leaves_unsatisfied_rejects():
-    text = composed("do Inner(2)", STOP.replace("Stop(n)\nscenario", "Stop(n)\n        require eventually ego.position.y > 5\nscenario"))
+    required = "Stop(n)\n        require eventually ego.position.y > 5\nscenario"
+    text = composed("do Inner(2)", STOP.replace("Stop(n)\nscenario", required))
     _, trace = played(text, 9)
     assert trace.rejected == "require eventually ego.position.y > 5"
     assert differences(text, range(1))[0] == []
