@@ -61,7 +61,7 @@ class Scope:
 class LiveFrame(Frame):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "scope", "slots")
+    __slots__ = ("compilation", "given", "scope", "slots")
 
     def __init__(
         self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Frame, scope: Scope
@@ -69,6 +69,7 @@ class LiveFrame(Frame):
         super().__init__(compilation.session, source, names, outer)
         self.compilation, self.scope = compilation, scope
         self.slots: dict[str, Slot] = {}
+        self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
 
     def inner(self, names: dict[str, Value]) -> Frame:
         return Frame(self.session, self.source, names, self)
@@ -92,6 +93,8 @@ class LiveFrame(Frame):
         if slot is not None:
             slot.store(value)
             self.locals[name] = slot.value
+            if name in self.given:
+                self.compilation.code.row(Op.COPY, self.given[name], self.compilation.code.constant(1))
         else:
             self.locals[name] = kept(self.compilation.code, value)
 

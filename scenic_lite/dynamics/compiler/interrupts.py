@@ -9,7 +9,9 @@ if there is none, the body. A handler that ends clears its slot and scans again 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ast
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.code import Label
@@ -25,6 +27,7 @@ Limit = Callable[[Label], None]  # rows that jump when it is over
 def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) -> None:
     if node.handlers or node.orelse or node.finalbody:
         raise ScenicError("unsupported", "`except`, `else` and `finally` cannot be compiled for a match")
+    given = expect(c, frame, node)
     frame.pin(assigned_names(node))
     code, written = c.code, c.written()
     body = code.variables.take(1 + len(node.interrupts))
@@ -38,7 +41,9 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
         code.row(Op.RESUME_IF_RUNNING, slot)
         with code.statement():
             code.place = frame.place(handler.condition)
-            jump_on(c, frame, handler.condition, start, when=True)
+            with once_set(c, frame, surely_read(handler.condition) & given.keys()) as readable:
+                if readable:
+                    jump_on(c, frame, handler.condition, start, when=True)
     code.row(Op.RESUME, body)
     with frame.living(), c.guarded():
         code.put(begin)
@@ -56,6 +61,42 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
             code.row(Op.AGAIN, c=scan)
     code.put(end)
     c.give_up(written)
+
+
+def expect(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) -> dict[str, int]:
+    """In a compose block: registers that say whether variables that conditions read by now have a value.
+
+    One that has none makes the condition false; in a behavior it is a fault, and so it is here within a loop.
+    """
+    if not c.composing or c.repeating:
+        return {}
+    names = {name for handler in node.interrupts for name in surely_read(handler.condition)}
+    given = {name: c.code.variables.take() for name in sorted(names & assigned_names(node) - frame.locals.keys())}
+    for register in given.values():
+        register_of(c.code, 0, register)
+    frame.given |= given
+    return given
+
+
+def surely_read(condition: ast.expr) -> set[str]:
+    """The names in a condition; what stands behind an `or` might not be come to."""
+    if any(isinstance(each, ast.Or | ast.IfExp) for each in ast.walk(condition)):
+        return set()
+    return {each.id for each in ast.walk(condition) if isinstance(each, ast.Name)}
+
+
+@contextmanager
+def once_set(c: Compilation, frame: LiveFrame, names: set[str]) -> Iterator[bool]:
+    """Rows written inside, a condition, are only come to when these variables have a value; whether they may be."""
+    unset = Label()
+    before = dict(frame.locals)
+    for name in sorted(names):
+        c.code.row(Op.JUMP_UNLESS, frame.given[name], c=unset)
+        frame.locals[name] = frame.slots[name].value
+    yield all(frame.slots[name].shape is not None for name in names)
+    frame.locals.clear()
+    frame.locals.update(before)
+    c.code.put(unset)
 
 
 def enter(c: Compilation, frame: LiveFrame, body: int, begin: Label, scan: Label) -> None:

@@ -110,6 +110,16 @@ interrupt when ego.position.y > 2:
     return
 wait
 """,
+    "a condition on what has no value yet": """
+try:
+    wait for 2 steps
+    flag = ego.position.y
+    wait for 4 steps
+interrupt when flag > 0 and ego.position.y > 3:
+    flag = -1
+    do Part('h', 2)
+wait
+""",
     "terminate": """
 do Part('a', 2)
 terminate
