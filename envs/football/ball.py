@@ -169,24 +169,3 @@ def rolled(speed, time):
     slowing = GROUND_FRICTION + 0.045 * speed * speed
     time = min(time, speed / slowing)
     return speed * time - 0.5 * slowing * time * time
-
-
-@kernel
-def flight_time(speed, distance):
-    """Time in s that a kick of this speed needs for a distance in m under air drag; 9 if it never arrives."""
-    if speed < 1.0:
-        return 9.0
-    return min((math.exp(0.02 * distance) - 1.0) / (0.02 * speed), 9.0)
-
-
-@kernel
-def crossing(ball, x):
-    """y in m at which a ball in flight towards x will be there, by its curl; straight on if it has none."""
-    straight = ball.y + (x - ball.x) / ball.vx * ball.vy
-    if ball.curl == 0.0:
-        return straight
-    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
-    time = flight_time(speed, abs(x - ball.x) * speed / abs(ball.vx))
-    mean = min(speed / (1.0 + 0.5 * AIR_DRAG * speed * time), FASTEST)
-    aside = 0.5 * SWERVE * math.sin(mean / FASTEST * SWERVE_TURN) ** SWERVE_POWER * ball.curl * time * time
-    return straight + aside * speed / ball.vx

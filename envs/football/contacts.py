@@ -13,6 +13,7 @@ from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.first_touch import cushion
 from envs.football.hands import can_hold, has_hands, hold, parry
 from envs.football.kicks import kick_first_time
+from envs.football.possession import ball_speed
 from envs.football.saves import ARM, foresee
 from envs.football.tackles import STANDING, in_tackle_reach, slide_into, tackle, within_reach
 from envs.football.touch import take
@@ -24,6 +25,7 @@ MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything 
 
 # Traps
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
+FIRST_TIME_FROM = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
 HEADER_FROM = 0.9  # m
 
 # Keepers
@@ -108,7 +110,7 @@ def challenge(match, i, distance):
 def trap(match, i):
     """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
     player = match.players[i]
-    if player.kick_ready and player.kick != 0:
+    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > FIRST_TIME_FROM:
         kick_first_time(match, i)
         return
     cushion(match, i)

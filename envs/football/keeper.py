@@ -18,7 +18,7 @@ from envs.football.control import chase, go_for_ball, run_to
 from envs.football.hands import HOLD_STEPS
 from envs.football.possession import ball_speed, meeting_time
 from envs.football.saves import dive, own_goal_x
-from envs.football.vectors import apart, length
+from envs.football.vectors import apart, length, toward
 from scenic_lite.jit import kernel
 
 # Standing
@@ -29,7 +29,7 @@ ADVANCE = 0.3  # share of the way to the ball while his team has it
 # Coming out
 CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
 CLAIM_RANGE = 30.0  # m from the goal line
-RUSH_NEAR, RUSH_SHARE = 2.5, 0.6  # m; share of his distance at which he joins the line from ball to goal
+RUSH_NEAR, RUSH_SHARE = 2.5, 0.8  # m; share of his distance at which he joins the line from ball to goal
 
 GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
 
@@ -141,7 +141,10 @@ def rush(match, i):
     share = RUSH_SHARE * distance / (to_goal + 1e-9)
     if second_attacker(match, i, match.carrier):
         share = max(share, 1.0 - SECOND_SHARE)
-    run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
+        run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
+        return
+    to_x, to_y = toward(ball.x + share * (goal_x - ball.x) - player.x, ball.y * (1.0 - share) - player.y)
+    player.want_x, player.want_y = to_x * player.top_speed, to_y * player.top_speed  # no slower near that place
 
 
 @kernel

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ball import crossing, flight_time
+from envs.football.ball import advance_ball
 from envs.football.constants import (
     BOX_DEPTH,
     BOX_HALF_WIDTH,
+    DT,
     GK,
     GOAL_HALF_WIDTH,
     GOAL_HEIGHT,
@@ -29,11 +30,11 @@ from scenic_lite.stream import uniform
 SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.6
 GAP_NEAR, GAP_WIDE = 0.7, 0.4  # m: within, he need not dive; this much further, he must
 BODY_GAP, BODY_BEATEN = 0.4, 0.35  # m; at most this chance of beating him when shot straight at him
-FOOT_GAP, FOOT_CHANCE = 1.2, 0.72  # m; chance outside his box, where he has his feet only
+FOOT_GAP, FOOT_CHANCE = 2.0, 0.85  # m; outside his box, where he has his feet only, the chance falls to 0 by then
 MEASURED_SKILL, SAVE_SKILL = 0.72, 2.5  # skill of the measured keeper; logit per unit of skill
 ARM, DIVE_SPEED, DIVE_DELAY = 1.2, 7.5, 0.08  # m, m/s, s: nothing beyond this is ever saved
 STRIDE = 0.1  # s for which he keeps his velocity
-MEETING_PLACES = 4
+FORESEEN = 300  # frames that a shot is followed ahead
 SHOT_SPEED = 9.0  # m/s, slower balls are not shots
 GOAL_MARGIN = 1.3  # half widths of the goal within which he goes for the ball
 OVER_BAR = 0.3  # m above the bar from where he lets the ball go
@@ -71,71 +72,60 @@ def foresee_shot(match, team):
 
 @kernel
 def foresee(match, team):
-    """Set the other keeper on a ball that flies at his goal off a player of `team`."""
+    """Set the other keeper on a ball that flies at his goal off a player of `team`: draw whether he saves it."""
     match.saver = NOBODY
-    ball = match.ball
     goal_x = -own_goal_x(team)
-    speed = ball_speed(ball)
-    if speed < SHOT_SPEED or ball.vx * goal_x <= 0.0:
-        return
-    line_y = crossing(ball, goal_x)
-    if abs(line_y) > GOAL_MARGIN * GOAL_HALF_WIDTH:
-        return
-    time = flight_time(speed, length(goal_x - ball.x, line_y - ball.y))
-    if time > 3.0 or height_at(ball, time) > GOAL_HEIGHT + OVER_BAR:
+    if ball_speed(match.ball) < SHOT_SPEED or match.ball.vx * goal_x <= 0.0:
         return
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team and player.role == GK and player.down <= 0.0:
-            plan_save(match, i, goal_x, line_y, time)
-            return
+        if player.team == team or player.role != GK or player.down > 0.0:
+            continue
+        time, effort, gap = follow_shot(match, player, goal_x)
+        if time > 0.0:
+            match.saver, match.save_gap = i, gap
+            match.save_succeeds = uniform(match) < save_chance(player, gap, time) and effort < DIVE_SPEED
+            player.turning = READY
+        return
 
 
 @kernel
-def plan_save(match, i, goal_x, line_y, time):
-    """Draw whether keeper i saves a shot that crosses his line in `time` s, and choose where he means to meet it."""
-    player, ball = match.players[i], match.ball
-    to_x, to_y = goal_x - ball.x, line_y - ball.y
-    to_line = length(to_x, to_y)
-    gap = abs((player.x - ball.x) * to_y - (player.y - ball.y) * to_x) / to_line
-    match.saver, match.save_gap = i, gap
-    effort = choose_meeting(match, player, to_x / to_line, to_y / to_line, to_line)
-    match.save_succeeds = uniform(match) < save_chance(player, gap, time) and effort < DIVE_SPEED
-    player.turning = READY
+def follow_shot(match, player, goal_x):
+    """Follow the ball ahead to the goal line, and choose where it costs a keeper least to meet it.
 
-
-@kernel
-def choose_meeting(match, player, ux, uy, to_line):
-    """Choose the place between the shot's closest point and the line that costs a keeper least; return that, in m/s."""
+    Returns the s until the ball is in the goal, 0 if it goes wide, over, or never gets there; the m/s that meeting it
+    costs; and the m by which its path passes him.
+    """
     ball = match.ball
-    speed = ball_speed(ball)
+    x, y, z, vx, vy, vz = ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz
+    spin_x, spin_y, curl = ball.spin_x, ball.spin_y, ball.curl
     here_x, here_y = player.x + STRIDE * player.vx, player.y + STRIDE * player.vy
-    closest = (here_x - ball.x) * ux + (here_y - ball.y) * uy
-    closest = to_line if closest < -0.3 else min(max(closest, 0.3), to_line)
-    least = math.inf
-    for k in range(MEETING_PLACES):
-        distance = closest + k / (MEETING_PLACES - 1) * (to_line - closest)
-        x, y = ball.x + distance * ux, ball.y + distance * uy
-        time = flight_time(speed, distance)
-        effort = max(length(x - here_x, y - here_y) - ARM, 0.0) / max(time - DIVE_DELAY, 0.02)
-        if effort < least:
-            least = effort
-            match.save_x, match.save_y, match.save_wait = x, y, time
-    return least
+    least, nearest, gap, time = math.inf, math.inf, math.inf, 0.0
+    for _ in range(FORESEEN):
+        advance_ball(ball)
+        time += DT
+        gap = min(gap, length(ball.x - player.x, ball.y - player.y))
+        away = length(ball.x - here_x, ball.y - here_y)
+        effort = max(away - ARM, 0.0) / max(time - DIVE_DELAY, 0.02)
+        if effort < least or (effort == least and away < nearest):
+            least, nearest = effort, away
+            match.save_x, match.save_y, match.save_wait = ball.x, ball.y, time
+        if abs(ball.x) >= HALF_LENGTH:
+            break
+    inside = abs(ball.y) < GOAL_MARGIN * GOAL_HALF_WIDTH and ball.z < GOAL_HEIGHT + OVER_BAR
+    if ball.x * goal_x < HALF_LENGTH * HALF_LENGTH or not inside:
+        time = 0.0
+    ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz = x, y, z, vx, vy, vz
+    ball.spin_x, ball.spin_y, ball.curl = spin_x, spin_y, curl
+    return time, least, gap
 
 
 @kernel
 def save_chance(player, gap, time):
     """Chance of saving a shot that passes `gap` m away and crosses the line in `time` s."""
     if not in_own_box(player):
-        return FOOT_CHANCE if gap < FOOT_GAP else 0.0
+        return FOOT_CHANCE * max(1.0 - (gap / FOOT_GAP) ** 2, 0.0)
     wide = min(max((gap - GAP_NEAR) / GAP_WIDE, 0.0), 1.0)
     logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * (MEASURED_SKILL - player.skill)
     chance = 1.0 / (1.0 + math.exp(logit))
     return max(chance, 1.0 - BODY_BEATEN) if gap < BODY_GAP else chance
-
-
-@kernel
-def height_at(ball, time):
-    """Height in m of a ball after this time of free flight."""
-    return ball.z + ball.vz * time - 4.9 * time * time

@@ -28,7 +28,7 @@ TRIP_CHANCE = 0.4  # of a tackle from the side or from behind that misses the ba
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
 
 # Slides
-SLIDE_REACH, TRIP_REACH = 0.8, 1.22  # m from the body to the ball, and to the carrier's body
+SLIDE_REACH, TRIP_REACH = 0.7, 1.22  # m from the body to the ball, and to the carrier's body
 LEGS_OUT = SLIDE_TIME - 0.05  # s left of a slide until which it reaches nobody
 SLIDE_RATE, SLIDE_MOVING = 10.0, 1.0  # wins per s within reach of a ball that passes at more than this many m/s
 SHIELDED = 0.3  # share of that if the carrier's body is between

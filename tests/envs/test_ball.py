@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.ball import advance_ball, crossing, flight_time, rolled
+from envs.football.ball import advance_ball, rolled
 from envs.football.constants import BALL_RADIUS, GOAL_HEIGHT
 from envs.football.state import BALL
 
@@ -92,19 +92,16 @@ def test_estimates_for_the_players(speed: float) -> None:
     """What players expect of the ball is near what it does."""
     _, x, _ = flown(10, vx=speed, spin_x=speed)
     assert rolled(speed, 1.0) == pytest.approx(x[-1], rel=0.35)
-    assert flight_time(28.0, 11.0) == pytest.approx(0.44, abs=0.03)
 
 
 @pytest.mark.parametrize("curl", [-60.0, 0.0, 25.0])
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_a_curling_ball_bends_to_its_side_and_the_bend_is_foreseen(curl: float, way: float) -> None:
+def test_a_curling_ball_bends_to_its_side(curl: float, way: float) -> None:
     ball = np.zeros(1, BALL).view(np.recarray)
     ball["z"], ball["vx"], ball["vy"], ball["vz"], ball["curl"] = 0.3, 28.0 * way, 2.0, 4.5, curl
-    foreseen = crossing(ball[0], 18.0 * way)
     straight = 2.0 / 28.0 * 18.0
     for _ in range(200):
         advance_ball(ball[0])
         if abs(ball["x"][0]) > 18.0:
             break
-    assert ball["y"][0] == pytest.approx(foreseen, abs=0.5)
     assert np.sign(np.round(ball["y"][0] - straight, 1)) == np.sign(curl * way)

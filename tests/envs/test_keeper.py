@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
+from envs.football.ball import advance_ball
 from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
 from envs.football.keeper import bisector_foot
 from envs.football.saves import foresee_shot, save_chance
@@ -75,6 +76,24 @@ def test_nobody_saves_what_he_cannot_reach() -> None:
     for match in matches:
         foresee_shot(match, LEFT)
     assert not matches["save_succeeds"].any()
+
+
+@pytest.mark.parametrize("curl", [-40.0, 0.0, 40.0])
+def test_a_keeper_far_out_goes_where_a_curled_shot_passes_him(curl: float) -> None:
+    """He sees where it comes by, however much it bends, and that it ends in the goal."""
+    matches = position([(25.0, 0.0, LEFT, CM), (35.0, 0.0, RIGHT, GK)], (25.4, 0.0), OPEN)
+    ball = matches["ball"]
+    ball["vx"], ball["vy"], ball["vz"], ball["z"], ball["curl"] = 30.0, -0.1 * curl, 1.5, 0.2, curl
+    before = ball.copy()
+    foresee_shot(matches[0], LEFT)
+    assert matches["saver"][0] == 1
+    assert (ball == before).all()
+    while ball["x"][0] < 35.0:
+        advance_ball(ball[0])
+    assert matches["save_gap"][0] == pytest.approx(abs(ball["y"][0]), abs=0.3)
+    while ball["x"][0] < 55.0:
+        advance_ball(ball[0])
+    assert abs(ball["y"][0]) < 4.9
 
 
 def test_a_weaker_keeper_saves_less() -> None:
