@@ -92,6 +92,7 @@ def once_set(c: Compilation, frame: LiveFrame, names: set[str]) -> Iterator[bool
     before = dict(frame.locals)
     for name in sorted(names):
         c.code.row(Op.JUMP_UNLESS, frame.given[name], c=unset)
+        c.code.relied_on.add(frame.slots[name].key)  # also while nothing is known of it
         frame.locals[name] = frame.slots[name].value
     yield all(frame.slots[name].shape is not None for name in names)
     frame.locals.clear()

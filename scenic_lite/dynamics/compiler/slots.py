@@ -216,9 +216,9 @@ class Slot:
     @property
     def value(self) -> Value:
         shape = self.shape
-        self.code.relied_on.add(self.key)
         if shape is None:
             return None
+        self.code.relied_on.add(self.key)
         return loaded(shape, iter(self.registers))
 
     def widen(self, value: Value) -> None:
