@@ -29,7 +29,9 @@ def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
     elif owner is c.simulation:
-        if hint := near(name, [*c.simulation.names]) if name not in c.simulation.names else "":
+        own = {key[2] for key in c.shapes if key[0] == "simulation"}  # assigned in the program, as an earlier walk saw
+        known = [each for each in c.simulation.names if each not in own]
+        if hint := near(name, known) if name not in known else "":
             c.doubts.append(frame.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
         keep(c, ("simulation", "", name), value)
     elif isinstance(owner, Instance) and owner.label:
