@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["train", "--method", "pared"],
             2,
-            "regista: unknown method 'pared' (did you mean 'paired'?); known are dr, paired",
+            "regista: unknown method 'pared' (did you mean 'paired'?); known are dr, minimax, paired, ",
         ),
         (["train", "--resume", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
         (["train", "--num-envs", "0"], 2, "regista: num_envs must be at least 1, got 0"),

@@ -69,9 +69,9 @@ def refuse_hashing(method: Bound, arguments: list) -> None:
 
     It knows the elements of a set as they are for all matches; which of those that vary are equal, a match decides.
     """
-    name = getattr(method.function, "name", "")
-    if not isinstance(method.receiver, set | dict):
+    if not isinstance(method.receiver, set | dict) or not isinstance(method.function, Builtin):
         return
+    name = method.function.name
     kind = "set" if isinstance(method.receiver, set) else "dictionary"
     if name in CHANGING:
         raise ScenicError("unsupported", f"{name}() of a {kind} cannot be done in a match", hint="use a list")

@@ -31,7 +31,7 @@ behavior stay_onside():
             take ReleaseDirection()
 
 ego = LeftGK
-passer = LeftPlayer at -20 @ 0, with role "LM"
+passer = LeftPlayer at -20 @ 0, with role "LM", with behavior IdleBehavior()
 upper = LeftPlayer on get_reg_from_edges(70, 80, 5, 15), with role "CF", with width 1.5, with length 1.5,
     with behavior stay_onside()
 lower = LeftPlayer on get_reg_from_edges(70, 80, -15, -5), with role "RM", with width 1.5, with length 1.5,
