@@ -36,6 +36,7 @@ from ued.trial_queue import TrialQueue
 from ued.trials import mean_returns
 from ued.upomdp import UPOMDP
 
+BLOCK = 8  # trials that are proposed ahead where a curriculum changes with what it proposes
 MakeCurriculum = Callable[[UPOMDP, int], Curriculum]  # from the space of levels and a seed
 
 
@@ -59,7 +60,9 @@ class Training:
         ppo: how every student learns.
         seed: of every random stream.
         names: of the students; the first is the one to evaluate.
-        block: trials that are asked of the curriculum at a time; None: as many as environments.
+        block: trials that are asked of the curriculum at a time, all of which are played; None: as many as
+            environments, of which those that nobody has begun are forgotten after each update, since the curriculum
+            has learned.
         keep: an environment takes a new level when it has played its own often enough ("episode"), or the first time
             that this happens in each rollout ("rollout").
     """
@@ -78,7 +81,7 @@ class Training:
     ) -> None:
         ppo = ppo or PPOConfig()
         levels, choices, *each = split_seed(seed, 2 + 3 * len(names))
-        self.upomdp, self.config_ppo, self.keep = upomdp, ppo, keep
+        self.upomdp, self.config_ppo, self.keep, self.forget = upomdp, ppo, keep, block is None
         upomdp.reset(seed=levels)
         self.curriculum = make_curriculum(upomdp, choices)
         self.queue = TrialQueue(
@@ -159,9 +162,9 @@ class Training:
         }
 
     def _take_settled(self) -> np.ndarray:
-        """Give the trials that all students have played, and forget those that nobody has begun."""
+        """Give the trials that all students have played; forget those that nobody has begun if they are outdated."""
         settled = self.queue.take_settled()
-        if self.queue.block > 1:  # they were proposed by the curriculum as it was
+        if self.forget:
             self.queue.drop_untaken()
         return settled
 

@@ -72,6 +72,7 @@ class Observer:
         left = int(np.count_nonzero(np.asarray(casting.lineup.teams) == LEFT))
         self._sizes = left, casting.num_players - left
         self._rights = [agent >= casting.num_agents[LEFT] for agent in range(self._agents)]
+        self._shape: tuple[int, ...] = () if self.kind == RAW else tuple(self._space().shape)
         if self.kind == RAW:
             spaces = [raw_space(*(self._sizes[::-1] if right else self._sizes)) for right in self._rights]
             self.space: Space = spaces[0] if self._agents == 1 else Tuple(spaces)
@@ -92,9 +93,9 @@ class Observer:
         """Fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
         vectors, planes = (0,), (0, 0, 0)
         if self.kind in (FEATURES, SIMPLE115):
-            vectors = self._space().shape
+            vectors = self._shape
         elif self.kind != RAW:
-            planes = self._space().shape
+            planes = self._shape
         shape = (count, self._agents)
         return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 

@@ -18,7 +18,7 @@ import numpy as np
 from ued.config import ACCELConfig, PPOConfig
 from ued.curriculum import LevelSpace
 from ued.methods.plr import PLRLevels
-from ued.training import Training
+from ued.training import BLOCK, Training
 from ued.trials import Origin, make_trials, mean_returns
 from ued.upomdp import UPOMDP
 
@@ -96,4 +96,4 @@ class ACCEL(Training):
         config = config or ACCELConfig()
         if not upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        super().__init__(upomdp, lambda space, seed: ACCELLevels(space, config, seed), ppo, seed, block=1)
+        super().__init__(upomdp, lambda space, seed: ACCELLevels(space, config, seed), ppo, seed, block=BLOCK)

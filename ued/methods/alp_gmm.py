@@ -18,7 +18,7 @@ import numpy as np
 
 from ued.config import ALPGMMConfig, PPOConfig
 from ued.curriculum import LevelSpace, LevelStock
-from ued.training import Training
+from ued.training import BLOCK, Training
 from ued.trials import Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
@@ -152,4 +152,4 @@ class ALPGMM(Training):
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ALPGMMConfig | None = None, seed: int = 0
     ) -> None:
         config = config or ALPGMMConfig()
-        super().__init__(upomdp, lambda space, seed: ALPLevels(space, config, seed), ppo, seed, block=1)
+        super().__init__(upomdp, lambda space, seed: ALPLevels(space, config, seed), ppo, seed, block=BLOCK)

@@ -20,7 +20,7 @@ from ued.config import PLRConfig, PPOConfig
 from ued.curriculum import LevelSpace, LevelStock
 from ued.level_buffer import LevelBuffer
 from ued.scores import score
-from ued.training import Training
+from ued.training import BLOCK, Training
 from ued.trials import NONE, Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
@@ -109,7 +109,9 @@ class PLR(Training):
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PLRConfig | None = None, seed: int = 0
     ) -> None:
         config = config or PLRConfig()
-        super().__init__(upomdp, lambda space, seed: PLRLevels(space, config, seed, self.robust), ppo, seed, block=1)
+        super().__init__(
+            upomdp, lambda space, seed: PLRLevels(space, config, seed, self.robust), ppo, seed, block=BLOCK
+        )
 
 
 class RobustPLR(PLR):

@@ -19,7 +19,7 @@ import numpy as np
 from ued.config import PPOConfig, SFLConfig
 from ued.curriculum import LevelSpace, LevelStock
 from ued.scores import score
-from ued.training import Training
+from ued.training import BLOCK, Training
 from ued.trials import NONE, Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
@@ -108,4 +108,4 @@ class SFL(Training):
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SFLConfig | None = None, seed: int = 0
     ) -> None:
         config = config or SFLConfig()
-        super().__init__(upomdp, lambda space, seed: SFLLevels(space, config, seed), ppo, seed, block=1)
+        super().__init__(upomdp, lambda space, seed: SFLLevels(space, config, seed), ppo, seed, block=BLOCK)
