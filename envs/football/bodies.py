@@ -50,7 +50,7 @@ def crowded(match):
 def part_bodies(match):
     """Push overlapping players apart and take away the speed with which they close in.
 
-    Who runs faster gives way more, so that nobody is shoved about the pitch; one can jump over who lies down.
+    Who runs faster gives way more, so that nobody is shoved about the pitch; who has been beaten is in nobody's way.
     """
     for i in range(1, match.num_players):
         a = match.players[i]
@@ -58,10 +58,16 @@ def part_bodies(match):
             b = match.players[j]
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
-            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and a.down <= 0.0 and b.down <= 0.0:
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and not (beaten(a) or beaten(b)):
                 if squared == 0.0:  # one steps back towards his goal
                     dx, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
                 part(a, b, dx, dy, math.sqrt(squared))
+
+
+@kernel
+def beaten(player):
+    """Tell whether a player lies on the ground or has just tried for the ball in vain."""
+    return player.down > 0.0 or player.touch_wait > 0.0
 
 
 @kernel

@@ -31,11 +31,13 @@ HEADER_FROM = 0.9  # m
 # Keepers
 SAVE_BELOW, EASY_CATCH = 2.8, 8.0  # m; m/s, slower balls always stick
 CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
-CLAIM_CHANCE, CLAIM_STANDING = 0.72, 0.6  # chances against a carrier who runs, who stands
+CLAIM_STANDING = 0.6  # chance against a carrier who stands
+CLAIM_SURE, CLAIM_HURRIED, CLAIM_MOST = 1.42, 0.1, 0.95  # against one who runs: less per m/s, but at most
 CLAIM_WAIT, CLAIM_DOWN = 1.2, 1.0  # s when beaten; a carrier who stands does not leave him on the ground
 CLAIM_SWERVE = 10.0  # m/s across his reach at which he cannot have it
 ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
 CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
+CATCH_EASIER, CATCH_EASE = 0.75, 0.2  # s after the kick, from where on more balls stick; until all do
 BLOCK_DOWN, DIVE_DOWN = 0.3, 1.1  # s on the ground after a block on the spot, after a dive
 
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
@@ -122,10 +124,12 @@ def trap(match, i):
 def claim(match, i):
     """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
     player, carrier = match.players[i], match.players[match.carrier]
-    stands = length(carrier.vx, carrier.vy) < STANDING
+    speed = length(carrier.vx, carrier.vy)
+    stands = speed < STANDING
     chance = CLAIM_STANDING
     if not stands:
-        chance = CLAIM_CHANCE * (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
+        chance = min(CLAIM_SURE - CLAIM_HURRIED * speed, CLAIM_MOST)
+        chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
     if uniform(match) < chance:
         carrier.touch_wait = ROBBED_WAIT
         if has_hands(match, i):
@@ -156,7 +160,9 @@ def save(match, i):
     if not match.save_succeeds or ball.z > SAVE_BELOW:
         player.touch_wait, player.down = CLAIM_WAIT, DIVE_DOWN
         return
-    sticks = uniform(match) < (CATCH_FITS if near else CATCH_DIVING)
+    late = min(max((match.kick_age - CATCH_EASIER) / CATCH_EASE, 0.0), 1.0)
+    fits = CATCH_FITS if near else CATCH_DIVING
+    sticks = uniform(match) < fits + (1.0 - fits) * late
     if sticks and can_hold(match, length(ball.vx, ball.vy)) and has_hands(match, i):
         hold(match, i)
         return

@@ -24,6 +24,7 @@ from scenic_lite.jit import kernel
 # Standing
 HIGH_LINE = 10.0  # m before the goal line while the ball is in the other half
 LINE_LEAST = 0.7  # m
+ASTRAY = 3.0  # m from where he should be: he sprints
 ADVANCE = 0.3  # share of the way to the ball while his team has it
 
 # Coming out
@@ -34,7 +35,7 @@ RUSH_NEAR, RUSH_SHARE = 2.5, 0.8  # m; share of his distance at which he joins t
 GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
 
 # Against two
-SECOND_RANGE, SECOND_FREE, SECOND_SHARE = 20.0, 4.0, 0.3  # m from the goal; m to his marker; share of the way out
+SECOND_RANGE, SECOND_FREE, SECOND_SHARE = 27.0, 4.0, 0.3  # m from the goal; m to his marker; share of the way out
 
 # Distribution
 THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
@@ -237,7 +238,9 @@ def stand(match, i):
     ours = match.last_touch != NOBODY and match.players[match.last_touch].team == player.team
     out = max(ADVANCE * distance, LINE_LEAST) if ours else LINE_LEAST
     out = min(out, HIGH_LINE)
-    run_to(player, goal_x + out * dx / distance, foot_y + out * dy / distance, RUN_SPEED)
+    x, y = goal_x + out * dx / distance, foot_y + out * dy / distance
+    astray = length(x - player.x, y - player.y) > ASTRAY
+    run_to(player, x, y, player.top_speed if astray else RUN_SPEED)
 
 
 @kernel

@@ -28,7 +28,7 @@ BALL_MOST = 20.0  # m/s
 RIVAL_SPEED, RIVAL_REACH, RIVAL_DELAY = 6.5, 0.8, 0.2  # m/s, m, s
 SURE = 0.6  # s between the ball and a rival: odds of 1
 LANDING = 8.0  # m from where a high ball lands to the nearest rival: odds of 1
-ONSIDE = -0.5  # m: he misjudges by this much who is offside
+ONSIDE = -1.8  # m: he misjudges by this much who is offside
 
 # Clearances
 PANIC_POST, PANIC_RANGE, PANIC_NEAR = -0.4, 30.0, 2.5  # posts further back; m to the own goal; m to an opponent

@@ -27,6 +27,7 @@ STRONGEST, STRENGTH = 32.0, 13.0  # m/s that anybody reaches, and that a perfect
 STAND_SHARE, RUN_SHARE = 0.78, 0.95  # share of it standing, and running
 RUNNING_FROM = 3.0  # m/s
 STEP_IN = 1.0  # m/s, the stride that a standing player takes into the ball
+SWING_MOST = 5.2  # m/s, the swing slows a sprinter to this
 ACROSS_FROM, ACROSS_RANGE, ACROSS_WEAK = 0.785, 0.534, 0.04  # rad from run to shot, from and more; power lost
 MEETING_GAIN = 0.2  # more power from a ball that comes with 10 m/s
 
@@ -38,7 +39,7 @@ VOLLEY_SKILL = 0.37
 EFFORT_FROM, EFFORT_RANGE = 30.0, 70.0  # m/s
 
 # The bad shot
-DRAG, SCATTER = 0.9, 0.5
+DRAG, SCATTER = 0.9, 0.46
 HEIGHT, HEIGHT_MEANT = 0.7, 0.05
 WEAKNESS = 0.5
 
@@ -109,7 +110,7 @@ def run_at_contact(player):
     speed = length(player.vx, player.vy)
     if speed < STEP_IN:
         return player.facing_x, player.facing_y, STEP_IN
-    return player.vx / speed, player.vy / speed, speed
+    return player.vx / speed, player.vy / speed, min(speed, SWING_MOST)
 
 
 @kernel
