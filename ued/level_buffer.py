@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ued.config import BufferConfig
-from ued.trials import NONE
+from ued.trials import NONE, Origin, make_trials
 
 EPSILON = 1e-8  # so that a power of 0 is no division by 0
 
@@ -104,6 +104,14 @@ class LevelBuffer:
         np.add.at(self.slots["played"], rows, 1)
         self.now += count
         return rows
+
+    def replays(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw `count` levels and give them as trials of the record `dtype`, each with a new seed."""
+        slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
+        trials = make_trials(dtype, slots["level"], Origin.REPLAYED)
+        trials["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
+        trials["slot"] = slots["id"]
+        return trials
 
     # ------------------------------------------------------------ what is kept
 

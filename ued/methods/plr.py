@@ -47,7 +47,7 @@ class PLRLevels:
         """Give levels of the buffer with probability `replay_prob` each, new ones otherwise."""
         ready = len(self.buffer) > 0 and self.buffer.fill >= self.config.min_fill
         replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        trials = np.concatenate([self._replays(replays), self._new(count - replays)])
+        trials = np.concatenate([self.buffer.replays(self.dtype, replays, self.rng), self._new(count - replays)])
         return trials[self.rng.permutation(count)]
 
     def update(self, trials: np.ndarray) -> dict[str, float]:
@@ -63,13 +63,6 @@ class PLRLevels:
         new, parents = trials[~replayed], np.where(trials["origin"] == Origin.EDITED, trials["slot"], NONE)[~replayed]
         entered = self.buffer.offer(new["level"], new["score"], best[~replayed], parents)
         return self._metrics(trials, entered)
-
-    def _replays(self, count: int) -> np.ndarray:
-        slots = self.buffer.slots[self.buffer.sample(count, self.rng)] if count else self.buffer.slots[:0]
-        trials = make_trials(self.dtype, slots["level"], Origin.REPLAYED)
-        trials["level"]["seed"] = self.rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
-        trials["slot"] = slots["id"]
-        return trials
 
     def _new(self, count: int) -> np.ndarray:
         trials = make_trials(self.dtype, self.stock.take(count), Origin.RANDOM)

@@ -22,7 +22,7 @@ from ued.config import PPOConfig, RepairedConfig
 from ued.curriculum import LevelSpace
 from ued.level_buffer import LevelBuffer
 from ued.methods.paired import Paired, PairedLevels
-from ued.trials import NONE, Origin, make_trials
+from ued.trials import NONE, Origin
 from ued.upomdp import UPOMDP, level_dtype
 
 
@@ -40,10 +40,7 @@ class RepairedLevels(PairedLevels):
         """Give levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
         ready = len(self.buffer) > 0 and self.buffer.fill >= self.config.min_fill
         replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        slots = self.buffer.slots[self.buffer.sample(replays, self.rng)] if replays else self.buffer.slots[:0]
-        again = make_trials(self.dtype, slots["level"], Origin.REPLAYED)
-        again["level"]["seed"] = self.rng.integers(0, 2**63, replays, dtype=np.uint64)
-        again["slot"] = slots["id"]
+        again = self.buffer.replays(self.dtype, replays, self.rng)
         new = self.teacher.propose(count - replays)
         new["train"] = False
         return np.concatenate([again, new])[self.rng.permutation(count)]
