@@ -24,6 +24,8 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import numba
 
+from scenic_lite.parts import Kernel
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("scenic_lite", "envs")
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
@@ -41,10 +43,14 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
     """
 
     def decorate(undecorated: Callable) -> Any:
+        if _numba_config.DISABLE_JIT:
+            return undecorated
         previous = _numba_config.CACHE_DIR
         _numba_config.CACHE_DIR = str(CACHE)
         try:
-            return numba.njit(cache=True, error_model="numpy", parallel=parallel)(undecorated)
+            made = Kernel(undecorated, {"nopython": True, "error_model": "numpy", "parallel": parallel})
+            made.enable_caching()
+            return made
         finally:
             _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
 

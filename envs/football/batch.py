@@ -85,7 +85,7 @@ def step_batch(batch, actions, outcome, seen, final, rules, code):
     for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
-        _step_row(batch, actions, outcome, seen, final, rules, code, index)
+        _step_row(batch, actions, outcome, seen, final, rules, code, np.int64(index))  # prange counts unsigned
 
 
 @kernel

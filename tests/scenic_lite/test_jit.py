@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
 
 from scenic_lite import jit
@@ -78,3 +79,30 @@ def test_compiled_tells_whether_a_call_will_be_quick() -> None:
     assert fresh(1) == 2
     assert jit.compiled(fresh)
     assert jit.compiled(len)
+
+
+@jit.kernel
+def twice(x):
+    return 2 * x
+
+
+@jit.kernel
+def twice_and_one(x):
+    return twice(x) + 1
+
+
+def test_a_kernel_that_only_kernels_call_is_no_program_of_its_own() -> None:
+    if not hasattr(twice, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    assert twice_and_one(3) == 7
+    assert not twice.signatures
+    assert twice(3) == 6
+    assert len(twice.signatures) == 1
+
+
+def test_compiled_functions_of_others_can_call_kernels() -> None:
+    @numba.njit
+    def thrice(x):
+        return twice_and_one(x) + x - 1
+
+    assert thrice(5) == 15
