@@ -71,7 +71,6 @@ def _below(top: _PartLibrary) -> list[Any]:
         library = pending.pop()
         if id(library) not in found:
             found[id(library)] = library
-            top._reload_init.update(library._reload_init)
             if isinstance(library, _PartLibrary):
                 pending += library._linking_libraries
     return [library for library in found.values() if library is not top]
