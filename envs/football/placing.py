@@ -31,6 +31,7 @@ DISTANCE, THROW_IN_DISTANCE = 9.15, 2.0  # m that opponents keep from the ball
 BOX_X, PENALTY_ROOM = HALF_LENGTH - 16.5, 0.5  # m: at a penalty all but two wait this far outside box and arc
 FOLD = 0.3  # m that they wait further out for each m that their place would have been in the box
 SAME_PLACE, SIDESTEP = 0.05, 0.4  # m
+EVEN = 1e-6  # m: who stand no further apart than this are equally far from the ball, as those kept away from it are
 WALL_RANGE, WALL_SIZE, WALL_ANGLE = 40.0, 3, 0.08  # m to the goal; players; rad between them
 
 
@@ -151,7 +152,7 @@ def build_wall(match):
             if player.team != team or player.role == GK or player.off or chosen >> i & 1 == 1:
                 continue
             away = length(player.x - ball.x, player.y - ball.y)
-            if away < nearest:
+            if away < nearest - EVEN:
                 best, nearest = i, away
         if best == NOBODY:
             return

@@ -30,7 +30,7 @@ from envs.football.constants import (
 from envs.football.control import press, release_keys
 from envs.football.kicks import AFTER_KICK, aim, leave_foot
 from envs.football.offside import mark_offside
-from envs.football.placing import place_players
+from envs.football.placing import EVEN, place_players
 from envs.football.possession import forget_kick, lose_ball
 from envs.football.vectors import apart, length, toward
 from envs.football.whistle import look_at, move_to
@@ -96,7 +96,7 @@ def nearest_of(match, team):
     for i in range(match.num_players):
         player = match.players[i]
         distance = apart(match.ball, player)
-        if player.team == team and not player.off and distance < nearest:
+        if player.team == team and not player.off and distance < nearest - EVEN:
             nearest, best = distance, i
     return best
 
@@ -193,7 +193,8 @@ def choose_kick(match, taker):
     mode = match.game_mode
     if mode == PENALTY or (mode == FREE_KICK and in_shooting_place(goal_x - ball.x, ball.y)):
         player.kick = SHOT
-        player.aim_x, player.aim_y = goal_x, CORNER_AIM if uniform(match) < 0.5 else -CORNER_AIM
+        left = math.copysign(CORNER_AIM, goal_x)  # as he sees it: turned with the pitch
+        player.aim_x, player.aim_y = goal_x, left if uniform(match) < 0.5 else -left
     else:
         mate = best_mate(match, taker, THROW_FAR if mode == THROW_IN else PASS_FAR)
         if mate == NOBODY:

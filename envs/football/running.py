@@ -12,8 +12,11 @@ import math
 from envs.football.constants import RUN_SPEED, STEP
 from scenic_lite.jit import kernel
 
-SETTLED = 0.1  # m/s, command and velocity this close are the same
-UNDER_WAY = 0.5  # m/s
+# Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
+# rounding, which differs between directions, must not decide which of them holds.
+SURE = 1e-6  # m/s
+SETTLED = 0.1 + SURE  # m/s, command and velocity this close are the same
+UNDER_WAY = 0.5 - SURE  # m/s
 # Share of full effort in the steps since command and velocity differ: the body's lag.
 LAG_FROM_REST = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.4, 1.0, 1.0)
@@ -89,7 +92,7 @@ def redirect(player, want, braking, effort, fresh):
         return player.vx * keep + start * ux, player.vy * keep + start * uy
     keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
     if along < want:
-        more = fresh if along < JUMP and across > SETTLED else gain(along, player.top_speed, effort)
+        more = fresh if along < JUMP - SURE and across > SETTLED else gain(along, player.top_speed, effort)
         along = min(along + more, want)
     else:
         along = max(along - braking, want)
@@ -101,8 +104,8 @@ def gain(speed, top_speed, effort):
     """Speed in m/s gained in a step by a player who runs straight as hard as he can."""
     if speed <= 0.0:
         return JUMP * effort
-    if speed < JUMP:
+    if speed < JUMP - SURE:
         return max(JUMP * effort - speed, JUMP_GAIN * effort * effort * STEP)
-    if speed < RUN_SPEED:
+    if speed < RUN_SPEED - SURE:
         return min(ACCELERATION * effort * effort * STEP, RUN_SPEED + BEYOND_RUN - speed)
     return min(ACCELERATION_SPRINT, max(top_speed - speed, 0.0) / ACCELERATION_TIME) * effort * effort * STEP
