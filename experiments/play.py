@@ -47,6 +47,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(PlayConfig(), argv, "play", DESCRIPTION)
     if not config.program:
         raise UsageError("play needs a program: a minigame's name or the path of a .scenic file")
+    check_film_of(config.video)
     from envs.football.config import FootballConfig
     from envs.football.gym_env import ENDINGS
     from envs.football.replay import Recorder
@@ -72,14 +73,23 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def film(path: Path, moments: Sequence[Any], speed: float) -> None:
-    """Draw moments of a match and write them as a film. Raises `UsageError` for a kind of file that is none."""
-    from envs.football.picture import draw_match, write_video
+def check_film_of(path: Path | None) -> None:
+    """Raise `UsageError` if a film is wanted that cannot be written."""
+    if path is None:
+        return
+    from envs.football.picture import check_film
 
     try:
-        write_video(path, (draw_match(moment) for moment in moments), speed)
+        check_film(path)
     except (ValueError, ImportError) as error:
         raise UsageError(str(error)) from error
+
+
+def film(path: Path, moments: Sequence[Any], speed: float) -> None:
+    """Draw moments of a match and write them as a film; `check_film_of` has passed."""
+    from envs.football.picture import draw_match, write_video
+
+    write_video(path, (draw_match(moment) for moment in moments), speed)
 
 
 def _player(config: PlayConfig) -> Callable[[Any], Any]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from experiments import arguments
 from experiments.arguments import positional
 from experiments.errors import CommandError, UsageError
-from experiments.play import film
+from experiments.play import check_film_of, film
 from ued.config import check_positive, setting
 
 DESCRIPTION = "Play a recorded match again, and check that it comes out as it did."
@@ -38,6 +38,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(ReplayConfig(), argv, "replay", DESCRIPTION)
     if not config.record:
         raise UsageError("replay needs a record: a .npz file")
+    check_film_of(config.video)
     from envs.football.replay import RecordError, load_record, replay
 
     try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -77,14 +78,23 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
     for another suffix or without a frame, ImportError where the package is missing.
     """
     path = Path(path)
+    check_film(path)
     rate = FRAMES_PER_SECOND * speed
-    if path.suffix not in (".gif", ".webp", ".mp4"):
-        raise ValueError(f"{path.name}: a film ends in .gif, .webp or .mp4")
     rest = iter(frames)
     first = next(rest, None)
     if first is None:
         raise ValueError(f"{path.name}: there is no frame to write")
     (_write_mp4 if path.suffix == ".mp4" else _write_animation)(path, first, rest, rate)
+
+
+def check_film(path: Path) -> None:
+    """Raise what `write_video` would raise for this file, before there is anything to write."""
+    if path.suffix not in (".gif", ".webp", ".mp4"):
+        raise ValueError(f"{path.name}: a film ends in .gif, .webp or .mp4")
+    if not path.absolute().parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent}")
+    if path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
+        raise ImportError("writing .mp4 needs imageio-ffmpeg: pip install 'regista[video]'; or choose .gif")
 
 
 def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
@@ -103,10 +113,8 @@ def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], 
 
 
 def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
-    try:
-        import imageio_ffmpeg
-    except ImportError as error:
-        raise ImportError("writing .mp4 needs imageio-ffmpeg: pip install 'regista[video]'; or choose .gif") from error
+    import imageio_ffmpeg
+
     height, width = first.shape[:2]
     writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2)
     writer.send(None)

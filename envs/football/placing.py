@@ -104,13 +104,24 @@ def block(mode, taking, ball):
 
 @kernel
 def untangle(match):
-    """Move everybody who stands exactly on another a little towards his own goal."""
+    """Move everybody who stands exactly on another further from the ball, to where nobody stands."""
     for i in range(1, match.num_players):
         player = match.players[i]
-        here = 0
-        for j in range(i):
-            here += apart(player, match.players[j]) < SAME_PLACE and not player.off
-        player.x -= forward(player.team) * SIDESTEP * here
+        back = player.x - match.ball.x
+        step = math.copysign(SIDESTEP, back if back != 0.0 else -forward(player.team))
+        for _ in range(i):
+            if not shares_place(match, i):
+                break
+            player.x += step
+
+
+@kernel
+def shares_place(match, i):
+    """Tell whether somebody before player i stands where he does."""
+    player, others = match.players[i], 0
+    for j in range(i):
+        others += apart(player, match.players[j]) < SAME_PLACE
+    return others > 0 and not player.off
 
 
 @kernel

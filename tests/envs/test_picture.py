@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 from pitch import position
 
+from envs.football import picture
 from envs.football.constants import CM, GK, LEFT, RIGHT
 from envs.football.picture import BORDER, SCALE, SHARPER, draw_match, write_video
 from envs.football.render import LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR
@@ -19,21 +20,21 @@ def pixel(x, y):
     return round((36 + BORDER - y) * SCALE / SHARPER) + 34, round((x + 55 + BORDER) * SCALE / SHARPER)
 
 
-def near(picture, x, y, colour, reach=9):
+def near(image, x, y, colour, reach=9):
     """Whether the colour is to be seen near a place."""
     line, column = pixel(x, y)
-    part = picture[line - reach : line + reach, column - reach : column + reach].reshape(-1, 3).astype(int)
+    part = image[line - reach : line + reach, column - reach : column + reach].reshape(-1, 3).astype(int)
     return bool((np.abs(part - colour).sum(1) < 30).any())
 
 
 def test_everybody_is_where_he_is_in_his_colours():
-    picture = draw_match(position(PLAYERS, (0.0, 20.0))[0])
+    image = draw_match(position(PLAYERS, (0.0, 20.0))[0])
     colours = (LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR)
-    assert picture.dtype == np.uint8 and picture.shape == (594, 826, 3)
+    assert image.dtype == np.uint8 and image.shape == (594, 826, 3)
     for (x, y, _, _), colour in zip(PLAYERS, colours, strict=True):
-        assert near(picture, x, y, colour)
-        assert not near(picture, x, y + 5, colour)
-    assert near(picture, 0.0, 20.0, (255, 255, 255), 4)
+        assert near(image, x, y, colour)
+        assert not near(image, x, y + 5, colour)
+    assert near(image, 0.0, 20.0, (255, 255, 255), 4)
 
 
 def test_a_ball_in_the_air_is_drawn_above_its_shadow():
@@ -76,3 +77,18 @@ def test_what_is_no_film_is_refused(tmp_path):
         write_video(tmp_path / "film.avi", [np.zeros((10, 10, 3), np.uint8)])
     with pytest.raises(ValueError, match="no frame"):
         write_video(tmp_path / "film.gif", [])
+    with pytest.raises(ValueError, match="no folder"):
+        write_video(tmp_path / "nowhere" / "film.gif", [np.zeros((10, 10, 3), np.uint8)])
+
+
+def test_without_the_package_mp4_is_refused_before_anything_is_drawn(tmp_path, monkeypatch):
+    monkeypatch.setattr(picture, "find_spec", lambda name: None)
+    with pytest.raises(ImportError, match=r"pip install 'regista\[video\]'; or choose \.gif"):
+        write_video(tmp_path / "film.mp4", (pytest.fail("a frame was drawn") for _ in range(1)))
+
+
+def test_an_mp4_has_a_frame_per_step(tmp_path):
+    reader = pytest.importorskip("imageio_ffmpeg")
+    frames = [draw_match(position(PLAYERS, (x, 20.0))[0]) for x in (0.0, 10.0, 20.0, 30.0)]
+    write_video(tmp_path / "film.mp4", frames, speed=2.0)
+    assert reader.count_frames_and_secs(str(tmp_path / "film.mp4")) == (4, pytest.approx(0.2, abs=0.01))

@@ -148,6 +148,19 @@ def test_a_wall_of_three_before_a_near_free_kick() -> None:
     assert (np.abs(away[11:] - 9.15) < 0.01).sum() <= 1
 
 
+@pytest.mark.parametrize("team", [LEFT, RIGHT])
+def test_who_would_stand_on_another_steps_back_from_the_ball(team: int) -> None:
+    """Teams in one line along the pitch all have their posts in its middle, and few places beside the arc."""
+    line = [(x, 0.0, who, CM) for who in (LEFT, RIGHT) for x in np.linspace(-40.0, 40.0, 8)]
+    matches = position(line, (0.0, 0.0), replace(OPEN, control="none"))
+    stop_play(matches[0], PENALTY, team, 44.0 if team == LEFT else -44.0, 0.0)
+    play(matches, [0])
+    players, ball = matches["players"][0, :16], matches["ball"][0]
+    away = np.hypot(players["x"] - ball["x"], players["y"] - ball["y"])
+    assert away[players["team"] != team].min() >= 9.15
+    assert np.abs(np.subtract.outer(players["x"], players["x"])[~np.eye(16, dtype=bool)]).min() > 0.04
+
+
 def test_at_a_penalty_only_taker_and_keeper_are_in_the_box() -> None:
     for team in (LEFT, RIGHT):
         matches = stopped(PENALTY, team)

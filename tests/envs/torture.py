@@ -17,11 +17,15 @@ import numpy as np
 
 from envs.football.constants import (
     BUILTIN_AI,
+    CORNER,
+    FREE_KICK,
     GK,
+    GOAL_KICK,
     LEFT,
     NO_FAULT,
     NOBODY,
     NORMAL,
+    PENALTY,
     RIGHT,
     RUNNING,
     SHOT,
@@ -31,7 +35,7 @@ from envs.football.constants import (
     THROW_IN,
 )
 from envs.football.fouls import report_foul
-from envs.football.simulator import step_teams
+from envs.football.simulator import step_match, step_teams
 from envs.football.state import Lineup, MatchConfig, kick_off
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
@@ -44,27 +48,135 @@ COMPLAINTS = (
     *("a restart that never ends", "somebody has the ball who cannot", "the owner is far from the ball"),
     *("a leg swings that must not", "who has left takes part", "a card that cannot be", "an end that is none"),
     *("the ball gained energy by itself", "a fault was raised", "the clock stands"),
+    *("a goal counted for the wrong side", "somebody jumped", "the ball jumped", "a restart from the wrong place"),
+    *("an opponent stands at the restart", "who was sent off is back, or a card is gone", "a name that nobody has"),
+    *("an agent and its player disagree", "a touch that is no kick made the ball fast", "a half that cannot be"),
 )
 STYLES = 8
+FASTEST_TOUCH = 14.0  # m/s that a touch can give the ball which is no kick: what a sprinter knocks on, and aside
 
 
 @kernel
-def complaint(match, score, energy, step):
-    """Say what is wrong with a match after a step, 0 nothing; `score` and the ball's `energy` are of before."""
+def complaint(match, before, energy):
+    """Say what is wrong with a match after a step, 0 nothing; `energy` is the ball's before it, negative if unknown."""
     wrong = wrong_player(match)
     if wrong == 0:
         wrong = wrong_ball(match)
     if wrong == 0:
         wrong = wrong_play(match)
+    if wrong == 0:
+        wrong = wrong_names(match)
+    if wrong == 0:
+        wrong = wrong_restart(match)
+    if wrong == 0:
+        wrong = wrong_change(match, before)
     if wrong != 0:
         return wrong
-    if match.score[0] + match.score[1] != score + abs(match.goal):
-        return 8
     if energy >= 0.0 and free(match) and energy_of(match.ball) > 1.001 * energy + 0.02:
         return 20
     if match.fault != NO_FAULT:
         return 21
-    return 22 if match.step != step + 1 else 0
+    return 22 if match.step != before.step + 1 else 0
+
+
+@kernel
+def wrong_change(match, before):
+    """What cannot come about within a step."""
+    left, right = match.score[0] - before.score[0], match.score[1] - before.score[1]
+    if left + right != abs(match.goal):
+        return 8
+    if left - right != match.goal or left < 0 or right < 0:
+        return 23
+    if match.half < before.half or match.half > 1 or (match.half == 1 and match.step < match.second_half):
+        return 32
+    for i in range(match.num_players):
+        p, q = match.players[i], before.players[i]
+        if (q.off and not p.off) or p.cards < q.cards:
+            return 28
+    if match.game_mode != NORMAL or before.game_mode != NORMAL or match.goal != 0 or match.half != before.half:
+        return 0
+    for i in range(match.num_players):
+        p, q = match.players[i], before.players[i]
+        if not p.off and (p.x - q.x) ** 2 + (p.y - q.y) ** 2 > 1.5 * 1.5 and alone(before, i):
+            return 24
+    b, a = match.ball, before.ball
+    if (b.x - a.x) ** 2 + (b.y - a.y) ** 2 > 6.0 * 6.0:
+        return 25
+    kicked = match.kick_age <= 0.1 + 1e-9 or match.kicker != NOBODY or before.kicker != NOBODY
+    fastest = max(a.vx * a.vx + a.vy * a.vy, a.spin_x * a.spin_x + a.spin_y * a.spin_y, FASTEST_TOUCH**2)
+    return 31 if not kicked and b.vx * b.vx + b.vy * b.vy > fastest + 1e-6 else 0
+
+
+@kernel
+def alone(match, i):
+    """Whether nobody is near enough to push player i aside; out of a pile bodies are pushed far."""
+    others = 0
+    for j in range(match.num_players):
+        dx, dy = match.players[i].x - match.players[j].x, match.players[i].y - match.players[j].y
+        others += j != i and dx * dx + dy * dy < 3.0 * 3.0
+    return others == 0
+
+
+@kernel
+def wrong_names(match):
+    """Players and teams that are named must exist, and be of the team that they are named for."""
+    n = match.num_players
+    for i in (match.last_touch, match.receiver, match.bearer, match.foul_player, match.foul_victim, match.kicker):
+        if i < NOBODY or i >= n:
+            return 29
+    for team in range(2):
+        for i in (match.chaser[team], match.runner[team], match.hunter[team, 0], match.hunter[team, 1]):
+            if i < NOBODY or i >= n or (i != NOBODY and match.players[i].team != team):
+                return 29
+    for agent in range(match.num_agents[0] + match.num_agents[1]):
+        i = match.agents[agent]
+        if i == NOBODY:
+            continue
+        p = match.players[i]
+        if i < 0 or i >= n or p.agent != agent or p.team != (0 if agent < match.num_agents[0] else 1):
+            return 30
+    for i in range(n):
+        p = match.players[i]
+        if p.agent != NOBODY and match.agents[p.agent] != i:
+            return 30
+        if p.direction < 0 or p.direction > 8 or p.mark < NOBODY or p.mark >= n or p.kick_mate >= n:
+            return 29
+    return 0
+
+
+@kernel
+def wrong_restart(match):
+    """A restart is taken from where the rules say, and the opponents have gone away."""
+    b, mode = match.ball, match.game_mode
+    if mode == NORMAL:
+        return 0
+    x, y = abs(b.x), abs(b.y)
+    right_place = (
+        (mode == THROW_IN and x < 55.0 and y == 36.0)
+        or (mode == GOAL_KICK and abs(x - 50.6) < 1e-9 and y == 0.0)
+        or (mode == CORNER and x == 55.0 and y == 36.0)
+        or (mode == PENALTY and x == 44.0 and y == 0.0)
+        or (mode == FREE_KICK and x <= 0.95 * 55.0 and y <= 0.95 * 36.0)
+    )
+    if not right_place:
+        return 26
+    takers, others = 0, 0
+    for i in range(match.num_players):
+        here = not match.players[i].off
+        takers += here and match.players[i].team == match.restart_team
+        others += here and match.players[i].team != match.restart_team
+    if takers == 0 or others == 0:  # who has nobody leaves every restart to the others
+        return 0
+    ahead = b.x if match.restart_team == LEFT else -b.x
+    if (mode == GOAL_KICK and ahead > 0.0) or (mode in (CORNER, PENALTY) and ahead < 0.0):
+        return 26
+    least = (2.0 if mode == THROW_IN else 9.15) - 1.0  # m; who stands on another steps aside
+    for i in range(match.num_players):
+        p = match.players[i]
+        kept_away = p.team != match.restart_team and p.role != GK and not p.off and match.restart_wait == 0
+        if kept_away and (p.x - b.x) ** 2 + (p.y - b.y) ** 2 < least * least:
+            return 27
+    return 0
 
 
 @kernel
@@ -83,13 +195,15 @@ def wrong_player(match):
             return 16
         if p.cards < 0 or p.cards > 2 or (p.off and p.cards != 2):
             return 18
+        if not p.tired >= 0.0 or p.tired > 0.99 or not p.down >= 0.0 or not p.skill > 0.0:
+            return 1
     return 0
 
 
 @kernel
 def wrong_ball(match):
     b = match.ball
-    if not math.isfinite(b.x + b.y + b.z + b.vx + b.vy + b.vz + b.spin_x + b.spin_y):
+    if not math.isfinite(b.x + b.y + b.z + b.vx + b.vy + b.vz + b.spin_x + b.spin_y + b.curl):
         return 5
     if abs(b.x) > 58.5 or abs(b.y) > 60.0 or b.z < 0.1 or b.z > 60.0:
         return 6
@@ -178,9 +292,8 @@ def choose_actions(match, style, actions):
 
 
 @kernel
-def torment(matches, starts, styles, actions, steps, played):
+def torment(matches, starts, befores, styles, actions, steps, played):
     """Play `steps` steps of every match; return the first that is not sane and why: (index, complaint), or (-1, 0)."""
-    waits = np.zeros(matches[0].players.shape[0])
     for e in range(len(matches)):
         match = matches[e]
         for _ in range(steps):
@@ -191,17 +304,22 @@ def torment(matches, starts, styles, actions, steps, played):
             if uniform(match) < 0.01:
                 styles[e] = int(STYLES * uniform(match))
             choose_actions(match, styles[e], actions[e])
+            if match.num_agents[0] + match.num_agents[1] > 0:
+                actions[e] = actions[e] % 19  # agents have no built-in AI's action, and cannot stand
             if uniform(match) < 0.001:
                 foul_at_random(match)
-            score, step, toucher = match.score[0] + match.score[1], match.step, match.last_touch
+            befores[e] = match
+            before = befores[e]
             energy = energy_of(match.ball) + spin_energy(match.ball) if free(match) else -1.0
             if match.kicker != NOBODY:
                 energy = -1.0
-            note_waits(match, waits)
-            step_teams(match, actions[e])
-            if match.last_touch != toucher or touched(match, waits):
+            if match.num_agents[0] + match.num_agents[1] > 0:
+                step_match(match, actions[e])
+            else:
+                step_teams(match, actions[e])
+            if match.last_touch != before.last_touch or touched(match, before):
                 energy = -1.0
-            wrong = complaint(match, score, energy, step)
+            wrong = complaint(match, before, energy)
             played[0] += match.num_players
             if wrong != 0:
                 return e, wrong
@@ -209,18 +327,11 @@ def torment(matches, starts, styles, actions, steps, played):
 
 
 @kernel
-def note_waits(match, waits):
-    """Note when each player can touch the ball again."""
-    for i in range(match.num_players):
-        waits[i] = match.players[i].touch_wait
-
-
-@kernel
-def touched(match, waits):
+def touched(match, before):
     """Whether somebody has touched the ball since: he must wait longer now."""
     count = 0
     for i in range(match.num_players):
-        count += match.players[i].touch_wait > waits[i]
+        count += match.players[i].touch_wait > before.players[i].touch_wait
     return count > 0
 
 
@@ -254,9 +365,19 @@ def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
         second_half=int(rng.choice([30, 1500, 10**9])),
         left_team_difficulty=rng.random(),
         right_team_difficulty=rng.random(),
-        control="none",
+        use_magnet=rng.random() < 0.5,
+        control=control(rng, left, np.count_nonzero(roles[:left] == GK)),
+        right_control=control(rng, right, np.count_nonzero(roles[left:] == GK)),
     )
     return kick_off(places[None], ball[None], Lineup(teams, roles), [seed], config)
+
+
+def control(rng: np.random.Generator, size: int, keepers: int) -> str:
+    """Whom agents of a team of this size move; mostly nobody, so that everybody else's keys are mashed, too."""
+    if size == 0 or rng.random() < 0.7:
+        return "none"
+    modes = ["closest1", "closest2", "closest3"][:size] + ["active", "all", str(rng.integers(1, size + 1))]
+    return str(rng.choice([*modes, "allNonGK"] if keepers == 1 and size > 1 else modes))
 
 
 def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -286,9 +407,9 @@ def torture(count: int, steps: int, seed: int) -> int:
     """Play and return the number of player-steps; raises AssertionError at the first match that is not sane."""
     rng = np.random.default_rng(seed)
     matches = np.concatenate([scene(rng, 1000 * seed + k) for k in range(count)]).view(np.recarray)
-    starts, styles = matches.copy(), rng.integers(0, STYLES, count)
+    starts, befores, styles = matches.copy(), matches.copy(), rng.integers(0, STYLES, count)
     actions, played = np.zeros((count, matches["players"].shape[1]), np.int64), np.zeros(1, np.int64)
-    where, wrong = torment(matches, starts, styles, actions, steps, played)
+    where, wrong = torment(matches, starts, befores, styles, actions, steps, played)
     if wrong:
         match = matches[where]
         raise AssertionError(
