@@ -32,11 +32,11 @@ from scenic_lite.jit import kernel
 
 KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
-CARRY_RUN, CARRY_DRIBBLE = 5.15, 4.3  # m/s with the ball, were there no touches (`dribble`)
+CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
 ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
 PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
-SLIDE_KEEPS, SLIDE_SPEED = 0.9, 1.8  # of the run's speed; m/s at least
+SLIDE_KEEPS = 0.9  # of the run's speed
 
 
 @kernel
@@ -117,7 +117,7 @@ def slide(match, i):
         return
     if match.carrier != NOBODY and match.players[match.carrier].team == player.team:
         return
-    speed = max(SLIDE_KEEPS * length(player.vx, player.vy), SLIDE_SPEED)
+    speed = SLIDE_KEEPS * length(player.vx, player.vy)
     player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
     player.sliding, player.down = True, SLIDE_TIME
 

@@ -1,9 +1,10 @@
 """Running with the ball: the body and the ball together.
 
 A touch sends the ball ahead, somewhat faster than its player runs; it rolls free, slows down, and when he has caught
-up with it, it is touched again. Anybody can take it meanwhile. Going for a touch holds him back for two steps, and
-in a sprint he can change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to
-traces of Google Research Football. Read next: `contacts`, where others meet the ball.
+up with it, it is touched again. Anybody can take it meanwhile. Going for a touch he lunges: at a dribble he is faster
+for a moment, at a sprint slower. It may begin and end within a step, which then has its share of it. In a sprint he
+can change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to traces of
+Google Research Football. Read next: `contacts`, where others meet the ball.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
-from envs.football.running import JUMP, SETTLED, SPRINTING, UNDER_WAY, gain, redirect, run_free, straight
+from envs.football.running import JUMP, SETTLED, SPRINTING, SURE, UNDER_WAY, gain, redirect, run_free, straight
 from envs.football.vectors import toward
 from scenic_lite.jit import kernel
 
@@ -24,41 +25,48 @@ AT_FOOT_TIME, AT_FOOT_SPEED = 0.1, 3.0  # s; m/s at most, relative to the player
 # How one runs with the ball, by the speed wanted: at a dribble, at a run, at a sprint, knocking it on in a sprint
 DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)
 DRIBBLE_BELOW = 4.7  # m/s wanted
-NEXT_TOUCH = (0.5, 0.52, 0.93, 1.05)  # m ahead at which he goes for the next touch
-SLOWER = 0.1  # m/s, so much faster than the player the ball may be then
-HELD_BACK = (0.4, 0.1, 0.75, 0.5)  # m/s, while he does, at a run or faster; slower, by the square of the speed
-HELD_TURNING = 0.5  # m/s, while he sends it elsewhere
-PUSHED_PACE = (1.1, 1.1, 1.1, 1.36)  # a touch gives the ball this times his speed
-PUSHED_MORE = (1.5, 2.0, 1.9, 3.5)  # m/s and this more,
-PUSHED_MOST = (0.15, 0.33, 0.85, 3.9)  # m/s but at most this more than he wants to run
-PUSHED_UP = (0.0, 0.3, 0.0, 1.2)  # m/s upwards
-TURNED_BALL, TURNS_BELOW = 1.4, 6.9  # m/s of a ball that is turned back; m/s at which he does that
+LONG_AGO = 9.0  # s
+LUNGE = 0.12  # s from going for a touch to playing the ball
+REST = (0.211, 0.119, 0.11, 0.105)  # s at least from a touch until he goes for the next
+PLAYED_AT = (0.586, 0.549, 0.9, 0.979)  # m ahead at which he plays the ball
+NEARER = 0.633  # share of that by which he would play it nearer if he stood
+SLOWER = 0.4  # m/s, so much faster than the player the ball may be when he goes for it
+SLOWING = 2.5  # m/s² of a ball that rolls
+LUNGED = (0.447, 0.197, -1.426, -0.661)  # m/s faster while he does, at the speed that he wants; less by the square of it
+LUNGED_TURNING = -0.617  # m/s, where he sends it elsewhere
+PUSHED_PACE = (1.1, 1.1, 1.1, 1.11)  # a touch gives the ball this times his speed
+PUSHED_MORE = (1.541, 2.0, 1.788, 3.555)  # m/s and this more,
+PUSHED_MOST = (0.586, 0.368, 0.862, 4.244)  # m/s but at most this more than he wants to run
+PUSHED_UP = (0.39, 0.681, 0.86, 1.29)  # m/s upwards
+TURNED_BALL, TURNS_BELOW = 1.524, 7.019  # m/s of a ball that is turned back; m/s at which he does that
+STOPS_SOON = 1.3  # m/s at which he goes for the first touch of his way back
 SLOWED_BALL = 1.2  # m/s less than his speed, where he stops
-ASIDE_TIME, ASIDE = 0.4, 2.0  # s in which a touch brings the ball back to his line, m/s at most
-FOLLOWS, FOLLOWS_PACE = 0.95, 0.9  # m ahead, share of his speed: a ball that he must follow before he can turn back
-HOLDING = 2  # steps for which going for a touch holds him back; in the second he plays the ball
+ASIDE_TIME, ASIDE = 0.55, 2.0  # s in which a touch brings the ball back to his line, m/s at most
+FOLLOWS, FOLLOWS_PACE = 0.93, 0.98  # m ahead, share of his speed: a ball that he must follow before he can turn back
 BACK_BELOW = -0.3  # cosine of the angle to the wanted direction; below it he has to stop first
-TOUCH_PACE = 0.92  # of the speed wanted: the pace that is left when a sprinter plays the ball
+TOUCH_PACE = 0.934  # of the speed wanted: the pace that is left when a sprinter has played the ball
 
 # Sprints
-ARC_STEPS = 5  # steps around a touch in which a sprint can change direction
-ARC = 0.075  # rad, in each of them
-ARC_COS, ARC_SIN = math.cos(ARC), math.sin(ARC)
+ARC_TIME = 0.401  # s after a touch until which a sprint can change direction, from when he goes for it
+ARC = 0.677  # rad/s meanwhile
+ARC_COS, ARC_SIN = math.cos(ARC * STEP), math.sin(ARC * STEP)
 ARC_STRAIGHT = 0.9999  # cosine of an angle that needs no turn
-ARC_AHEAD_COS, ARC_AHEAD_SIN = math.cos(3.0 * ARC), math.sin(3.0 * ARC)  # of the touch, for what is still to turn
-ARC_PACE, ARC_EASING = 0.875, 3.0  # of the speed wanted, while he turns; m/s² down to it
-ARC_EFFORT = 0.87  # share of full effort with which he gathers speed again
+ARC_AHEAD_COS, ARC_AHEAD_SIN = math.cos(0.3 * ARC), math.sin(0.3 * ARC)  # of the touch, for what is still to turn
+ARC_PACE, ARC_EASING = 0.908, 2.55  # of the speed wanted, while he turns; m/s² down to it
+SPRINT_EFFORT, SPRINT_GAIN = 0.879, 3.21  # share of full effort with which he gathers speed; m/s² at most
 EASING = 8.0  # m/s², to a slower gait
+
+OFF, OFF_BACK = 2.293, (2.631, 1.436, 1.968, 1.5)  # m/s at once from standing, and after having stopped to turn
 
 # Turns and stops
 LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
-BRAKE_EARLY = 1.6  # times that share, but at most 1: he brakes before he gathers speed again
-BRAKING = 7.7  # m/s², of what leads aside
-BRAKING_BACK, BRAKING_LATE, LATE = 18.0, 7.0, 3.6  # m/s² of a run that is to go back; when slower than this, m/s,
-BRAKING_ASIDE = 8.5  # and m/s² more where it is not to go straight back, times one plus the cosine
+BRAKE_EARLY = 1.584  # times that share, but at most 1: he brakes before he gathers speed again
+BRAKING = 7.055  # m/s², of what leads aside
+BRAKING_BACK, BRAKING_LATE, LATE = 14.993, 7.274, 3.88  # m/s² of a run that is to go back; when slower than this, m/s,
+BRAKING_ASIDE = 13.356  # and m/s² more where it is not to go straight back, times one plus the cosine
 STOPPING, STOPPING_LATE, STOPS_LATE = 13.0, 16.0, 4.0  # m/s²; m/s
-FRESH = 11.0  # m/s² in a new direction
+FRESH = 12.09  # m/s² in a new direction
 
 
 @kernel
@@ -66,12 +74,10 @@ def run_with_ball(match, i, speed):
     """Velocity after a step of running with the ball towards the wanted velocity; and decide about the next touch."""
     player, ball = match.players[i], match.ball
     away_x, away_y = ball.x - player.x, ball.y - player.y
-    if player.stride < 99:
-        player.stride += 1
     if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH or ball.z > TOUCH_BELOW:
-        player.held = 0.0
+        player.held, player.stride = 0.0, abs(player.stride) + STEP
         return run_free(player, speed)
-    if player.held > 0.0 and speed > 0.0:
+    if player.held != 0.0 and speed > 0.0:
         faster = 1.0 + player.held / speed
         player.vx *= faster
         player.vy *= faster
@@ -79,21 +85,39 @@ def run_with_ball(match, i, speed):
     want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
     gait = gait_of(player, max(want, speed))
     turned = turns_off(player, speed, want)
-    if player.stride >= HOLDING and touch_due(ball, player, speed, want, gait):
-        player.stride = 0
+    lunging = stride_on(ball, player, speed, want, gait)
     vx, vy = player.vx, player.vy
     if not out_runs(ball, player, speed, away_x, away_y):
         vx, vy = steered(player, speed, want)
     player.held = 0.0
     speed = math.sqrt(vx * vx + vy * vy)
-    if player.stride < HOLDING and want > WALKING and speed > 0.0:
-        held = HELD_BACK[gait]
+    if lunging > 0.0 and want > WALKING and speed > 0.0:
+        after = min(speed, want * TOUCH_PACE) if gait == SPRINTED and player.stride >= 0.0 else speed
+        share, more = min(speed / want, 1.0), LUNGED[gait]
         if turned:
-            held = HELD_TURNING if gait < SPRINTED else 0.0
-        player.held = held * min(speed * speed / (RUN_SPEED * RUN_SPEED), 1.0)
-        vx *= 1.0 - player.held / speed
-        vy *= 1.0 - player.held / speed
+            share, more = min(speed / RUN_SPEED, 1.0), LUNGED_TURNING if gait < SPRINTED else 0.0
+        now = after + lunging / STEP * (speed + more * share * share - after)
+        player.held = after - now
+        vx *= now / speed
+        vy *= now / speed
     return vx, vy
+
+
+@kernel
+def stride_on(ball, player, speed, want, gait):
+    """Let a step of the way from touch to touch pass, and decide about the next; s of the step for which he lunges."""
+    if player.stride < 0.0:
+        lunging = min(-player.stride, STEP)
+        player.stride += STEP
+        if abs(player.stride) < SURE:
+            player.stride = 0.0
+        return lunging
+    lunging = STEP - touch_due(ball, player, speed, want, gait)
+    if lunging > 0.0:
+        player.stride = lunging - LUNGE
+        return lunging
+    player.stride = min(player.stride + STEP, LONG_AGO)
+    return 0.0
 
 
 @kernel
@@ -138,13 +162,19 @@ def steered(player, speed, want):
         return arc(player, speed, want, cosine)
     if straight(player, speed):
         player.turning = 0
-        return redirect(player, want, 0.0, 1.0, 0.0)
+        if speed > RUN_SPEED:
+            faster = min(speed + sprint_gain(speed, player.top_speed), want) / speed
+            return player.vx * faster, player.vy * faster
+        return redirect(player, want, 0.0, 1.0, 0.0, 0.0)
     effort = LAG_SPRINT[min(player.turning, 3)] if sprinting else LAG[min(player.turning, 3)]
     if speed < UNDER_WAY:
         effort = min(player.turning, 1)
     player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
+    if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # he stood
+        start = min(OFF / want, 1.0)
+        return player.want_x * start, player.want_y * start
     if sprinting and cosine > BACK_BELOW:
         return eased(player, speed, want, EASING * effort * STEP)
     if want < 1e-6:
@@ -152,11 +182,18 @@ def steered(player, speed, want):
     elif cosine < BACK_BELOW:
         power = BRAKING_BACK
         if speed < LATE:
-            power = BRAKING_LATE * max(want / RUN_SPEED, 1.0) + BRAKING_ASIDE * (1.0 + cosine)
+            power = BRAKING_LATE * want / RUN_SPEED + BRAKING_ASIDE * (1.0 + cosine)
     else:
         power = BRAKING
     braking = power * min(BRAKE_EARLY * effort, 1.0) * STEP
-    return redirect(player, want, braking, effort, FRESH * effort * effort * STEP)
+    off = OFF_BACK[gait_of(player, max(want, speed))]
+    return redirect(player, want, braking, effort, FRESH * effort * effort * STEP, off)
+
+
+@kernel
+def sprint_gain(speed, top_speed):
+    """Speed in m/s gained in a step of a sprint with the ball."""
+    return min(gain(speed, top_speed, SPRINT_EFFORT), SPRINT_GAIN * STEP)
 
 
 @kernel
@@ -173,12 +210,13 @@ def eased(player, speed, want, loss):
 def arc(player, speed, want, cosine):
     """Velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs pace."""
     ux, uy = player.vx / speed, player.vy / speed
-    if cosine < ARC_STRAIGHT and player.stride < ARC_STEPS:
-        new = speed - ARC_EASING * STEP if speed > want * ARC_PACE else speed
-        wx, wy = bent(ux, uy, player.want_x / want, player.want_y / want, ARC_COS, ARC_SIN)
+    turning = min(player.stride, ARC_TIME) - max(player.stride - STEP, -LUNGE)  # s
+    if cosine < ARC_STRAIGHT and turning > 0.0:
+        new = speed - ARC_EASING * turning if speed > want * ARC_PACE else speed
+        angle = ARC * turning
+        wx, wy = bent(ux, uy, player.want_x / want, player.want_y / want, math.cos(angle), math.sin(angle))
         return wx * new, wy * new
-    most = max(want, speed) if player.stride >= HOLDING else want * TOUCH_PACE
-    new = min(speed + gain(speed, player.top_speed, ARC_EFFORT), most)
+    new = min(speed + sprint_gain(speed, player.top_speed), max(want, speed))
     return ux * new, uy * new
 
 
@@ -206,15 +244,31 @@ def play_direction(player, vx, vy, want):
 
 @kernel
 def touch_due(ball, player, speed, want, gait):
-    """Tell whether a player goes for his next touch in this step."""
+    """Seconds until a player goes for his next touch; STEP if he does not in this step."""
     ux, uy = play_direction(player, player.vx, player.vy, want)
     along = ball.vx * ux + ball.vy * uy
-    ahead = (ball.x - player.x) * ux + (ball.y - player.y) * uy
+    away_x, away_y = ball.x - player.x, ball.y - player.y
+    ahead = away_x * ux + away_y * uy
     if want < WALKING:
-        return along > 0.5 and (gait < SPRINTED or ahead < NEXT_TOUCH[gait] + 0.2)
-    if player.vx * ux + player.vy * uy < BACK_BELOW * speed:
-        return along < 0.5 * TURNED_BALL and speed < TURNS_BELOW
-    return ahead < NEXT_TOUCH[gait] and along < max(player.vx * ux + player.vy * uy, JUMP) + SLOWER
+        return 0.0 if along > 0.5 and (gait < SPRINTED or ahead < PLAYED_AT[gait] + 0.3) else STEP
+    pace = player.vx * ux + player.vy * uy
+    if pace < BACK_BELOW * speed:
+        return 0.0 if speed < STOPS_SOON or (along < 0.5 * TURNED_BALL and speed < TURNS_BELOW) else STEP
+    time = max(REST[gait] - player.stride, 0.0)
+    if player.touch_wait > STEP or along - SLOWING * time > max(pace, JUMP) + SLOWER:
+        return STEP
+    closing = pace - along
+    share = min(speed / want, 1.0)
+    early = ahead - played_at(gait, share) - (closing + LUNGED[gait] * share * share) * LUNGE  # m, when it is played
+    if early > 0.0 and speed > UNDER_WAY:
+        time = max(time, early / closing if closing > 0.0 else STEP)
+    return min(time, STEP)
+
+
+@kernel
+def played_at(gait, share):
+    """How far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he wants."""
+    return PLAYED_AT[gait] * (1.0 - NEARER + NEARER * share)
 
 
 @kernel
@@ -237,7 +291,7 @@ def lead_ball(match):
         put_at_foot(ball, player, ux, uy)
     elif want < WALKING and speed < WALKING:
         put_at_foot(ball, player, player.facing_x, player.facing_y)
-    elif player.stride == HOLDING - 1:
+    elif 0.0 <= player.stride < STEP:
         faster = 1.0 + player.held / max(speed, WALKING)
         push_on(ball, player, player.vx * faster, player.vy * faster, want)
     else:
@@ -258,25 +312,34 @@ def put_at_foot(ball, player, ux, uy):
 
 @kernel
 def push_on(ball, player, vx, vy, want):
-    """Send the ball where its player, whose run is v but for the touch, wants to go, and back to his line."""
+    """Send the ball where its player, whose run is v but for the touch, wants to go, and back to his line.
+
+    It is played some time into this step, so it begins the step where it must to be there at its end.
+    """
+    later = STEP - player.stride
+    away_x = ball.x - player.x + later * (ball.vx - player.vx)
+    away_y = ball.y - player.y + later * (ball.vy - player.vy)
     ux, uy = play_direction(player, vx, vy, want)
     pace, speed = vx * ux + vy * uy, math.sqrt(vx * vx + vy * vy)
+    gait = gait_of(player, max(want, speed))
     if want < WALKING:
         fast = max(speed - SLOWED_BALL, 0.0) if speed > STOPS_LATE else 0.0
     elif pace < BACK_BELOW * speed:
         fast = TURNED_BALL
     else:
-        gait = gait_of(player, max(want, speed))
-        short = NEXT_TOUCH[gait] - (ball.x - player.x) * ux - (ball.y - player.y) * uy
-        fast = PUSHED_PACE[gait] * max(pace, 0.0) + PUSHED_MORE[gait]
+        short = played_at(gait, min(speed / want, 1.0)) - away_x * ux - away_y * uy
+        fast = PUSHED_PACE[gait] * max(pace, JUMP) + PUSHED_MORE[gait]
         fast = min(fast, want + PUSHED_MOST[gait]) + min(max(1.5 * short, 0.0), 0.6)
     across = vy * ux - vx * uy  # to the left of u
-    off = (ball.y - player.y) * ux - (ball.x - player.x) * uy
+    off = away_y * ux - away_x * uy
     aside = (across * abs(across) / (2.0 * BRAKING) - off) / ASIDE_TIME
     aside = min(max(aside, -ASIDE), ASIDE)
+    before_x, before_y = ball.vx, ball.vy
     roll(ball, fast * ux - aside * uy, fast * uy + aside * ux)
+    ball.x += later * (before_x - ball.vx)
+    ball.y += later * (before_y - ball.vy)
     if want > WALKING and pace > 0.0:
-        ball.vz = PUSHED_UP[gait_of(player, max(want, speed))]
+        ball.vz = PUSHED_UP[gait]
 
 
 @kernel

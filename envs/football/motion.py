@@ -16,10 +16,12 @@ from scenic_lite.jit import kernel
 AT_REST = 0.3  # m/s
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
-SLIDE_TIME, SLIDE_GLIDE = 1.4, 1.1  # s on the ground; he glides until this much of it is left
-SLIDE_FRICTION, SLIDE_DRAG = 9.0, 1.3  # m/s² and 1/s, of speed
+# A slide: he glides, from the stand after a jump, slows down steadily to a stop, lies, and rises with a step forward
+SLIDE_TIME, SLIDE_GLIDE, SLIDE_STOPS, SLIDE_RISES = 1.4, 1.15, 0.74, 0.45  # s altogether; of which so much is left
+SLIDE_JUMP, SLIDE_OFF, SLIDE_GAINS = 1.9, 0.4, 1.6  # m/s of a jump from the stand; it grows to this and by this factor
+RISES, RISING = 0.45, 2.0  # m/s; m/s²
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
-TIRING = 6.3e-4  # per metre run
+TIRING, TIRING_FAST = 7.3e-4, 1.25e-5  # per metre run, and less of it per m/s: sprinting tires less than the way is long
 TIRED_OUT = 0.99
 
 
@@ -37,7 +39,7 @@ def plan_motion(match, i):
     else:
         vx, vy = run_free(player, speed)
     player.vx, player.vy = vx, vy
-    player.tired = min(player.tired + TIRING * speed * STEP, TIRED_OUT)
+    player.tired = min(player.tired + max(TIRING - TIRING_FAST * speed, 0.0) * speed * STEP, TIRED_OUT)
     new_speed = math.sqrt(vx * vx + vy * vy)
     if new_speed > AT_REST and player.kick_wait <= 0.0:
         player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
@@ -62,13 +64,23 @@ def turn_to_goal(player):
 def slowed(player, speed):
     """Velocity after a step on the ground, in a slide or after a dive."""
     player.turning = 0
+    if player.sliding:
+        new = slid(player.down, speed)
+        return new * player.facing_x, new * player.facing_y
     if speed < 1e-6:
         return 0.0, 0.0
-    loss = FALL_FRICTION
-    if player.sliding:
-        loss = 0.0 if player.down > SLIDE_GLIDE else SLIDE_FRICTION + SLIDE_DRAG * speed
-    keep = max(speed - loss * STEP, 0.0) / speed
+    keep = max(speed - FALL_FRICTION * STEP, 0.0) / speed
     return player.vx * keep, player.vy * keep
+
+
+@kernel
+def slid(left, speed):
+    """Speed after a step of a slide of which `left` s are left."""
+    if left > SLIDE_GLIDE:
+        return max(speed, min(SLIDE_OFF + SLIDE_GAINS * speed, SLIDE_JUMP))
+    if left > SLIDE_STOPS:
+        return speed * max(1.0 - STEP / (left - SLIDE_STOPS), 0.0)
+    return min(speed + RISING * STEP, RISES) if left < SLIDE_RISES else 0.0
 
 
 @kernel

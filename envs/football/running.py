@@ -19,7 +19,7 @@ SETTLED = 0.1 + SURE  # m/s, command and velocity this close are the same
 UNDER_WAY = 0.5 - SURE  # m/s
 # Share of full effort in the steps since command and velocity differ: the body's lag.
 LAG_FROM_REST = (0.6, 1.0, 1.0, 1.0)
-LAG_WALKING = (0.1, 0.4, 1.0, 1.0)
+LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
 SLOW, WALKING, SPRINTING = 2.7, 3.8, 6.0  # m/s
@@ -27,7 +27,8 @@ BRAKING = 30.0  # m/s²
 JUMP, JUMP_GAIN = 2.0, 13.0  # m/s at once from standing; m/s² while that is not over, and into a new direction
 TURN_START = 1.1  # m/s at once after having stopped to turn
 ACCELERATION = 8.5  # m/s² from there to RUN_SPEED
-BEYOND_RUN = 0.1  # m/s by which a step may pass RUN_SPEED: the gait changes there
+# The gait changes around RUN_SPEED, which takes him longer
+CHANGES_FROM, CHANGES_TO, ACCELERATION_CHANGING = 4.9, 5.1, 2.1  # m/s; m/s²
 ACCELERATION_SPRINT, ACCELERATION_TIME = 4.9, 0.39  # m/s² and s, from there on: approach to top speed
 
 
@@ -47,7 +48,8 @@ def run_free(player, speed):
     if effort == 0.0:
         return player.vx, player.vy
     want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
-    return redirect(player, want, BRAKING * effort * STEP, effort, JUMP_GAIN * effort * STEP)
+    fresh = JUMP_GAIN * max(RUN_SPEED / max(want, 1.0), 1.0) * effort * STEP
+    return redirect(player, want, BRAKING * effort * STEP, effort, fresh, TURN_START)
 
 
 @kernel
@@ -72,10 +74,10 @@ def effort_now(steps, speed):
 
 
 @kernel
-def redirect(player, want, braking, effort, fresh):
+def redirect(player, want, braking, effort, fresh, off):
     """Gather speed along the wanted direction while braking, by `braking` m/s, what is across or against it.
 
-    `fresh` is what is gained in m/s in a direction in which he hardly moves yet.
+    `fresh` is what is gained in m/s in a direction in which he hardly moves yet, `off` his speed at once after a stop.
     """
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     if want < 1e-6:
@@ -88,7 +90,7 @@ def redirect(player, want, braking, effort, fresh):
     if along < -1e-6:
         left = 1.0 - speed / braking  # share of the step after he has come to a stop
         keep = max(-left, 0.0) / (1.0 - left)
-        start = min(max(left, 0.0) * TURN_START, want)
+        start = min(max(left, 0.0) * off, want)
         return player.vx * keep + start * ux, player.vy * keep + start * uy
     keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
     if along < want:
@@ -106,6 +108,14 @@ def gain(speed, top_speed, effort):
         return JUMP * effort
     if speed < JUMP - SURE:
         return max(JUMP * effort - speed, JUMP_GAIN * effort * effort * STEP)
-    if speed < RUN_SPEED - SURE:
-        return min(ACCELERATION * effort * effort * STEP, RUN_SPEED + BEYOND_RUN - speed)
-    return min(ACCELERATION_SPRINT, max(top_speed - speed, 0.0) / ACCELERATION_TIME) * effort * effort * STEP
+    time = STEP * effort * effort
+    faster = speed
+    if faster < CHANGES_FROM:
+        lasts = min((CHANGES_FROM - faster) / ACCELERATION, time)
+        faster += ACCELERATION * lasts
+        time -= lasts
+    if faster < CHANGES_TO and time > 0.0:
+        lasts = min((CHANGES_TO - faster) / ACCELERATION_CHANGING, time)
+        faster += ACCELERATION_CHANGING * lasts
+        time -= lasts
+    return faster - speed + min(ACCELERATION_SPRINT, max(top_speed - faster, 0.0) / ACCELERATION_TIME) * time

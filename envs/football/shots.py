@@ -48,7 +48,7 @@ BEND = 0.5  # share of the angle between body and shot, by which the shot starts
 TWIST = 0.28 * math.pi  # rad, the body has turned with the leg to be no further off
 BEND_SLOW, BEND_FAST, FASTEST = 0.4, 0.6, 70.0
 CURL, CURL_SPREAD, CURL_TAKEN = -420.0, 14.0, 0.7  # rad/s per unit of bend: it curls back; rad/s
-SHOT_SPIN, SPIN_SPREAD, SPIN_BAD = -1.54, 0.3, 0.7  # m/s; shares of it that vary, always and with a bad shot
+SHOT_SPIN, SPIN_SPREAD, SPIN_BAD = -1.65, 0.3, 0.7  # m/s; shares of it that vary, always and with a bad shot
 
 # Skills of the players of Google Research Football by index within the team: of shooting, and of shot power
 SHOT_SKILL = (0.35, 0.44, 0.31, 0.24, 0.36, 0.69, 0.36, 0.53, 0.68, 0.68, 0.68)

@@ -17,6 +17,7 @@ STANDING = 1.5  # m/s, a carrier slower than this stands
 
 # Standing tackles
 TACKLE_REACH, TACKLE_BELOW = 0.85, 0.9  # m from the body to the ball; its height
+IDLES = 0.5  # m/s
 CONTACT, AT_FEET = 0.85, 0.6  # m between bodies, and to the ball from the carrier's, for a poke round his body
 TACKLE_CHANCE, TACKLE_HURRIED = 0.9, 0.02  # of a tackle; less of it per m/s of the carrier
 TACKLE_BEHIND, BEHIND_COSINE = 0.3, -0.3  # share of the chance that is left from behind
@@ -28,23 +29,28 @@ TRIP_CHANCE = 0.4  # of a tackle from the side or from behind that misses the ba
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
 
 # Slides
-SLIDE_REACH, TRIP_REACH = 0.7, 1.22  # m from the body to the ball, and to the carrier's body
+SLIDE_REACH, TRIP_REACH = 0.75, 1.22  # m from the body to the ball, and to the carrier's body
 LEGS_OUT = SLIDE_TIME - 0.05  # s left of a slide until which it reaches nobody
-SLIDE_RATE, SLIDE_MOVING = 10.0, 1.0  # wins per s within reach of a ball that passes at more than this many m/s
-SHIELDED = 0.3  # share of that if the carrier's body is between
-FOUL_SIDE, FOUL_BEHIND, FOUL_FRONT = 0.97, 0.95, 0.03  # chances; from behind only a carrier who runs is felled
+SLIDE_RATE, SLIDE_MOVING = 10.0, 0.5  # wins per s within reach of a ball that passes at more than this many m/s
+SHIELDED = 0.05  # share of that from behind, until he has slid past the carrier's body
+# Chances to fell the carrier: who stands is not felled from behind
+FOUL_SIDE, FOUL_SIDE_RUNNING, FOUL_BEHIND, FOUL_FRONT = 0.97, 0.87, 0.95, 0.03
 SEVERITY, SEVERITY_STANDING, SEVERITY_RUNNING = 1.0, 0.5, 0.9  # of never meeting the ball; more from beside or behind
 
 
 @kernel
 def in_tackle_reach(match, i, distance):
-    """Tell whether player i, this far from the ball, can try for it, past the carrier's body if need be."""
-    if match.ball.z > TACKLE_BELOW:
+    """Tell whether player i, this far from the ball, tries for it, past the carrier's body if need be.
+
+    Who stands idly beside a carrier who stands does not.
+    """
+    player, ball, carrier = match.players[i], match.ball, match.players[match.carrier]
+    if ball.z > TACKLE_BELOW:
         return False
-    carrier = match.players[match.carrier]
-    return distance < TACKLE_REACH or (
-        apart(match.players[i], carrier) < CONTACT and apart(match.ball, carrier) < AT_FEET
-    )
+    idles = length(player.want_x, player.want_y) < IDLES and length(player.vx, player.vy) < IDLES
+    if idles and length(carrier.vx, carrier.vy) < STANDING:
+        return False
+    return distance < TACKLE_REACH or (apart(player, carrier) < CONTACT and apart(ball, carrier) < AT_FEET)
 
 
 @kernel
@@ -90,7 +96,8 @@ def slide_into(match, i, distance):
     if distance > SLIDE_REACH or ball.z > TACKLE_BELOW or passes < SLIDE_MOVING:
         return
     rate = SLIDE_RATE * share_of_skill(player)
-    if front < -SIDE_COSINE and apart(player, carrier) < distance:
+    same_way = player.facing_x * carrier.facing_x + player.facing_y * carrier.facing_y
+    if same_way > SIDE_COSINE and distance > apart(ball, carrier):
         rate *= SHIELDED
     if uniform(match) < rate * DT:
         win(match, i)
@@ -100,7 +107,7 @@ def slide_into(match, i, distance):
 def foul_chance(front, runs):
     """Chance that a slide fells the carrier: from the side nearly always, from behind if he runs, seldom frontal."""
     if abs(front) < SIDE_COSINE:
-        return FOUL_SIDE
+        return FOUL_SIDE_RUNNING if runs else FOUL_SIDE
     if front > 0.0:
         return FOUL_FRONT
     return FOUL_BEHIND if runs else FOUL_FRONT

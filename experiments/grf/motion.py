@@ -130,10 +130,10 @@ def start_rows() -> list[Row]:
     rows = []
     for target in read_data("player_sprints"):
         theirs = np.array([float(each) for each in target["start"].split()])
-        path = velocities(run_straight("sprint", False, 64, int(target["player"])), 10)[:, 0]
+        path = velocities(run_straight("sprint", False, 64, int(target["player"])), 6)[:, 0]
         name = f"player {target['player']}"
         rows.append(by_share("motion", f"{name}, top speed", float(path[-1]), float(target["top"]), "m/s", TOLERANCE))
-        error = min(rms(shifted(path, shift, len(theirs)) - theirs) for shift in SHIFTS)
+        error = min(rms(shifted(path, shift + 4, len(theirs)) - theirs) for shift in SHIFTS)
         rows.append(_curve_row(f"{name}, start", error, float(target["top"])))
     return rows
 
