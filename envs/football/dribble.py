@@ -32,7 +32,12 @@ PLAYED_AT = (0.586, 0.549, 0.9, 0.979)  # m ahead at which he plays the ball
 NEARER = 0.633  # share of that by which he would play it nearer if he stood
 SLOWER = 0.4  # m/s, so much faster than the player the ball may be when he goes for it
 SLOWING = 2.5  # m/s² of a ball that rolls
-LUNGED = (0.447, 0.197, -1.426, -0.661)  # m/s faster while he does, at the speed that he wants; less by the square of it
+LUNGED = (
+    0.447,
+    0.197,
+    -1.426,
+    -0.661,
+)  # m/s faster while he does, less by the square of the speed's share of what he wants
 LUNGED_TURNING = -0.617  # m/s, where he sends it elsewhere
 PUSHED_PACE = (1.1, 1.1, 1.1, 1.11)  # a touch gives the ball this times his speed
 PUSHED_MORE = (1.541, 2.0, 1.788, 3.555)  # m/s and this more,
@@ -56,8 +61,6 @@ ARC_PACE, ARC_EASING = 0.908, 2.55  # of the speed wanted, while he turns; m/s²
 SPRINT_EFFORT, SPRINT_GAIN = 0.879, 3.21  # share of full effort with which he gathers speed; m/s² at most
 EASING = 8.0  # m/s², to a slower gait
 
-OFF, OFF_BACK = 2.293, (2.631, 1.436, 1.968, 1.5)  # m/s at once from standing, and after having stopped to turn
-
 # Turns and stops
 LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
@@ -67,6 +70,7 @@ BRAKING_BACK, BRAKING_LATE, LATE = 14.993, 7.274, 3.88  # m/s² of a run that is
 BRAKING_ASIDE = 13.356  # and m/s² more where it is not to go straight back, times one plus the cosine
 STOPPING, STOPPING_LATE, STOPS_LATE = 13.0, 16.0, 4.0  # m/s²; m/s
 FRESH = 12.09  # m/s² in a new direction
+OFF, OFF_BACK = 2.293, (2.631, 1.436, 1.968, 1.5)  # m/s at once from standing, and after having stopped to turn
 
 
 @kernel

@@ -21,7 +21,7 @@ SLIDE_TIME, SLIDE_GLIDE, SLIDE_STOPS, SLIDE_RISES = 1.4, 1.15, 0.74, 0.45  # s a
 SLIDE_JUMP, SLIDE_OFF, SLIDE_GAINS = 1.9, 0.4, 1.6  # m/s of a jump from the stand; it grows to this and by this factor
 RISES, RISING = 0.45, 2.0  # m/s; m/s²
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
-TIRING, TIRING_FAST = 7.3e-4, 1.25e-5  # per metre run, and less of it per m/s: sprinting tires less than the way is long
+TIRING, TIRING_FAST = 7.3e-4, 1.25e-5  # per metre run; and less of it per m/s: fast metres tire less
 TIRED_OUT = 0.99
 
 
