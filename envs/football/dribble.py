@@ -55,6 +55,7 @@ TOUCH_PACE = 0.934  # of the speed wanted: the pace that is left when a sprinter
 ARC_TIME = 0.401  # s after a touch until which a sprint can change direction, from when he goes for it
 ARC = 0.677  # rad/s meanwhile
 ARC_COS, ARC_SIN = math.cos(ARC * STEP), math.sin(ARC * STEP)
+ARC_LEFT = 0.08  # rad by which his turn may be ahead of the ball's
 ARC_STRAIGHT = 0.9999  # cosine of an angle that needs no turn
 ARC_AHEAD_COS, ARC_AHEAD_SIN = math.cos(0.3 * ARC), math.sin(0.3 * ARC)  # of the touch, for what is still to turn
 ARC_PACE, ARC_EASING = 0.908, 2.55  # of the speed wanted, while he turns; m/s² down to it
@@ -92,7 +93,7 @@ def run_with_ball(match, i, speed):
     lunging = stride_on(ball, player, speed, want, gait)
     vx, vy = player.vx, player.vy
     if not out_runs(ball, player, speed, away_x, away_y):
-        vx, vy = steered(player, speed, want)
+        vx, vy = steered(ball, player, speed, want)
     player.held = 0.0
     speed = math.sqrt(vx * vx + vy * vy)
     if lunging > 0.0 and want > WALKING and speed > 0.0:
@@ -152,7 +153,7 @@ def gait_of(player, want):
 
 
 @kernel
-def steered(player, speed, want):
+def steered(ball, player, speed, want):
     """Velocity after a step with the ball, were he not held back by a touch."""
     dx, dy = player.want_x - player.vx, player.want_y - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
@@ -163,7 +164,7 @@ def steered(player, speed, want):
     sprinting = speed > SPRINTING - 0.5
     if sprinting and cosine > BACK_BELOW and want > SPRINTING:
         player.turning = 0
-        return arc(player, speed, want, cosine)
+        return arc(ball, player, speed, want, cosine)
     if straight(player, speed):
         player.turning = 0
         if speed > RUN_SPEED:
@@ -211,17 +212,27 @@ def eased(player, speed, want, loss):
 
 
 @kernel
-def arc(player, speed, want, cosine):
+def arc(ball, player, speed, want, cosine):
     """Velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs pace."""
     ux, uy = player.vx / speed, player.vy / speed
     turning = min(player.stride, ARC_TIME) - max(player.stride - STEP, -LUNGE)  # s
-    if cosine < ARC_STRAIGHT and turning > 0.0:
+    if cosine < ARC_STRAIGHT and turning > 0.0 and not leaves(ball, player, speed):
         new = speed - ARC_EASING * turning if speed > want * ARC_PACE else speed
         angle = ARC * turning
         wx, wy = bent(ux, uy, player.want_x / want, player.want_y / want, math.cos(angle), math.sin(angle))
         return wx * new, wy * new
     new = min(speed + sprint_gain(speed, player.top_speed), max(want, speed))
     return ux * new, uy * new
+
+
+@kernel
+def leaves(ball, player, speed):
+    """Tell whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
+    if player.stride < STEP:
+        return False
+    side = player.vx * player.want_y - player.vy * player.want_x
+    behind = player.vy * ball.vx - player.vx * ball.vy
+    return (behind if side > 0.0 else -behind) > ARC_LEFT * speed * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
 
 
 @kernel
