@@ -141,7 +141,7 @@ def test_set_pieces_turn_with_the_pitch(mode: int, x: float, y: float) -> None:
 
 
 def test_a_run_is_the_same_in_every_direction() -> None:
-    """Speeds that land where one rule ends and the next begins, such as 5 m/s where the gait changes, are the same for all."""
+    """Speeds that land where one rule ends and the next begins, such as 5 m/s, are the same for all."""
     angles = np.linspace(0.0, 2.0 * math.pi, 64, endpoint=False)
     speeds = np.zeros((len(angles), 60))
     for row, angle in zip(speeds, angles, strict=True):
