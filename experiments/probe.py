@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from experiments.config import TrainConfig
 from experiments.progress import Progress
 from experiments.table import cannot_write
 from ued.config import BufferConfig, PLRConfig, PPOConfig, RepairedConfig, check_at_least_1, setting
+
+if TYPE_CHECKING:
+    from ued.statistics import Interval
 
 DESCRIPTION = "Compare methods on a probe where levels at the frontier of a student's skill are rare."
 OWN = ("minigame", "method", "seed", "threads", "checkpoint_seconds", "record", "record_rollouts", "env")
@@ -40,7 +44,7 @@ def probe_run() -> TrainConfig:
     kinds = PLRConfig | RepairedConfig
     with_buffer = {name: replace(each, buffer=buffer) for name, each in groups.items() if isinstance(each, kinds)}
     ppo = PPOConfig(
-        num_steps=64, learning_rate=2e-3, gamma=0.99, num_minibatches=4, update_epochs=4, ent_coef=0.02, hidden_size=64
+        num_steps=64, learning_rate=2e-3, gamma=0.99, num_minibatches=4, update_epochs=4, ent_coef=0.05, hidden_size=64
     )
     return TrainConfig(total_env_steps=200_000, num_envs=32, ppo=ppo, **with_buffer)
 
@@ -151,10 +155,10 @@ def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
             [
                 name,
                 f"{longest * mine.estimate:.1f} of {longest}",
-                _interval(mine),
+                _cell(mine.interval()),
                 f"{iqm(final[name]):.2f}",
-                "" if name == methods[0] else _interval(mine - base, "+"),
-                "" if name == methods[0] else f"{probability_of_improvement(final[name], final[methods[0]]):.2f}",
+                "" if name == methods[0] else _cell((mine - base).interval(), (-1.0, 1.0), "+"),
+                "" if name == methods[0] else _cell(probability_of_improvement(final[name], final[methods[0]])),
                 *(f"{round(np.mean(column)):_}" for column in zip(*steps, strict=True)),
             ]
         )
@@ -162,9 +166,9 @@ def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 
-def _interval(found, sign: str = "") -> str:  # type: ignore[no-untyped-def]
-    interval = found.interval()
-    return f"{interval.estimate:{sign}.2f} [{interval.low:{sign}.2f}, {interval.high:{sign}.2f}]"
+def _cell(found: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: str = "") -> str:
+    low, high = (min(max(end, bounds[0]), bounds[1]) for end in (found.low, found.high))
+    return f"{found.estimate:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
 
 
 def save_csv(runs: Sequence[Run], path: Path) -> None:

@@ -106,8 +106,7 @@ class Report:
             yield Entry(name, "IQM, stratified", "", *estimate.iqm_stratified(found))
             if name in self.others():
                 yield Entry(name, "mean minus first", "", *estimate.score_advantage(found, scores[self.first]))
-                better = estimate.chance_of_better(found, scores[self.first])
-                yield Entry(name, "P(better)", "", better, math.nan, math.nan)
+                yield Entry(name, "P(better)", "", *estimate.chance_of_better(found, scores[self.first]))
 
     def _of_levels(self) -> Iterable[Entry]:
         for name in self.methods if self.levels else ():

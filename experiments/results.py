@@ -179,8 +179,8 @@ def score_advantage(found: Scores, reference: Scores) -> Interval:
     return _difference(found, reference)
 
 
-def chance_of_better(found: Scores, reference: Scores) -> float:
-    """Give the probability that a run's mean over the scenes is above that of a run of the other method."""
+def chance_of_better(found: Scores, reference: Scores) -> Interval:
+    """Estimate the probability that a run's mean over the scenes is above that of a run of the other method."""
     from ued.statistics import probability_of_improvement
 
     return probability_of_improvement(found.rates.mean(1), reference.rates.mean(1))

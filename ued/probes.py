@@ -26,9 +26,9 @@ class Frontier(UPOMDP):
     Whoever knows the first K turns solves every path of length up to K, and a path of length K + 1 once in four times:
     that is the frontier. Much longer paths teach nothing, shorter ones nothing new.
 
-    The length grows with the largest column of θ, so that of D = 4 dimensions a share of (K / longest)^4 of all levels
-    is no longer than K: short paths are rare. Where the last column exceeds `blocked_above`, the path is blocked, and
-    nobody is ever paid: a minimax adversary loves it.
+    The length grows with the largest of the first D - 1 columns of θ, so that a share of (K / longest)^(D - 1) of all
+    levels is no longer than K: short paths are rare. Where the last column exceeds `blocked_above`, the path is
+    blocked, and nobody is ever paid: a minimax adversary loves it.
 
     Observation `[longest + 2]`: one-hot of the place, whether lost, and L / longest. Answers: a student of K turns has
     a success rate of `min(K, L) >= L` on open levels, so the mean over lengths of `test_levels` is K / longest.

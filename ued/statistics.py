@@ -102,13 +102,19 @@ def wilson(successes: int, trials: int, z: float = 1.959964) -> Interval:
     return Interval(rate, max(0.0, centre - reach), min(1.0, centre + reach))
 
 
-def probability_of_improvement(one: np.ndarray, other: np.ndarray) -> float:
+def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = 1.959964) -> Interval:
     """Give the probability that a run of one method scores above a run of another, ties counting half.
 
-    `one` `[R]` and `other` `[Q]` are scores of runs (Agarwal et al. 2021, section 4.3; Mann and Whitney 1947).
+    `one` `[R]` and `other` `[Q]` are scores of runs (Agarwal et al. 2021, section 4.3; Mann and Whitney 1947). The
+    interval is Newcombe's (2006, method 5): all probabilities under which the observed one lies within `z` standard
+    errors. Unlike a bootstrap's it stays open where every run of one method beats every run of the other.
     """
     gap = np.asarray(one, float)[:, None] - np.asarray(other, float)[None, :]
-    return float(np.mean((gap > 0) + 0.5 * (gap == 0)))
+    found = float(np.mean((gap > 0) + 0.5 * (gap == 0)))
+    p = np.linspace(0.0, 1.0, 2001)
+    overlap = 1 + (sum(gap.shape) / 2 - 1) * ((1 - p) / (2 - p) + p / (1 + p))
+    possible = p[np.abs(found - p) <= z * np.sqrt(p * (1 - p) * overlap / gap.size) + 1e-12]
+    return Interval(found, float(possible.min(initial=found)), float(possible.max(initial=found)))
 
 
 def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:

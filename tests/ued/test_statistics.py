@@ -1,5 +1,7 @@
 """Intervals against published numbers and against what they should cover."""
 
+from statistics import NormalDist
+
 import numpy as np
 import pytest
 
@@ -106,9 +108,24 @@ def test_worst_levels_of_equal_ones_are_not_worse_by_other_episodes():
 
 
 def test_the_probability_of_improvement_counts_pairs():
-    assert probability_of_improvement(np.array([2.0, 3.0]), np.array([0.0, 1.0])) == 1.0
-    assert probability_of_improvement(np.array([1.0, 3.0]), np.array([1.0, 2.0, 4.0])) == pytest.approx(2.5 / 6)
-    assert probability_of_improvement(np.ones(3), np.ones(2)) == 0.5
+    for one, other, share in [([2, 3], [0, 1], 1.0), ([1, 3], [1, 2, 4], 2.5 / 6), ([1, 1, 1], [1, 1], 0.5)]:
+        assert probability_of_improvement(np.array(one), np.array(other)).estimate == pytest.approx(share)
+
+
+def test_the_probability_of_improvement_of_few_runs_is_uncertain_even_if_all_are_better():
+    few = probability_of_improvement(np.array([2.0, 3.0]), np.array([0.0, 1.0]))
+    many = probability_of_improvement(np.arange(20.0) + 20, np.arange(20.0))
+    assert few.low < 0.5 < many.low < 1.0 == few.high == many.high
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.7, 1.5])
+def test_the_interval_of_the_probability_of_improvement_covers_it(shift):
+    """Of two normal distributions `shift` deviations apart it is Phi(shift / root 2)."""
+    truth = NormalDist().cdf(shift / 2**0.5)
+    rng = np.random.default_rng(1)
+    found = [probability_of_improvement(rng.normal(shift, 1, 6), rng.normal(0, 1, 6)) for _ in range(1000)]
+    covered = np.mean([low <= truth <= high for _, low, high in found])
+    assert 0.92 < covered < 0.995
 
 
 def test_the_stratified_interval_takes_tasks_of_a_run_for_independent():
