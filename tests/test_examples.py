@@ -7,8 +7,16 @@ from pathlib import Path
 import pytest
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
-SHORT = {"cleanrl_style.py": ["--env-steps", "8192"], "with_stable_baselines3.py": ["--env-steps", "4096"]}
-SAYS = {"cleanrl_style.py": "buffer", "with_stable_baselines3.py": "alp/components"}
+SHORT = {
+    "cleanrl_style.py": ["--env-steps", "8192"],
+    "with_stable_baselines3.py": ["--env-steps", "4096"],
+    "choose_among_skills.py": ["--env-steps", "16384"],
+}
+SAYS = {
+    "cleanrl_style.py": "buffer",
+    "with_stable_baselines3.py": "alp/components",
+    "choose_among_skills.py": "ChoosePassing",
+}
 
 
 @pytest.mark.slow
