@@ -24,10 +24,9 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import numba
 
-from scenic_lite.parts import Kernel
-
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("scenic_lite", "envs")
+INSIDE_KNOWN = ((0, 61), (0, 69))  # Numba from the first to before the second: what `parts` knows the inside of
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
 KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
 
@@ -48,13 +47,21 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
         previous = _numba_config.CACHE_DIR
         _numba_config.CACHE_DIR = str(CACHE)
         try:
-            made = Kernel(undecorated, {"nopython": True, "error_model": "numpy", "parallel": parallel})
-            made.enable_caching()
-            return made
+            return _dispatcher(undecorated, parallel)
         finally:
             _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
 
     return decorate if function is None else decorate(function)
+
+
+def _dispatcher(function: Callable, parallel: bool) -> Any:
+    if not INSIDE_KNOWN[0] <= numba.version_info[:2] < INSIDE_KNOWN[1]:  # the usual way: compiled twice as long
+        return numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
+    from scenic_lite.parts import Kernel
+
+    made = Kernel(function, {"nopython": True, "error_model": "numpy", "parallel": parallel})
+    made.enable_caching()
+    return made
 
 
 def compiled(function: Any) -> bool:

@@ -106,3 +106,20 @@ def test_compiled_functions_of_others_can_call_kernels() -> None:
         return twice_and_one(x) + x - 1
 
     assert thrice(5) == 15
+
+
+def test_a_numba_that_is_not_known_inside_compiles_in_the_usual_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    if not hasattr(twice, "signatures"):
+        pytest.skip("kernels run uncompiled")
+    monkeypatch.setattr(jit, "INSIDE_KNOWN", ((0, 1), (0, 2)))
+
+    @jit.kernel
+    def thrice(x):
+        return 3 * x
+
+    @jit.kernel
+    def thrice_and_one(x):
+        return thrice(x) + 1
+
+    assert type(thrice) is type(numba.njit(lambda x: x)) and type(thrice) is not type(twice)
+    assert thrice_and_one(3) == 10
