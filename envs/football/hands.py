@@ -77,7 +77,8 @@ def parry(match, i, stretched):
     out = -1.0 if own_goal_x(player.team) > 0.0 else 1.0
     aside = PARRY_CARRY * ball.vy / max(abs(ball.vx), 1.0) + out * PARRY_SPREAD * normal(match)  # turned with the pitch
     if stretched and uniform(match) < TIPPED_CHANCE:
-        aside = math.copysign(TIPPED_ASIDE + TIPPED_SPREAD * uniform(match), ball.y - player.y)
+        side = ball.y - player.y
+        aside = math.copysign(TIPPED_ASIDE + TIPPED_SPREAD * uniform(match), side if side != 0.0 else out)
     keep = min(max(PARRY_KEEP + PARRY_KEEP_SPREAD * normal(match), PARRY_LEAST), PARRY_MOST)
     size = math.sqrt(1.0 + aside * aside)
     ball.vx, ball.vy = keep * fast * out / size, keep * fast * aside / size

@@ -101,7 +101,8 @@ def judge_out(match):
     elif team == (RIGHT if ball.x > 0.0 else LEFT):
         stop_play(match, GOAL_KICK, team, math.copysign(GOAL_KICK_X, ball.x), 0.0)
     else:
-        stop_play(match, CORNER, team, math.copysign(HALF_LENGTH, ball.x), math.copysign(HALF_WIDTH, ball.y))
+        side = ball.y if ball.y != 0.0 else ball.x  # over the bar, right through the middle
+        stop_play(match, CORNER, team, math.copysign(HALF_LENGTH, ball.x), math.copysign(HALF_WIDTH, side))
 
 
 @kernel

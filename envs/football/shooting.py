@@ -30,7 +30,7 @@ def consider_shot(match, i):
     spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
     if length(spot_x - player.x, player.y) > (FREE_RANGE if alone(match, player, goal_x) else SHOT_RANGE):
         return False
-    far_y = -math.copysign(CORNER_AIM, player.y)
+    far_y = -math.copysign(CORNER_AIM, player.y if player.y != 0.0 else goal_x)
     best, best_y = lane_odds(match, player, goal_x, 0.0), 0.0
     for aim_y in (far_y, -far_y):
         odds = lane_odds(match, player, goal_x, aim_y)

@@ -24,7 +24,7 @@ from envs.football.motion import plan_motion
 from envs.football.simulator import step_matches
 from envs.football.state import MATCH, MatchConfig
 from envs.football.whistle import stop_play
-from tests.envs.torture import torture
+from tests.envs.torture import strange_places, torture
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILT_IN = replace(OPEN, control="none", offsides=True, right_team_difficulty=1.0, game_duration=10**6)
@@ -122,6 +122,23 @@ def check_turned(here: np.ndarray, there: np.ndarray) -> None:
     for name in ("x", "y"):
         np.testing.assert_allclose(here["players"][name][:, :22], -there["players"][name][:, :22], rtol=0, atol=1e-6)
         np.testing.assert_allclose(here["ball"][name], -there["ball"][name], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_strange_scenes_turn_too(seed: int) -> None:
+    """Piles, corners, everybody on one line or on the ball: where things are exactly even, too."""
+    rng = np.random.default_rng(seed)
+    left, right = rng.integers(1, 12, 2)
+    places, ball = strange_places(rng, left + right)
+    players = [
+        (x, y, int(k >= left), GK if k in (0, left) else int(rng.integers(1, 10))) for k, (x, y) in enumerate(places)
+    ]
+    turned, there_ball = mirrored(players, (ball[0], ball[1]))
+    here, there = position(players, (ball[0], ball[1]), BUILT_IN), position(turned, there_ball, BUILT_IN)
+    for _ in range(150):
+        for matches in (here, there):
+            step_matches(matches, np.zeros((1, 1), int))
+        check_turned(here, there)
 
 
 @pytest.mark.parametrize(("mode", "x", "y"), [(PENALTY, 44.0, 0.0), (FREE_KICK, 33.0, 4.0), (CORNER, 55.0, 36.0)])
