@@ -50,22 +50,22 @@ def main(argv: Sequence[str]) -> int:
     check_film_of(config.video)
     from envs.football.config import FootballConfig
     from envs.football.gym_env import ENDINGS
-    from envs.football.replay import Recorder
+    from envs.football.replay import Recorder, after_step
 
     path = build.find_minigame(config.program).program
     settings = FootballConfig(representation="raw", control=config.control)
     env = build.make_upomdp(path, 1, settings, config.seed, 1)
+    env.keep_endings()
     recorder, choose = Recorder(env), _player(config)
     observations, ended = env.observe(), 0
     moments = [env.matches[0]]
     while len(moments) <= config.steps and not ended:
         observations, rewards, _, _, info = recorder.step(np.array([choose(observations)]))
         ended = int(info["ended"][0])
-        if not ended:
-            moments.append(env.matches[0])
+        moments.append(after_step(env, info["ended"] > 0)[0])
     left, right = moments[-1]["score"]
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
-    print(f"{len(moments) - 1 + bool(ended)} steps, {left} : {right}{end}")
+    print(f"{len(moments) - 1} steps, {left} : {right}{end}")
     if config.record:
         recorder.save(config.record)
     if config.video:

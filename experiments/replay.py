@@ -43,7 +43,7 @@ def main(argv: Sequence[str]) -> int:
 
     try:
         record = load_record(config.record)
-        moments = [matches[0] for matches in replay(record)]
+        moments = [matches[0] for matches in replay(record, endings=True)]
     except RecordError as error:
         raise CommandError(str(error)) from error
     left, right = moments[-1]["score"]

@@ -62,6 +62,8 @@ class FootballEnv(gymnasium.Env):
         self.batch = FootballVectorEnv(
             program, 1, config=FootballConfig(representation, rewards, control, right_control, dialect)
         )
+        self.batch.keep_endings()
+        self._over = False
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
@@ -69,6 +71,7 @@ class FootballEnv(gymnasium.Env):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
         super().reset(seed=seed)
+        self._over = False
         options = options or {}
         if "theta" in options:
             observations, info = self.batch.reset(seed=seed, options={"theta": [options["theta"]]})
@@ -79,7 +82,7 @@ class FootballEnv(gymnasium.Env):
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play 0.1 s."""
         observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
-        over = bool(terminated[0] or truncated[0])
+        self._over = over = bool(terminated[0] or truncated[0])
         seen = self._first(info["final_obs"] if over else observations)
         own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
         if "records" in info:
@@ -96,11 +99,18 @@ class FootballEnv(gymnasium.Env):
 
     def reset_agent(self) -> Any:
         """Start a new episode on the same level; gives the observation."""
+        self._over = False
         return self._first(self.batch.reset_agent())
 
     def render(self) -> np.ndarray | None:
-        """Give the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode."""
-        return draw_match(self.batch.matches[0]) if self.render_mode else None
+        """Give the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode.
+
+        After the last step of an episode that is its last moment.
+        """
+        if not self.render_mode:
+            return None
+        ended = self.batch.ended_matches
+        return draw_match((ended if self._over and ended is not None else self.batch.matches)[0])
 
     def get_state(self) -> dict[str, Any]:
         """Give everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
@@ -111,6 +121,7 @@ class FootballEnv(gymnasium.Env):
 
         Raises ValueError for a state of another match: see `FootballVectorEnv.set_state`.
         """
+        self._over = False
         return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:

@@ -139,22 +139,32 @@ def load_record(path: str | Path) -> Record:
     return Record(str(found["program"]), str(found["program_file"]), config, state, found["actions"], found["last"])
 
 
-def replay(record: Record | str | Path) -> Iterator[np.ndarray]:
+def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:
     """Play a record again: gives MATCH `[N]` at the start and after each of the T steps.
 
-    Raises `RecordError` as `load_record`, and at the end if the matches came out differently than when recorded.
+    With `endings` those that ended in a step are given as they ended, otherwise as they have started again. Raises
+    `RecordError` as `load_record`, and at the end if the matches came out differently than when recorded.
     """
     record = record if isinstance(record, Record) else load_record(record)
     env = record.make_env()
+    env.keep_endings()
     yield env.matches
     for actions in record.actions:
         try:
-            env.step(actions)
+            _, _, terminated, truncated, _ = env.step(actions)
         except ValueError as error:
             raise RecordError(f"the record is damaged: {error}") from error
-        yield env.matches
+        yield after_step(env, terminated | truncated) if endings else env.matches
     if not same(env.matches, record.last):
         raise RecordError("the matches came out differently than when they were recorded: by another simulator?")
+
+
+def after_step(env: FootballVectorEnv, ended: np.ndarray) -> np.ndarray:
+    """The matches as the last step left them, MATCH `[N]`, of an environment that keeps endings."""
+    matches = env.matches
+    if env.ended_matches is not None:
+        matches[ended] = env.ended_matches[ended]
+    return matches
 
 
 def same(first: np.ndarray, second: np.ndarray) -> bool:

@@ -80,11 +80,19 @@ class FootballVectorEnv(UPOMDP):
         self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects), tracks)
         self._started = False
         self._scripted = False  # agents move nobody: the program plays their players, too
+        self.ended_matches: np.ndarray | None = None  # see `keep_endings`
 
     @property
     def matches(self) -> np.ndarray:
         """The matches as they are, MATCH `[N]`; a copy, for looking at."""
         return self._batch.matches.copy()
+
+    def keep_endings(self) -> None:
+        """From now on keep in `ended_matches` all matches as the last step left them in which one ended, MATCH `[N]`.
+
+        What ended has started again in `matches`; whoever draws a match wants to see the goal.
+        """
+        self._rules = self._rules._replace(restart=False)
 
     def valid(self, theta: Any) -> np.ndarray:
         return self.program.valid(check_theta(theta, self.theta_dim))
@@ -122,6 +130,7 @@ class FootballVectorEnv(UPOMDP):
         if self.staging.records:
             info["records"] = self.staging.recorded(self._batch.registers)
         if not self._rules.restart and ended.any():
+            self.ended_matches = self.matches
             self._restart(ended)
             observe_batch(self._batch, seen, self._rules)
         observations = self._observer.read(seen, self._batch.matches)

@@ -83,6 +83,21 @@ def test_a_match_can_be_drawn():
     assert (env.render() != before).any()
 
 
+def test_the_last_picture_of_an_episode_shows_its_end():
+    """Not the start of the next one, which the batch below begins at once."""
+    env = FootballEnv(FREE, render_mode="rgb_array")
+    env.reset(seed=0)
+    start, over = env.render(), False
+    while not over:
+        *_, terminated, truncated, _ = env.step(SHOT)
+        over = terminated or truncated
+    end = env.render()
+    assert (end != start).any() and env.batch.ended_matches["ended"][0] > 0
+    np.testing.assert_array_equal(env.batch.matches["step"], 0)
+    env.reset_agent()
+    assert (env.render() != end).any()
+
+
 # ---------------------------------------------------------------- levels
 
 

@@ -40,6 +40,13 @@ def test_a_record_plays_again_bit_for_bit(tmp_path, program, settings):
     assert all(same(one, two) for one, two in zip(course, again, strict=True))
 
 
+def test_a_film_of_a_replay_ends_with_the_end(tmp_path):
+    course = recorded(tmp_path / "match.npz", ALONE.replace("Range(1, 3)", "2") + "param game_duration = 30\n", 40)
+    again = list(replay(tmp_path / "match.npz", endings=True))
+    assert [int(matches["step"][0]) for matches in again] == [*range(5, 31), *range(1, 16)]
+    assert [int(matches["step"][0]) for matches in course] == [*range(5, 30), *range(16)]
+
+
 def test_foreign_and_damaged_files_are_refused(tmp_path):
     recorded(tmp_path / "match.npz", ALONE, 20)
     data = (tmp_path / "match.npz").read_bytes()
