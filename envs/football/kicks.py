@@ -158,7 +158,7 @@ def aim(match, i):
     player = match.players[i]
     ux, uy = input_direction(player)
     if player.kick == SHOT:
-        aim_shot(player, ux, uy)
+        aim_shot(match, player, ux, uy)
     else:
         aim_pass(match, i, ux, uy, gauge(player.kick_held))
 

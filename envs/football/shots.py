@@ -18,7 +18,7 @@ from scenic_lite.stream import uniform
 # Aim
 AIM_WIDEST, AIM_POWER = 3.33, 0.7  # m from the middle of the goal when the keys point a quarter turn off it
 AIM_LEAD = 0.12  # s of the player's run, from where he aims
-ASTERN = 0.02  # rad within which keys that point straight away from the goal prefer no side
+ASTERN, ASTERN_SHARE = 0.02, 0.23  # rad within which keys point straight away from the goal; aim then
 
 # Power
 FULL_POWER = 45.0  # m/s
@@ -32,7 +32,7 @@ ACROSS_FROM, ACROSS_RANGE, ACROSS_WEAK = 0.785, 0.534, 0.04  # rad from run to s
 MEETING_GAIN = 0.2  # more power from a ball that comes with 10 m/s
 
 # What makes a shot hard: each share of ease is lost in full at the worst
-EASY_ANGLE = 0.2 * math.pi  # rad between run and shot up to which the direction is no matter
+EASY_ANGLE = 0.162 * math.pi  # rad between run and shot up to which the direction is no matter
 DIRECTION_WEIGHT, SPEED_WEIGHT, MEETING_WEIGHT, EFFORT_WEIGHT = 0.68, 0.3, 0.4, 0.4
 EASY_SPEED, SPEED_RANGE = 3.5, 4.0  # m/s
 VOLLEY_SKILL = 0.37
@@ -57,8 +57,11 @@ SKILL_WEIGHT = 0.7
 
 
 @kernel
-def aim_shot(player, ux, uy):
-    """Aim at the goal line: the further the keys (ux, uy) point off the middle of the goal, the further off it."""
+def aim_shot(match, player, ux, uy):
+    """Aim at the goal line: the further the keys (ux, uy) point off the middle of the goal, the further off it.
+
+    Straight away from it they prefer no side: then he aims to that on which he turns round.
+    """
     goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
     dx = goal_x - player.x - AIM_LEAD * player.vx
     dy = -player.y - AIM_LEAD * player.vy
@@ -66,7 +69,7 @@ def aim_shot(player, ux, uy):
     share = min(abs(deviation) / (0.5 * math.pi), 1.0) ** AIM_POWER
     side = 1.0 if deviation * dx > 0.0 else -1.0
     if math.pi - abs(deviation) < ASTERN:
-        side = 0.0
+        side = ASTERN_SHARE if uniform(match) < 0.5 else -ASTERN_SHARE
     player.aim_x, player.aim_y = goal_x, side * AIM_WIDEST * share
 
 

@@ -24,7 +24,7 @@ REQUIRED = 0.8
 SHARE = 0.1  # tolerance of speed and delay
 UNITS = 0.015  # tolerance of the mean place on the goal line
 FACTOR = 0.5  # tolerance of its spread: 1.5 times
-REPEATS = 40
+REPEATS = 120
 MOVING = 15.0  # m/s, a ball that has left the foot
 TOP_SPEED, SHIRT = 7.83, 1  # of the player on whom all was measured
 
