@@ -9,6 +9,7 @@ from pitch import OPEN, duel, play, position
 from envs.football.constants import (
     CB,
     CM,
+    DIRECTION_LEFT,
     DIRECTION_RIGHT,
     FREE_KICK,
     GK,
@@ -18,6 +19,7 @@ from envs.football.constants import (
     SPRINT,
 )
 from envs.football.fouls import YELLOW_FROM
+from envs.football.simulator import step_teams
 from envs.football.tackles import slide_into
 
 MANY = range(200)
@@ -55,6 +57,18 @@ def test_who_stands_with_the_ball_loses_it() -> None:
     """Measured: 30 of 30 from the front, 29 of 30 from behind."""
     assert tackled([], (43.0, 0.0)) > 0.9
     assert tackled([], (27.0, 0.5)) > 0.85
+
+
+def test_who_idles_beside_a_standing_carrier_does_not_take_the_ball() -> None:
+    """Measured: slides that end half a metre short win nothing, however long the slider stands there afterwards."""
+    for key, least, most in ((0, 0.0, 0.0), (DIRECTION_LEFT, 0.8, 1.0)):
+        players = [(0.0, 0.0, LEFT, CM), (1.2, 0.0, RIGHT, CB), (50.0, 0.0, RIGHT, GK)]
+        matches = position(players, (0.4, 0.0), OPEN, range(20))
+        matches["carrier"] = matches["last_touch"] = 0
+        for match in matches:
+            for _ in range(20):
+                step_teams(match, np.array([0, key, 0]))
+        assert least <= np.mean(matches["last_touch"] == 1) <= most
 
 
 def test_who_runs_is_caught_from_behind_and_who_sprints_is_not() -> None:
