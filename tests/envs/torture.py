@@ -103,8 +103,8 @@ def wrong_change(match, before):
     if (b.x - a.x) ** 2 + (b.y - a.y) ** 2 > 6.0 * 6.0:
         return 25
     kicked = match.kick_age <= 0.1 + 1e-9 or match.kicker != NOBODY or before.kicker != NOBODY
-    fastest = max(a.vx * a.vx + a.vy * a.vy, a.spin_x * a.spin_x + a.spin_y * a.spin_y, FASTEST_TOUCH**2)
-    return 31 if not kicked and b.vx * b.vx + b.vy * b.vy > fastest + 1e-6 else 0
+    most = max(energy_of(a) + spin_energy(a), 0.5 * FASTEST_TOUCH**2)
+    return 31 if not kicked and 0.5 * (b.vx * b.vx + b.vy * b.vy) > most + 1e-6 else 0
 
 
 @kernel
