@@ -6,9 +6,8 @@ Decisions of a team (posts, markers, runs) are made anew every few steps. Read n
 
 from __future__ import annotations
 
-from envs.football.attack import play_ball
+from envs.football.attack import meet_free_ball, play_ball
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.control import chase
 from envs.football.defence import defend
 from envs.football.effort import FULL_REACTION, reaction_time
 from envs.football.formation import exchange_posts, remember_ball
@@ -81,7 +80,7 @@ def think(match, i):
     elif match.carrier == i:
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
-        chase(match, i, player.top_speed)
+        meet_free_ball(match, i)
     elif match.favoured == player.team:
         support(match, i)
     else:

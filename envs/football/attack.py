@@ -1,4 +1,4 @@
-"""Built-in players on the ball: shoot, pass, or dribble where a field of forces leads.
+"""Built-in players on the ball: shoot, pass, or dribble where a field of forces leads; at a free ball, play it at once.
 
 The order of decisions and the forces are those documented of Google Research Football. Read next: `shooting`,
 `passing`; `support`, for their mates.
@@ -12,17 +12,21 @@ from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH,
 from envs.football.control import chase
 from envs.football.dribble import TOUCH_REACH
 from envs.football.effort import RUNS, WALKS
-from envs.football.passing import consider_pass
+from envs.football.passing import consider_first_time_pass, consider_pass
+from envs.football.possession import ball_speed, forget_kick, meeting_time
 from envs.football.shooting import consider_shot
 from envs.football.situation import attacked_goal_x
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
+from scenic_lite.stream import uniform
 
 CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
-RIVALS_RANGE, RIVALS_PUSH = 10.0, 2.0  # m; push of an opponent at no distance, against a pull of 1
-LINES_RANGE, LINES_PUSH = 20.0, 0.6  # m
+RIVALS_RANGE, RIVALS_PUSH = 10.0, 1.6  # m; push of an opponent at no distance, against a pull of 1
+LINES_RANGE, LINES_PUSH = 20.0, 0.45  # m
 BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
 FORCE_SPEED = 8.0  # m/s for a force of 1
+VOLLEY_FITS = 0.3  # chance per step that his stride lets him shoot a ball that he has not stopped
+AT_ONCE = 0.25  # s before he meets a free ball: from then on he decides whether to play it without stopping it
 
 
 @kernel
@@ -37,6 +41,23 @@ def play_ball(match, i):
         chase(match, i, player.top_speed)
     else:
         run_by_forces(match, player)
+
+
+@kernel
+def meet_free_ball(match, i):
+    """Run for a free ball, and just before it comes decide whether to shoot it or pass it on without stopping it.
+
+    In the original's matches two of five shots and a fifth of the passes are played like that.
+    """
+    player = match.players[i]
+    chase(match, i, player.top_speed)
+    if not kicks_himself(match, player):
+        return
+    forget_kick(player)
+    if meeting_time(match, player, ball_speed(match.ball)) > AT_ONCE:
+        return
+    if uniform(match) > VOLLEY_FITS or not consider_shot(match, i):
+        consider_first_time_pass(match, i)
 
 
 @kernel

@@ -31,6 +31,8 @@ HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.5  # m that are left at least, and more per 
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
 MARK_MOST = 3.5  # m
+MARK_CLOSE = 0.6  # of the way there from his post: opponents who wait for a pass have some 5 m of room
+SMALL_GAME = 8  # players: up to so many there is no block to keep
 LINE_POST = -0.5  # posts further back than this form the back line
 LINE_NEAREST, LINE_FARTHEST = 6.0, 55.0  # m from the goal to the back line
 LINE_BEHIND = 3.0  # m behind a ball that has come close
@@ -48,7 +50,8 @@ def defend(match, i):
     elif on_ball != NOBODY and (match.hunter[player.team, 0] == i or match.hunter[player.team, 1] == i):
         hunt(match, i, on_ball)
     elif player.mark == NOBODY:
-        hold_post(match, player)
+        x, y = post_place(match, player)
+        head_for(match, player, x, y)
     elif player.mark == on_ball:
         hold_up(match, i, on_ball)
     else:
@@ -166,19 +169,22 @@ def run_round(player, rival, x, y):
 
 @kernel
 def mark(match, player):
-    """Stand between the opponent whom he marks and the goal."""
+    """Stand loosely between the opponent whom he marks and the goal."""
     rival = match.players[player.mark]
     goal_x = own_goal_x(player.team)
     late = reaction_time(player)
     x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
     gap = min(MARK_GAP + MARK_SHARE * apart(match.ball, rival), MARK_MOST) / to_goal
-    head_for(match, player, x + gap * (goal_x - x), y * (1.0 - gap))
+    post_x, post_y = post_place(match, player)
+    x, y = x + gap * (goal_x - x), y * (1.0 - gap)
+    close = MARK_CLOSE if match.num_players > SMALL_GAME else 1.0
+    head_for(match, player, post_x + close * (x - post_x), post_y + close * (y - post_y))
 
 
 @kernel
-def hold_post(match, player):
-    """Keep the post in the block, those at the back in line, all closing up to a ball that comes near the goal."""
+def post_place(match, player):
+    """Place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
     x, y = formation_place(match, player)
     ball = match.ball
     if player.post_x < LINE_POST:
@@ -186,7 +192,7 @@ def hold_post(match, player):
     goal_x = own_goal_x(player.team)
     close = FOCUS * max(1.0 - abs(goal_x - ball.x) / HALF_LENGTH, 0.0)
     close *= max(1.0 - length(ball.x - x, ball.y - y) / FOCUS_RANGE, 0.0)
-    head_for(match, player, x + close * 0.5 * (ball.x - x), y + close * (ball.y - y))
+    return x + close * 0.5 * (ball.x - x), y + close * (ball.y - y)
 
 
 @kernel

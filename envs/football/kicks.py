@@ -206,7 +206,8 @@ def kick_first_time(match, i):
     if whistled(match, i):
         return
     lose_ball(match)
-    aim(match, i)
+    if not match.players[i].aimed:
+        aim(match, i)
     leave_foot(match, i)
 
 

@@ -14,8 +14,7 @@ from scenic_lite.jit import kernel
 
 MARKED = 3  # opponents
 MARK_RANGE = 22.0  # m to the place from where an opponent is marked
-HUNT_NEAR, HUNT_FAR = 10.0, 20.0  # m to an opponent on the ball far from the goal, close to it
-HUNT_FAR_FROM, HUNT_CLOSE_TO = 60.0, 20.0  # m from the goal
+HUNT_RANGE = 20.0  # m to an opponent on the ball
 TIRED_HUNT = 0.4  # share of the range that the tired lack
 
 
@@ -108,7 +107,7 @@ def send_hunters(match, team, on_ball):
             match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
             return
         distance = apart(player, match.players[on_ball])
-        if player.mark != NOBODY or distance > hunting_range(match, player, on_ball):
+        if player.mark != NOBODY or distance > hunting_range(player):
             continue
         if distance < first:
             match.hunter[team, 1], second = match.hunter[team, 0], first
@@ -118,9 +117,6 @@ def send_hunters(match, team, on_ball):
 
 
 @kernel
-def hunting_range(match, player, on_ball):
+def hunting_range(player):
     """Distance in m within which a player hunts the opponent on the ball."""
-    rival = match.players[on_ball]
-    to_goal = length(own_goal_x(player.team) - rival.x, rival.y)
-    near = min(max((HUNT_FAR_FROM - to_goal) / (HUNT_FAR_FROM - HUNT_CLOSE_TO), 0.0), 1.0)
-    return (HUNT_NEAR + (HUNT_FAR - HUNT_NEAR) * near) * player.skill * (1.0 - TIRED_HUNT * player.tired)
+    return HUNT_RANGE * player.skill * (1.0 - TIRED_HUNT * player.tired)

@@ -8,26 +8,23 @@ from __future__ import annotations
 
 from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
 from envs.football.formation import forward
+from envs.football.lanes import danger
 from envs.football.offside import second_last
 from envs.football.saves import own_goal_x
-from envs.football.situation import attacked_goal_x, eagerness, nearest_opponent, situation
+from envs.football.situation import attacked_goal_x, nearest_opponent, situation
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 DECIDED_EVERY = 2  # steps
 GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 36.0  # m
 BETTER = 0.1  # by how much a mate's situation must be better
-GAIN_MOST = 1.2  # more is not worth more
-EAGER, PATIENT, PATIENCE = 0.08, 0.36, 50  # least gain times odds after PATIENCE steps on the ball, and at once
-IMPATIENCE = 0.1  # of the weight of ground: what it is worth after PATIENCE steps to be rid of the ball
+GAIN_MOST = 4.0  # more is not worth more
+EAGER, PATIENT, PATIENCE = 0.035, 0.25, 50  # least gain times odds after PATIENCE steps on the ball, and at once
+FIRST_TIME = 0.2  # the same for a ball that he would not stop
 KEEPER_SHARE = 0.7  # of its worth that a pass to the own keeper has
-HIGH_LOSS = 0.4  # of the odds
+HIGH_LOSS = 0.55  # of the odds
 LEAD_TIME, LONG_LEAD = 0.4, 0.2  # s; of the distance, towards the goal
-BALL_START, BALL_GAIN = 9.0, 0.45  # m/s, and per m of distance: mean speed of a pass on the ground
-BALL_MOST = 20.0  # m/s
-RIVAL_SPEED, RIVAL_REACH, RIVAL_DELAY = 6.5, 0.8, 0.2  # m/s, m, s
-SURE = 0.6  # s between the ball and a rival: odds of 1
-LANDING = 8.0  # m from where a high ball lands to the nearest rival: odds of 1
+OVERHEAD = 0.6  # share of its way that a high pass is out of reach
 ONSIDE = -1.8  # m: he misjudges by this much who is offside
 
 # Clearances
@@ -42,20 +39,22 @@ def consider_pass(match, i):
     if (match.step + player.shirt) % DECIDED_EVERY != 0:
         return False
     waited = min(match.borne / PATIENCE, 1.0)
-    threshold = PATIENT + (EAGER - PATIENT) * waited
-    if best_pass(match, i, threshold, IMPATIENCE * eagerness(player) * waited * waited):
+    if best_pass(match, i, PATIENT + (EAGER - PATIENT) * waited):
         return True
     return clear_in_panic(match, i)
 
 
 @kernel
-def best_pass(match, i, threshold, bonus):
-    """Ask for the pass with the greatest worth above `threshold`; return whether there is one.
+def consider_first_time_pass(match, i):
+    """Ask for the best pass of a ball that has yet to come, if it is a good one."""
+    best_pass(match, i, FIRST_TIME)
 
-    `bonus` is what it is worth to be rid of the ball.
-    """
+
+@kernel
+def best_pass(match, i, threshold):
+    """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
     player = match.players[i]
-    own = situation(match, player, player.x, player.y) - bonus
+    own = situation(match, player, player.x, player.y)
     line = max(second_last(match, 1 - player.team, forward(player.team)), forward(player.team) * match.ball.x, 0.0)
     best, found = threshold, False
     for j in range(match.num_players):
@@ -113,38 +112,13 @@ def into_run(player, mate, distance):
 @kernel
 def ground_odds(match, player, x, y):
     """Odds in [0, 1] that a pass along the ground from a player to (x, y) gets past his opponents."""
-    dx, dy = x - player.x, y - player.y
-    distance = length(dx, dy) + 1e-9
-    speed = min(BALL_START + BALL_GAIN * distance, BALL_MOST)
-    slack = SURE
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team == player.team:
-            continue
-        to_x, to_y = rival.x - player.x, rival.y - player.y
-        along = (to_x * dx + to_y * dy) / distance
-        if along <= 0.0:
-            continue
-        if along > distance:
-            across = length(rival.x - x, rival.y - y)
-            along = distance
-        else:
-            across = abs(to_x * dy - to_y * dx) / distance
-        if across > RIVAL_REACH + RIVAL_SPEED * (along / speed + SURE):
-            continue
-        slack = min(slack, (across - RIVAL_REACH) / RIVAL_SPEED + RIVAL_DELAY - along / speed)
-    return min(max(0.5 + 0.5 * slack / SURE, 0.0), 1.0)
+    return max(1.0 - danger(match, player.team, x, y, 0.0), 0.0)
 
 
 @kernel
 def high_odds(match, player, x, y):
     """Odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
-    nearest = LANDING
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team != player.team:
-            nearest = min(nearest, length(rival.x - x, rival.y - y))
-    return max(nearest / LANDING - HIGH_LOSS, 0.0)
+    return max(1.0 - HIGH_LOSS - danger(match, player.team, x, y, OVERHEAD), 0.0)
 
 
 @kernel

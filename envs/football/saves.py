@@ -31,7 +31,7 @@ SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.6
 GAP_NEAR, GAP_WIDE = 0.7, 0.4  # m: within, he need not dive; this much further, he must
 BODY_GAP, BODY_BEATEN = 0.4, 0.35  # m; at most this chance of beating him when shot straight at him
 FOOT_GAP, FOOT_CHANCE = 2.0, 0.85  # m; outside his box, where he has his feet only, the chance falls to 0 by then
-MEASURED_SKILL, SAVE_SKILL = 0.72, 2.5  # skill of the measured keeper; logit per unit of skill
+MEASURED_SKILL, SAVE_SKILL = 0.72, 2.5  # skill of the measured keeper; logit per unit that another lacks
 ARM, DIVE_SPEED, DIVE_DELAY = 1.2, 7.5, 0.08  # m, m/s, s: nothing beyond this is ever saved
 STRIDE = 0.1  # s for which he keeps his velocity
 FORESEEN = 300  # frames that a shot is followed ahead
@@ -126,6 +126,6 @@ def save_chance(player, gap, time):
     if not in_own_box(player):
         return FOOT_CHANCE * max(1.0 - (gap / FOOT_GAP) ** 2, 0.0)
     wide = min(max((gap - GAP_NEAR) / GAP_WIDE, 0.0), 1.0)
-    logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * (MEASURED_SKILL - player.skill)
+    logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * max(MEASURED_SKILL - player.skill, 0.0)
     chance = 1.0 / (1.0 + math.exp(logit))
     return max(chance, 1.0 - BODY_BEATEN) if gap < BODY_GAP else chance

@@ -14,7 +14,7 @@ from envs.football.vectors import length
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
 
-SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
+SHOT_RANGE, SHOT_SPOT = 14.0, 7.0  # m around a spot this far before the goal
 FREE_RANGE = 7.0  # m around it for whom no opponent stands before: he goes on for as long
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
 CORNER_AIM = 3.0  # m off the middle

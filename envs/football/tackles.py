@@ -21,7 +21,8 @@ IDLES = 0.5  # m/s
 CONTACT, AT_FEET = 0.85, 0.6  # m between bodies, and to the ball from the carrier's, for a poke round his body
 TACKLE_CHANCE, TACKLE_HURRIED = 0.9, 0.02  # of a tackle; less of it per m/s of the carrier
 TACKLE_BEHIND, BEHIND_COSINE = 0.3, -0.3  # share of the chance that is left from behind
-SKILL_LEAST, SKILL_MOST = 0.5, 1.2  # share of the chance that the least and the most skilful have
+SKILL_LEAST, SKILL_MOST = 0.9, 1.04  # share of the chance that the least and the most skilful have
+CLUMSY = 4.5  # more of the chance against a carrier without skill, by the square of what he lacks
 SWERVE = 20.0  # m/s, see `within_reach`
 TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
 WON_SPEED = 0.3  # share of the winner's speed that the ball gets
@@ -59,6 +60,7 @@ def tackle(match, i):
     player, carrier = match.players[i], match.players[match.carrier]
     front, speed = frontal(player, carrier), length(carrier.vx, carrier.vy)
     chance = (TACKLE_CHANCE - TACKLE_HURRIED * speed) * share_of_skill(player) * within_reach(match, i, SWERVE)
+    chance *= 1.0 + CLUMSY * (1.0 - carrier.skill) ** 2
     if front < BEHIND_COSINE:
         chance *= TACKLE_BEHIND
     if uniform(match) < chance:

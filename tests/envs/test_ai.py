@@ -92,6 +92,17 @@ def test_a_striker_before_an_open_goal_shoots() -> None:
     assert np.mean(matches["score"][:, 0] == 1) > 0.8
 
 
+def test_a_ball_that_comes_to_a_striker_is_shot_before_he_owns_it() -> None:
+    matches = alone([(-50.0, 0.0, LEFT, GK), (43.0, 3.0, LEFT, CF), (54.0, 0.0, RIGHT, GK)], (43.0, 15.0))
+    matches["ball"]["vy"] = -11.0
+    owned, shot = np.zeros((2, len(matches)), bool)
+    for _ in range(25):
+        play(matches, [0])
+        shot |= (matches["ball"]["vx"] > 15.0) & ~owned
+        owned |= matches["owner"] == 1
+    assert shot.mean() > 0.2
+
+
 def test_a_pressed_player_passes_to_the_mate_who_is_free_ahead() -> None:
     players = [
         *KEEPERS,

@@ -1,0 +1,39 @@
+"""How surely opponents intercept a ball that is played along a lane.
+
+The law and its numbers are those documented of Google Research Football. Read next: `passing`.
+"""
+
+from __future__ import annotations
+
+from envs.football.vectors import length
+from scenic_lite.jit import kernel
+
+RIVAL_LEAD = 0.2  # s by which an opponent's run is led
+LANE_END = 1.2  # of the lane's length, up to where an opponent endangers it
+BALL_DELAY, BALL_TIME = 0.7, 0.03  # s, s/m: how long a pass takes to the end of its lane
+RIVAL_SPEED, RIVAL_START = 8.0, 1.0  # m/s; m more to go
+IN_TIME = 0.5  # s of danger if opponent and ball are there at once
+
+
+@kernel
+def danger(match, team, x, y, overhead):
+    """Sum over the opponents of `team` of how surely each is at the lane from the ball to (x, y) before the ball.
+
+    Along its first part, the share `overhead`, the ball is out of their reach.
+    """
+    ball = match.ball
+    dx, dy = x - ball.x, y - ball.y
+    distance = length(dx, dy) + 1e-9
+    total = 0.0
+    for j in range(match.num_players):
+        rival = match.players[j]
+        if rival.team == team:
+            continue
+        to_x, to_y = rival.x + RIVAL_LEAD * rival.vx - ball.x, rival.y + RIVAL_LEAD * rival.vy - ball.y
+        share = (to_x * dx + to_y * dy) / (distance * distance)
+        if overhead <= share <= LANE_END:
+            away = abs(to_x * dy - to_y * dx) / distance
+            ball_time = (BALL_DELAY + BALL_TIME * min(share, 1.0) * distance) * share
+            rival_time = (away + RIVAL_START) / RIVAL_SPEED
+            total += min(max(ball_time - rival_time + IN_TIME, 0.0), 1.0)
+    return total
