@@ -69,7 +69,8 @@ def aim_shot(match, player, ux, uy):
     share = min(abs(deviation) / (0.5 * math.pi), 1.0) ** AIM_POWER
     side = 1.0 if deviation * dx > 0.0 else -1.0
     if math.pi - abs(deviation) < ASTERN:
-        side = ASTERN_SHARE if uniform(match) < 0.5 else -ASTERN_SHARE
+        left = math.copysign(ASTERN_SHARE, goal_x)  # as he sees it: turned with the pitch
+        side = left if uniform(match) < 0.5 else -left
     player.aim_x, player.aim_y = goal_x, side * AIM_WIDEST * share
 
 
