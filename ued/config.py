@@ -82,9 +82,9 @@ class DRConfig:
 class AdversaryConfig:
     """Settings of the adversary and its learning."""
 
-    learning_rate: float = setting(3e-3, "step size of Adam")
-    ent_coef: float = setting(0.1, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
-    update_epochs: int = setting(5, "gradient steps for each batch of levels")
+    learning_rate: float = setting(1e-2, "step size of Adam")
+    ent_coef: float = setting(0.03, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
+    update_epochs: int = setting(20, "gradient steps for each batch of levels")
     clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
     vf_coef: float = setting(0.5, "weight of the baseline's loss")
     max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
@@ -95,7 +95,7 @@ class AdversaryConfig:
     context: Literal["random", "observation"] = setting(
         "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
     )
-    context_size: int = setting(16, "length of z")
+    context_size: int = setting(1, "length of z: a long one teaches slowly, for each z looks like a case of its own")
     hidden_size: int = setting(64, "units in each of the two hidden layers")
     min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
 
@@ -108,7 +108,9 @@ class AdversaryConfig:
     @classmethod
     def thesis(cls) -> AdversaryConfig:
         """Give the settings of the thesis (Table 4.2)."""
-        return cls(learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5)
+        return cls(
+            learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5, context_size=16
+        )
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,12 @@ class PairedConfig(TeacherConfig):
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )
-    flexible: bool = setting(False, "on each level the better student plays the antagonist's part")
+    roles: Literal["population", "flexible", "fixed"] = setting(
+        "population",
+        "regret is the best student's minus all students' mean (population), the better one's minus the other's "
+        "(flexible), or the antagonist's minus the protagonist's (fixed; always so where the antagonist is scripted)",
+    )
+    students: int = setting(2, "how many; more than two make a population without an antagonist")
     clip_regret: bool = setting(False, "count a negative regret as 0")
     student_reward: Literal["environment", "regret"] = setting(
         "environment", "what students learn from: the environment's rewards, or -regret and regret when an episode ends"
@@ -161,7 +168,6 @@ class PairedConfig(TeacherConfig):
     antagonist: Literal["student", "scripted"] = setting(
         "student", "who plays the antagonist: a second student, or what the environment itself does there"
     )
-    population: int = setting(0, "students without fixed parts, of whom the best is the antagonist; 0: two with parts")
     kl: Literal["none", "one_way", "both_ways"] = setting(
         "none", "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other"
     )
@@ -171,24 +177,29 @@ class PairedConfig(TeacherConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_at_least_1(self, "kl_every")
-        check_choices(self, "regret", "student_reward", "antagonist", "kl")
-        check_not_negative(self, "kl_coef", "population")
-        if self.population == 1:
-            raise ValueError("population must be 0 or at least 2, got 1")
-        if self.population and (self.antagonist == "scripted" or self.student_reward == "regret" or self.flexible):
-            raise ValueError("a population has no antagonist: it excludes scripted, flexible and regret as reward")
-        if self.antagonist == "scripted" and (self.kl != "none" or self.student_reward == "regret"):
-            raise ValueError("a scripted antagonist does not learn: it excludes kl and regret as reward")
+        check_choices(self, "regret", "roles", "student_reward", "antagonist", "kl")
+        check_not_negative(self, "kl_coef")
+        if self.students < 2:
+            raise ValueError(f"students must be at least 2, got {self.students}")
+        if self.students > 2 and (self.antagonist == "scripted" or self.roles != "population"):
+            raise ValueError(
+                "more than two students have no antagonist: roles must be population, and none is scripted"
+            )
+        if self.student_reward == "regret" and (self.roles != "fixed" or self.antagonist == "scripted"):
+            raise ValueError("regret pays a protagonist and an antagonist who learn: roles must be fixed")
+        if self.antagonist == "scripted" and self.kl != "none":
+            raise ValueError("a scripted antagonist does not learn: it excludes kl")
 
     @classmethod
     def thesis(cls) -> PairedConfig:
         """Give the settings of the thesis (Table 4.2)."""
-        return cls(adversary=AdversaryConfig.thesis())
+        return cls(roles="fixed", adversary=AdversaryConfig.thesis())
 
     @classmethod
     def literal(cls) -> PairedConfig:
         """Give PAIRED as it is usually shipped: the thesis's student rewards, no entropy bonus, no random levels."""
-        return cls(student_reward="regret", clip_regret=True, adversary=AdversaryConfig(ent_coef=0.0))
+        adversary = AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16)
+        return cls(student_reward="regret", roles="fixed", clip_regret=True, adversary=adversary)
 
 
 @dataclass(frozen=True)

@@ -53,14 +53,15 @@ def theta_metrics(theta: np.ndarray) -> dict[str, float]:
     }
 
 
-def regret_split(trials: np.ndarray) -> dict[str, float]:
-    """Give regret `[L]` as it is scored, and split into skill (difference of the means) and luck (the rest).
+def regret_split(trials: np.ndarray, fixed: bool) -> dict[str, float]:
+    """Give regret `[L]` as it is scored, and split into skill (difference of students' means) and luck (the rest).
 
     With outcomes by chance, the best of several episodes exceeds their mean even between equal students; that part
-    says nothing about the level. Student 0 is the protagonist, student 1 the antagonist.
+    says nothing about the level. Skill is what student 1, the antagonist, has above student 0, or without fixed parts
+    what the best student has above the mean of all: means over all levels, since on each the best is so by luck, too.
     """
     if not len(trials):
         return {}
-    means = mean_returns(trials)
-    skill, score = float((means[:, 1] - means[:, 0]).mean()), float(trials["score"].mean())
+    means, score = mean_returns(trials).mean(0), float(trials["score"].mean())
+    skill = float(means[1] - means[0] if fixed else means.max() - means.mean())
     return {"regret": score, "regret/skill": skill, "regret/luck": score - skill}

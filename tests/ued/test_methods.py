@@ -46,7 +46,7 @@ METHODS = {
     "minimax": lambda env, seed=0: Minimax(env, PPO, seed=seed),
     "paired": lambda env, seed=0: Paired(env, PPO, seed=seed),
     "paired_kl": lambda env, seed=0: Paired(env, PPO, PairedConfig(kl="both_ways", kl_every=1), seed),
-    "paired_population": lambda env, seed=0: Paired(env, PPO, PairedConfig(population=3), seed),
+    "paired_population": lambda env, seed=0: Paired(env, PPO, PairedConfig(students=3), seed),
     "paired_scripted": lambda env, seed=0: Paired(env, PPO, PairedConfig(antagonist="scripted"), seed),
     "paired_literal": lambda env, seed=0: Paired(env, PPO, PairedConfig.literal(), seed),
     "paired_image": lambda env, seed=0: Paired(
@@ -327,14 +327,18 @@ def test_methods_that_choose_theta_need_one(name):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: PairedConfig(population=1), "population must be 0 or at least 2, got 1"),
-        (lambda: PairedConfig(population=2, flexible=True), "a population has no antagonist"),
+        (lambda: PairedConfig(students=1), "students must be at least 2, got 1"),
+        (lambda: PairedConfig(students=3, roles="flexible"), "more than two students have no antagonist"),
+        (lambda: PairedConfig(student_reward="regret"), "roles must be fixed"),
         (lambda: PairedConfig(antagonist="scripted", kl="one_way"), "a scripted antagonist does not learn"),
         (lambda: PLRConfig(score="learnability"), "learnability needs episodes_per_level of at least 2, got 1"),
         (lambda: SFLConfig(chosen=300), r"chosen must be at most candidates \(256\), got 300"),
         (lambda: SFLConfig(candidate_episodes=1), "candidate_episodes must be at least 2, got 1"),
         (lambda: ALPGMMConfig(fit_every=5), r"fit_every must be above max_components \(10\), got 5"),
-        (lambda: RepairedConfig(student_reward="regret"), "REPAIRED trains students on the environment's rewards"),
+        (
+            lambda: RepairedConfig(student_reward="regret", roles="fixed"),
+            "REPAIRED trains students on the environment's rewards",
+        ),
     ],
 )
 def test_settings_that_contradict_each_other_are_refused(make, message):

@@ -59,7 +59,9 @@ def test_flexible_regret_lets_the_better_one_be_the_antagonist():
 def test_regret_can_be_clipped_at_zero():
     scores = []
     for clip in (False, True):
-        config = PairedConfig(clip_regret=clip, regret="mean_mean", adversary=AdversaryConfig(min_batch=10_000))
+        config = PairedConfig(
+            clip_regret=clip, regret="mean_mean", roles="fixed", adversary=AdversaryConfig(min_batch=10_000)
+        )
         method = Paired(Landscape(64), PPO, config, seed=0)
         method.update()
         scores.append(method.last.score)
@@ -150,7 +152,9 @@ def test_settings_out_of_range_are_refused(setting, number, message):
 
 def test_regret_can_be_the_reward_of_the_students():
     """The letter of Algorithm 1: at the end of each episode -regret and regret, on levels that both have settled."""
-    method = Paired(Landscape(64), PPO, PairedConfig(student_reward="regret", episodes_per_level=4), seed=0)
+    method = Paired(
+        Landscape(64), PPO, PairedConfig(student_reward="regret", roles="fixed", episodes_per_level=4), seed=0
+    )
     learned = []
     for seat in method.seats:
         seat.ppo.learn = lambda rollout, env_steps: learned.append(rollout) or {}
@@ -183,7 +187,7 @@ def longer(outcome):
 
 
 def test_students_paid_by_regret_are_trained():
-    method = Paired(Landscape(32), PPO, PairedConfig(student_reward="regret"), seed=0)
+    method = Paired(Landscape(32), PPO, PairedConfig(student_reward="regret", roles="fixed"), seed=0)
     for _ in range(3):
         metrics = method.update()
     assert np.isfinite(metrics["protagonist/policy_loss"]) and method.env_steps == 3 * 2 * 16 * 32

@@ -9,9 +9,11 @@
 A level that nobody can solve causes no regret, nor does one that both solve: what is left lies at the edge of what the
 protagonist can do. Students learn from their own rewards, as in every implementation that works: from each student's
 view the other's return is a constant. `student_reward="regret"` is the letter of the algorithm instead.
-The other settings are its stabilisers: random levels among the adversary's, flexible and mean-mean regret, a population
-of students, students drawn to each other, and an antagonist that is no student but what the environment itself does
-with the learner's part (a Scenic behavior), whose return is the yardstick from the first update on.
+Nothing makes the antagonist the better student. Where it is not, regret is negative on levels that the protagonist has
+just learned to solve, and the adversary is taught to avoid them: so the default is the regret of a population, the best
+of both students against the mean of both (`roles`). The other settings are further stabilisers: random levels among the
+adversary's, mean-mean regret, students drawn to each other, and an antagonist that is no student but what the
+environment itself does with the learner's part (a Scenic behavior), the yardstick from the first update on.
 Read next: `teacher` and `adversary`; `training`, who plays what; `methods.repaired`.
 """
 
@@ -37,8 +39,8 @@ NAMES = ("protagonist", "antagonist")
 
 
 def student_names(config: PairedConfig) -> tuple[str, ...]:
-    """Give the names of the students: the two parts, or those of a population."""
-    return tuple(f"student{k}" for k in range(config.population)) or NAMES
+    """Give the names of the students: those of the two parts, or numbers where there are more."""
+    return NAMES if config.students == 2 else tuple(f"student{k}" for k in range(config.students))
 
 
 class PairedLevels:
@@ -56,15 +58,21 @@ class PairedLevels:
     def update(self, trials: np.ndarray) -> dict[str, float]:
         """Pay the adversary the regret that its levels caused."""
         trials["score"] = self.regret(trials)
-        return self.teacher.learn(trials) | regret_split(trials[trials["origin"] == Origin.PROPOSED])
+        split = regret_split(trials[trials["origin"] == Origin.PROPOSED], self.roles == "fixed")
+        return self.teacher.learn(trials) | split
+
+    @property
+    def roles(self) -> str:
+        """Say whose regret it is; a scripted antagonist is nothing else."""
+        return "fixed" if self.config.antagonist == "scripted" else self.config.roles
 
     def regret(self, trials: np.ndarray) -> np.ndarray:
         """Give the regret of each level `[L]`."""
         config, returns = self.config, trials["returns"]  # [L, S, n]
-        if config.population:
+        if self.roles == "population":
             found = population_regret(returns, config.regret)
         else:
-            found = regret(returns[:, 0], returns[:, 1], config.regret, config.flexible)
+            found = regret(returns[:, 0], returns[:, 1], config.regret, self.roles == "flexible")
         return np.maximum(found, 0.0) if config.clip_regret else found
 
     def state_dict(self) -> dict[str, Any]:
