@@ -72,3 +72,4 @@ RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION, TERMINATED, REJECTED = range(7
 
 # Faults: what a kernel found that must not be; in the program itself, `scenic_lite.dynamics` says which
 NO_FAULT, NOT_A_NUMBER, BAD_ACTION, PROGRAM_FAULT = range(4)
+KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach

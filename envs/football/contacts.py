@@ -15,7 +15,7 @@ from envs.football.hands import can_hold, has_hands, hold, parry
 from envs.football.kicks import kick_first_time
 from envs.football.possession import ball_speed
 from envs.football.saves import ARM, foresee
-from envs.football.tackles import STANDING, in_tackle_reach, slide_into, tackle, within_reach
+from envs.football.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
 from envs.football.touch import take
 from envs.football.vectors import length
 from scenic_lite.jit import kernel
@@ -34,6 +34,7 @@ CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
 CLAIM_STANDING = 0.6  # chance against a carrier who stands
 CLAIM_SURE, CLAIM_HURRIED, CLAIM_MOST = 1.42, 0.1, 0.95  # against one who runs: less per m/s, but at most
 CLAIM_WAIT, CLAIM_DOWN = 1.2, 1.0  # s when beaten; a carrier who stands does not leave him on the ground
+CLAIM_FEET = 0.85  # of the chance that is left with the feet alone
 CLAIM_SWERVE = 10.0  # m/s across his reach at which he cannot have it
 ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
 CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
@@ -104,7 +105,7 @@ def challenge(match, i, distance):
             claim(match, i)
     elif player.sliding:
         slide_into(match, i, distance)
-    elif in_tackle_reach(match, i, distance):
+    elif in_tackle_reach(match, i, distance) and goes_for_ball(match, i, distance):
         tackle(match, i)
 
 
@@ -130,9 +131,10 @@ def claim(match, i):
     if not stands:
         chance = min(CLAIM_SURE - CLAIM_HURRIED * speed, CLAIM_MOST)
         chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
-    if uniform(match) < chance:
+    hands = has_hands(match, i)
+    if uniform(match) < (chance if hands else CLAIM_FEET * chance):
         carrier.touch_wait = ROBBED_WAIT
-        if has_hands(match, i):
+        if hands:
             hold(match, i)
         else:
             take(match, i)

@@ -13,6 +13,7 @@ from envs.football.constants import (
     DRIBBLE,
     DRIBBLE_SPEED,
     IDLE,
+    KICK_PATIENCE,
     LONG_PASS,
     NOBODY,
     NUM_COMMANDS,
@@ -30,7 +31,6 @@ from envs.football.possession import ball_speed, fall_time, forget_kick, meeting
 from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
-KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
 HUNT_LEAD = 1.2  # s at most by which a carrier's run is led

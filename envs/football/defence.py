@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import GK, HALF_LENGTH, NOBODY, RUN_SPEED
+from envs.football.constants import GK, HALF_LENGTH, NOBODY
 from envs.football.control import go_for_ball, run_to, slide
-from envs.football.effort import head_for, reaction_time
+from envs.football.effort import go, head_for, reaction_time
 from envs.football.formation import DEPTH, FOCUS, FOCUS_RANGE, block_x, formation_place, forward
 from envs.football.marking import man_on_ball
 from envs.football.saves import own_goal_x
@@ -19,20 +19,27 @@ from scenic_lite.jit import kernel
 
 SLIDE_NEAR, SLIDE_FAR, SLIDE_COSINE = 0.7, 1.6, 0.7  # m to the ball, and how nearly straight ahead it lies
 SLIDE_LOOSE = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
-CATCH_UP, STEADY = 1.5, 0.5  # 1/s by which a gap that is too wide or too narrow is mended; m/s too little to move for
-CLOSED_DOWN = 3.0  # m to the ball, from where a defender before his goal sprints at it
-CLEAR_BY = 2.5  # m by which the opponent on the ball is passed on the way back
 TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
-DANGER_RANGE = 29.0  # m from the carrier to the goal: from here on he is attacked, and loses the ball some 5 m later
-CLOSE_RANGE = 20.0  # m: the same where a keeper is behind the defender
 PATIENCE, PRESSED_RANGE = 110, 40.0  # steps a carrier may keep the ball within this many m of the goal, against several
-HOLD_UP_MOST, HOLD_UP_FROM = 7.0, 24.0  # m left to a carrier who is far away; m to the goal, from where on less is
-HOLD_UP_GAP, HOLD_UP_SHARE = 3.0, 0.5  # m that are left at least, and more per m that he is further from the goal
 INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
+
+# Guarding
+GUARD_LEAD, OWN_LEAD = 0.5, 0.14  # s by which the opponent's and the own run are led
+SHOT_FROM = 24.0  # m to the goal: from where he shoots
+NEAREST, BUFFER = 0.4, 4.0  # m in front of him at least; m nearer than he is to where he will shoot
+TRAP_DEPTH, TRAP_LEAST = 25.0, 4.0  # m behind a ball that is far away; at least
+TRAP_FROM, TRAP_TO = -10.0, 49.0  # m from the half-way line to a ball: far, and near
+CLEAR_BY, ABREAST = 1.5, 0.3  # m by which he passes him on the way back, until he is abreast of him
+BEATEN = 0.7  # share of the m by which a guard is too late that he falls back
+
+# Marking others
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
 MARK_MOST = 3.5  # m
+
 MARK_CLOSE = 0.6  # of the way there from his post: opponents who wait for a pass have some 5 m of room
 SMALL_GAME = 8  # players: up to so many there is no block to keep
+
+# Posts
 LINE_POST = -0.5  # posts further back than this form the back line
 LINE_NEAREST, LINE_FARTHEST = 6.0, 55.0  # m from the goal to the back line
 LINE_BEHIND = 3.0  # m behind a ball that has come close
@@ -52,19 +59,28 @@ def defend(match, i):
     elif player.mark == NOBODY:
         x, y = post_place(match, player)
         head_for(match, player, x, y)
-    elif player.mark == on_ball:
-        hold_up(match, i, on_ball)
-    else:
+    elif player.mark != on_ball:
         mark(match, player)
+    elif loses_patience(match, player, on_ball):
+        go_for_ball(match, i, player.top_speed)
+    else:
+        guard(match, player)
 
 
 @kernel
 def tackles(match, player):
-    """Tell whether a player tries for a led ball that comes close to him, from where he is not behind it."""
+    """Tell whether a player tries for a led ball that comes to him, from where he is not behind it.
+
+    Who marks the carrier waits for that until he has come close to where he will shoot.
+    """
     ball = match.ball
     dx, dy = ball.x - player.x, ball.y - player.y
     if match.carrier == NOBODY or dx * dx + dy * dy > TACKLE_RANGE * TACKLE_RANGE:
         return False
+    if player.mark == match.carrier:
+        carrier = match.players[match.carrier]
+        if length(own_goal_x(player.team) - carrier.x, carrier.y) > SHOT_FROM + BUFFER:
+            return False
     coming = -(dx * ball.vx + dy * ball.vy) / (length(dx, dy) + 1e-9)
     return coming > COMING and forward(player.team) * dx > 0.0
 
@@ -97,74 +113,46 @@ def hunt(match, i, on_ball):
 
 
 @kernel
-def hold_up(match, i, on_ball):
-    """Stay between the opponent on the ball and the goal at a distance; attack the ball near the goal."""
-    player, rival = match.players[i], match.players[on_ball]
+def guard(match, player):
+    """Stay nearer than the opponent on the ball to where that one will shoot: far off loosely, then in front of him.
+
+    Where that opponent will be is led so far that a guard goes back before a sprinter rather than into him.
+    """
+    rival = match.players[player.mark]
     goal_x = own_goal_x(player.team)
-    late = reaction_time(player)
-    x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
+    lead = GUARD_LEAD - reaction_time(player)
+    x, y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
-    if to_goal < attacked_from(match, player):
-        attack_ball(match, i, rival, to_goal)
-        return
-    gap = HOLD_UP_GAP + HOLD_UP_SHARE * max(to_goal - HOLD_UP_FROM, 0.0)
-    share = min(min(gap, HOLD_UP_MOST) / to_goal, 0.9)
-    x, y = x + share * (goal_x - x), y * (1.0 - share)
-    if length(goal_x - player.x, player.y) < to_goal:
-        go_along(player, rival, x, y)
-    else:
-        run_round(player, rival, x, y)
-
-
-@kernel
-def go_along(player, rival, x, y):
-    """Move as an opponent does, and meanwhile towards (x, y)."""
-    want_x, want_y = rival.vx + CATCH_UP * (x - player.x), rival.vy + CATCH_UP * (y - player.y)
-    size = length(want_x, want_y)
-    share = min(player.top_speed / size, 1.0) if size > STEADY else 0.0
-    player.want_x, player.want_y = share * want_x, share * want_y
-
-
-@kernel
-def attacked_from(match, player):
-    """Distance in m from the goal within which a player attacks the opponent whom he holds up."""
-    goal_x = own_goal_x(player.team)
-    own = length(goal_x - player.x, player.y)
-    mates, keeper_behind = 0, False
-    for j in range(match.num_players):
-        mate = match.players[j]
-        if mate.team != player.team:
-            continue
-        if mate.role == GK:
-            keeper_behind = length(goal_x - mate.x, mate.y) < own
-        else:
-            mates += 1
-    if mates > 1 and match.borne > PATIENCE:
-        return PRESSED_RANGE
-    return CLOSE_RANGE if keeper_behind else DANGER_RANGE
-
-
-@kernel
-def attack_ball(match, i, rival, to_goal):
-    """Go for the ball near the goal: at a run while between it and the goal, sprinting when close or behind it."""
-    player, ball = match.players[i], match.ball
-    goal_side = length(own_goal_x(player.team) - player.x, player.y) < to_goal
-    far = apart(ball, player) > CLOSED_DOWN
-    go_for_ball(match, i, RUN_SPEED if goal_side and far else player.top_speed)
+    way = max(to_goal - SHOT_FROM, NEAREST)
+    line = trap_x(match, player.team)
+    if forward(player.team) * (x + way / to_goal * (goal_x - x) - line) < 0.0:
+        way = max(to_goal * (line - x) / (goal_x - x), NEAREST)
+    spot_x, spot_y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
+    x, y = post_place(match, player)
+    off = length(spot_x - x, spot_y - y) + 1e-9
+    share = min(max(off - way + BUFFER, 0.0) / off, 1.0)
+    x, y = x + share * (spot_x - x), y + share * (spot_y - y)
+    late = length(spot_x - player.x - OWN_LEAD * player.vx, spot_y - player.y - OWN_LEAD * player.vy) - way
+    if late > 0.0:
+        back = min(BEATEN * late / (length(goal_x - x, y) + 1e-9), 1.0)
+        x, y = x + back * (goal_x - x), y * (1.0 - back)
+    if not run_round(player, rival, x, y):
+        head_for(match, player, x, y)
 
 
 @kernel
 def run_round(player, rival, x, y):
-    """Run to (x, y), keeping clear of an opponent who is in between."""
+    """Run round an opponent who is in the way to (x, y); return whether one is."""
     dx, dy = x - player.x, y - player.y
     distance = length(dx, dy) + 1e-9
     to_x, to_y = rival.x - player.x, rival.y - player.y
     along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
-    if 0.0 < along < distance and abs(across) < CLEAR_BY:
-        aside = math.copysign(CLEAR_BY - abs(across), across)  # to the side on which he is not
-        x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
-        x, y = x + dx / distance, y + dy / distance
-    run_to(player, x, y, player.top_speed)
+    if not ABREAST < along < distance or abs(across) > CLEAR_BY:
+        return False
+    aside = math.copysign(CLEAR_BY - abs(across), across)  # to the side on which he is not
+    x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
+    go(player, x + dx / distance - player.x, y + dy / distance - player.y, player.top_speed)
+    return True
 
 
 @kernel
@@ -183,6 +171,18 @@ def mark(match, player):
 
 
 @kernel
+def loses_patience(match, player, on_ball):
+    """Tell whether a guard attacks an opponent who keeps the ball without getting anywhere, as mates cover him."""
+    rival = match.players[on_ball]
+    if match.borne <= PATIENCE or length(own_goal_x(player.team) - rival.x, rival.y) > PRESSED_RANGE:
+        return False
+    mates = 0
+    for j in range(match.num_players):
+        mates += match.players[j].team == player.team and match.players[j].role != GK
+    return mates > 1
+
+
+@kernel
 def post_place(match, player):
     """Place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
     x, y = formation_place(match, player)
@@ -193,6 +193,14 @@ def post_place(match, player):
     close = FOCUS * max(1.0 - abs(goal_x - ball.x) / HALF_LENGTH, 0.0)
     close *= max(1.0 - length(ball.x - x, ball.y - y) / FOCUS_RANGE, 0.0)
     return x + close * 0.5 * (ball.x - x), y + close * (ball.y - y)
+
+
+@kernel
+def trap_x(match, team):
+    """x behind which guards leave an opponent offside: far behind a far ball, close behind one near the goal."""
+    depth = -forward(team) * match.ball.x
+    near = min(max((depth - TRAP_FROM) / (TRAP_TO - TRAP_FROM), 0.0), 1.0)
+    return -forward(team) * max(depth + TRAP_DEPTH * (1.0 - near), depth + TRAP_LEAST)
 
 
 @kernel

@@ -19,7 +19,7 @@ from scenic_lite.stream import normal, uniform
 # Catching
 CATCH_TOP, CATCH_AGE, CATCH_FROM = 40.0, 1.5, 0.3  # m/s, s and the product of ease from which a ball is held
 HANDS_HEIGHT, THROW_HEIGHT = 1.2, 1.9  # m, of a ball that is held, that is about to be thrown
-HOLD_STEPS, HOLD_SPREAD = 3, 9  # steps for which a keeper keeps it at least, and how much they vary
+HOLD_STEPS, HOLD_SPREAD = 3, 6  # steps for which a keeper keeps it at least, and how much they vary
 
 # Parries: share of its speed that the ball keeps; tangents of the angle off straight back out
 PARRY_KEEP, PARRY_KEEP_SPREAD, PARRY_LEAST, PARRY_MOST = 0.55, 0.16, 0.3, 0.9
@@ -48,10 +48,12 @@ def can_hold(match, speed):
 
 @kernel
 def hold(match, i):
-    """Give keeper i the ball in his hands."""
+    """Give keeper i the ball in his hands; he turns his back on his goal, lest he carry it in."""
     take(match, i)
     if match.carrier != i:
         return
+    player = match.players[i]
+    player.facing_x, player.facing_y = -1.0 if own_goal_x(player.team) > 0.0 else 1.0, 0.0
     match.holder = i
     match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
     carry_in_hands(match)

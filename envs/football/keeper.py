@@ -16,9 +16,10 @@ from envs.football.constants import (
 )
 from envs.football.control import chase, go_for_ball, run_to
 from envs.football.hands import HOLD_STEPS
+from envs.football.marking import man_on_ball
 from envs.football.possession import ball_speed, meeting_time
 from envs.football.saves import dive, own_goal_x
-from envs.football.vectors import apart, length, toward
+from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 # Standing
@@ -27,15 +28,20 @@ LINE_LEAST = 0.7  # m
 ASTRAY = 3.0  # m from where he should be: he sprints
 ADVANCE = 0.3  # share of the way to the ball while his team has it
 
-# Coming out
+# Loose balls
 CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
 CLAIM_RANGE = 30.0  # m from the goal line
-RUSH_NEAR, RUSH_SHARE = 2.5, 0.8  # m; share of his distance at which he joins the line from ball to goal
+
+# Coming out
+SHOT_FROM, SECOND_SHOT_FROM = 20.0, 24.0  # m to the goal: from where an opponent on the ball shoots, and another
+RIVAL_LEAD, MATE_RUN, BALL_LEAD = 0.32, 0.24, 0.6  # s by which runs and the ball are led
+COMMITTED = 5.0  # m to a led ball, from where on he goes through with it
+TOO_LATE = 1.0  # m by which a mate is further from there: too late
+SECOND_SHARE = 0.7  # of the way out that another free attacker as near takes away
+ON_BALL, OFF_BALL = 0.6, 0.4  # weight of the ball against the opponent who has it, or will
+STOPS_SHORT, RUSH_NEAR = 0.5, 2.5  # m
 
 GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
-
-# Against two
-SECOND_RANGE, SECOND_FREE, SECOND_SHARE = 27.0, 4.0, 0.3  # m from the goal; m to his marker; share of the way out
 
 # Distribution
 THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
@@ -61,13 +67,14 @@ def think_keeper(match, i):
         dive(match, player)
     elif match.carrier == i:
         kick_out(match, i)
-    elif should_come_out(match, i):
-        if match.carrier == NOBODY:
-            chase(match, i, player.top_speed)
-        else:
-            rush(match, i)
+    elif goes_for_loose_ball(match, i):
+        chase(match, i, player.top_speed)
     else:
-        stand(match, i)
+        share = boldness(match, i)
+        if share > 0.0:
+            come_out(match, i, share)
+        else:
+            stand(match, i)
 
 
 @kernel
@@ -130,73 +137,19 @@ def opposed(match, j, within):
 
 
 @kernel
-def rush(match, i):
-    """Run at the carrier, from afar along the line from the ball to the goal so as to narrow the angle."""
+def goes_for_loose_ball(match, i):
+    """Tell whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
     player, ball = match.players[i], match.ball
-    distance = apart(ball, player)
     goal_x = own_goal_x(player.team)
-    to_goal = length(goal_x - ball.x, ball.y)
-    if distance < RUSH_NEAR or distance > to_goal:
-        go_for_ball(match, i, player.top_speed)
-        return
-    share = RUSH_SHARE * distance / (to_goal + 1e-9)
-    if second_attacker(match, i, match.carrier):
-        share = max(share, 1.0 - SECOND_SHARE)
-        run_to(player, ball.x + share * (goal_x - ball.x), ball.y * (1.0 - share), player.top_speed)
-        return
-    to_x, to_y = toward(ball.x + share * (goal_x - ball.x) - player.x, ball.y * (1.0 - share) - player.y)
-    player.want_x, player.want_y = to_x * player.top_speed, to_y * player.top_speed  # no slower near that place
-
-
-@kernel
-def second_attacker(match, i, first):
-    """Tell whether an opponent other than `first` is near keeper i's goal and unmarked: then he must not go all out."""
-    goal_x = own_goal_x(match.players[i].team)
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team == match.players[i].team or j == first:
-            continue
-        if length(goal_x - rival.x, rival.y) < SECOND_RANGE and not marked(match, i, j):
-            return True
-    return False
-
-
-@kernel
-def marked(match, i, j):
-    """Tell whether a mate of keeper i is close to opponent j."""
-    for k in range(match.num_players):
-        mate = match.players[k]
-        if k != i and mate.team == match.players[i].team and apart(mate, match.players[j]) < SECOND_FREE:
-            return True
-    return False
-
-
-@kernel
-def should_come_out(match, i):
-    """Tell whether to leave the goal: for a loose ball that he reaches first, or for a carrier who is through."""
-    player = match.players[i]
-    ball = match.ball
-    goal_x = own_goal_x(player.team)
-    if ball.x * goal_x <= 0.0:
+    if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
         return False
-    if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
-        return match.carrier == NOBODY and first_at_ball(match, i)
-    return through_on_goal(match, i)
-
-
-@kernel
-def first_at_ball(match, i):
-    """Tell whether keeper i can be at a loose ball clearly before any opponent, and should be the one to go."""
-    player = match.players[i]
-    if abs(own_goal_x(player.team) - match.ball.x) > CLAIM_RANGE or match.chaser[player.team] != i:
+    if abs(goal_x - ball.x) > CLAIM_RANGE or match.chaser[player.team] != i:
         return lone(match, i)
     rival = match.chaser[1 - player.team]
     if rival == NOBODY:
         return True
-    speed = ball_speed(match.ball)
-    return (meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)) or (
-        through_on_goal(match, i) and not second_attacker(match, i, rival)
-    )
+    speed = ball_speed(ball)
+    return meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)
 
 
 @kernel
@@ -209,18 +162,81 @@ def lone(match, i):
 
 
 @kernel
-def through_on_goal(match, i):
-    """Tell whether no mate of keeper i stands closer to his goal than the ball does."""
+def boldness(match, i):
+    """Share of the way to the ball that keeper i goes to meet an opponent whom no mate can stop before he shoots.
+
+    0 if one can, 1 if only that opponent is dangerous, less the more an attacker next to him is.
+    """
+    team = match.players[i].team
+    goal_x = own_goal_x(team)
+    first = man_on_ball(match, 1 - team)
+    if match.ball.x * goal_x <= 0.0 or match.favoured == team or first == NOBODY:
+        return 0.0
+    if match.carrier != NOBODY and apart(match.ball, match.players[i]) < COMMITTED:
+        return 1.0
+    way, mate_way = ways_to_shot(match, i, first, SHOT_FROM)
+    if mate_way <= way + TOO_LATE:
+        return 0.0
+    second = nearest_to_goal(match, 1 - team, first)
+    if second == NOBODY:
+        return 1.0
+    second_way, second_mate_way = ways_to_shot(match, i, second, SECOND_SHOT_FROM)
+    free = min(max(0.5 * (second_mate_way - second_way), 0.0), 1.0)
+    close = 1.0 - min(max(2.0 * (second_way / (way + 1e-4) - 1.0), 0.0), 1.0)
+    return 1.0 - free * SECOND_SHARE * close
+
+
+@kernel
+def ways_to_shot(match, i, j, range_of_shot):
+    """How far in m opponent j is from where he will shoot, and how far the nearest mate of keeper i is from there."""
+    rival = match.players[j]
     goal_x = own_goal_x(match.players[i].team)
-    ball = match.ball
-    danger = length(goal_x - ball.x, ball.y)
+    x, y = rival.x + RIVAL_LEAD * rival.vx, rival.y + RIVAL_LEAD * rival.vy
+    to_goal = length(goal_x - x, y) + 1e-9
+    way = max(to_goal - range_of_shot * min(to_goal / (2.0 * range_of_shot), 1.0), 0.0)
+    x, y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
+    nearest = math.inf
+    for k in range(match.num_players):
+        mate = match.players[k]
+        if k != i and mate.team != rival.team and not mate.off:
+            nearest = min(nearest, length(mate.x + MATE_RUN * mate.vx - x, mate.y + MATE_RUN * mate.vy - y))
+    return way, nearest
+
+
+@kernel
+def nearest_to_goal(match, team, but):
+    """The player of `team`, except one, who is nearest to the goal that it attacks; -1 none."""
+    goal_x = -own_goal_x(team)
+    best, least = NOBODY, math.inf
     for j in range(match.num_players):
-        mate = match.players[j]
-        if j == i or mate.team != match.players[i].team or mate.off:
+        player = match.players[j]
+        if player.team != team or j == but or player.off:
             continue
-        if length(goal_x - mate.x, mate.y) < danger:
-            return False
-    return True
+        distance = length(goal_x - player.x, player.y)
+        if distance < least:
+            best, least = j, distance
+    return best
+
+
+@kernel
+def come_out(match, i, share):
+    """Run this share of the way from the goal to where the opponent on the ball will soon be; near him, at the ball."""
+    player, ball = match.players[i], match.ball
+    if match.carrier != NOBODY and apart(ball, player) < RUSH_NEAR:
+        go_for_ball(match, i, player.top_speed)
+        return
+    rival = match.players[man_on_ball(match, 1 - player.team)]
+    weight = ON_BALL if match.carrier != NOBODY else OFF_BALL
+    ball_x, ball_y = ball.x + BALL_LEAD * ball.vx, ball.y + BALL_LEAD * ball.vy
+    to_x = weight * ball_x + (1.0 - weight) * (rival.x + RIVAL_LEAD * rival.vx)
+    to_y = weight * ball_y + (1.0 - weight) * (rival.y + RIVAL_LEAD * rival.vy)
+    goal_x = own_goal_x(player.team)
+    foot_x = goal_x - math.copysign(LINE_LEAST, goal_x)
+    foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
+    way = length(to_x - foot_x, to_y - foot_y) + 1e-9
+    out = max(share * (way - STOPS_SHORT), LINE_LEAST) / way
+    x, y = foot_x + out * (to_x - foot_x), foot_y + out * (to_y - foot_y)
+    run_to(player, x, y, player.top_speed)
 
 
 @kernel

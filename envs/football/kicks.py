@@ -13,8 +13,10 @@ from envs.football.constants import (
     DIRECTION_Y,
     DT,
     HIGH_PASS,
+    KICK_PATIENCE,
     NOBODY,
     SHOT,
+    STEP,
 )
 from envs.football.offside import whistled
 from envs.football.passes import aim_pass, play_pass
@@ -45,6 +47,7 @@ PASS_ACROSS = 0.25  # share of a shot's delay across the run that a pass has
 PASS_ROUND, PASS_BEHIND = 0.2, 0.76 * math.pi  # s more when it goes so many rad behind
 RUNNING_FROM = 3.5  # m/s
 SPRINTING_FROM, SPRINT_LATER, SPRINT_SPREAD = 5.6, 0.12, 0.2  # m/s; catching up with the ball takes so much more, s
+FROM_RUN_UP = 0.06  # s left of the swing for who has asked for a pass on his way to the ball: he swings as he arrives
 SPREAD = 0.04  # s either way, the phase of the stride
 STANDS = 1.0  # m/s, who is slower kicks from where he looks
 
@@ -69,6 +72,9 @@ def swing_legs(match):
     if not player.aimed:
         aim(match, i)
     player.kick_wait = swing_time(match, player)
+    if match.borne <= 1 and not player.aimed and player.kick != SHOT:
+        run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
+        player.kick_wait = max(player.kick_wait - run_up, FROM_RUN_UP)
     match.kicker = i
 
 

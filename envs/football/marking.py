@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT
+from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
 from envs.football.saves import own_goal_x
-from envs.football.vectors import apart, length, squared_apart
+from envs.football.vectors import apart, length
 from scenic_lite.jit import kernel
 
 MARKED = 3  # opponents
-MARK_RANGE = 22.0  # m to the place from where an opponent is marked
+DANGER_GOAL, DANGER_DEPTH = 0.8, 2.0  # weight of the goal against the ball; m before its line
+ON_BALL = 5.8  # m by which the opponent on the ball counts as nearer
+MARK_LEAD = 0.1  # s
+BEHIND, MARKED_AHEAD, FAR_AHEAD = 0.5, 2.0, 60.0  # m: who is not passed; the best distance; the worst
+WIDE_LEAST, WIDE_MOST = 4.0, 14.0  # m aside, the worst near the goal and far from it
+PASSED, QUALITY_SHARE = 0.6, 0.8  # of the quality, for who is passed; against nearness
 HUNT_RANGE = 20.0  # m to an opponent on the ball
 TIRED_HUNT = 0.4  # share of the range that the tired lack
 
@@ -39,49 +44,68 @@ def choose_markers(match):
 
 @kernel
 def mark_the_dangerous(match, team):
-    """Let the nearest free defenders of `team` mark the most dangerous opponents."""
+    """Let the free defenders of `team` who are best placed for it mark the most dangerous opponents."""
     taken = 0
     for _ in range(MARKED):
         rival = most_dangerous(match, team, taken)
         if rival == NOBODY:
             return
         taken |= 1 << rival
-        marker = nearest_marker(match, team, rival)
+        marker = best_marker(match, team, rival)
         if marker != NOBODY:
             match.players[marker].mark = rival
 
 
 @kernel
 def most_dangerous(match, team, taken):
-    """The opponent of `team` closest to its goal, keepers and those in the bits `taken` apart; -1 none."""
-    goal_x = own_goal_x(team)
+    """The opponent of `team` nearest to a place between its goal and the ball, keepers and the bits `taken` apart.
+
+    Who is on the ball counts as nearer than he is. -1: none.
+    """
+    x = DANGER_GOAL * (own_goal_x(team) - math.copysign(DANGER_DEPTH, own_goal_x(team)))
+    x, y = x + (1.0 - DANGER_GOAL) * match.ball.x, (1.0 - DANGER_GOAL) * match.ball.y
+    on_ball = man_on_ball(match, 1 - team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
         if rival.team == team or rival.role == GK or rival.off or taken >> j & 1 == 1:
             continue
-        distance = length(goal_x - rival.x, rival.y)
+        distance = length(x - rival.x, y - rival.y) - (ON_BALL if j == on_ball else 0.0)
         if distance < least:
             best, least = j, distance
     return best
 
 
 @kernel
-def nearest_marker(match, team, rival):
-    """The free defender of `team` nearest to the place between `rival` and the goal, -1 none within range."""
-    marked = match.players[rival]
-    to_goal_x = own_goal_x(team) - marked.x
-    size = length(to_goal_x, marked.y) + 1e-9
-    x, y = marked.x + 2.0 * to_goal_x / size, marked.y - 2.0 * marked.y / size
-    best, least = NOBODY, MARK_RANGE * MARK_RANGE
+def best_marker(match, team, rival):
+    """The free defender of `team` who marks `rival` best, -1 none."""
+    best, most = NOBODY, -1.0
     for i in range(match.num_players):
         player = match.players[i]
         if player.team != team or player.role == GK or player.off or player.mark != NOBODY:
             continue
-        squared = squared_apart(player, x, y)
-        if squared < least:
-            best, least = i, squared
+        quality = marking_quality(player, match.players[rival])
+        if quality > most:
+            best, most = i, quality
     return best
+
+
+@kernel
+def marking_quality(player, rival):
+    """How well a player marks an opponent, 0 to 1: from a little way in front of him, seen from the goal; who is past
+    him he marks badly.
+    """
+    x, y = player.x + MARK_LEAD * player.vx, player.y + MARK_LEAD * player.vy
+    dx, dy = rival.x + MARK_LEAD * rival.vx - x, rival.y + MARK_LEAD * rival.vy - y
+    to_x, to_y = own_goal_x(player.team) - x, -y
+    to_goal = length(to_x, to_y) + 1e-9
+    ahead, aside = -(dx * to_x + dy * to_y) / to_goal + BEHIND, abs(dx * to_y - dy * to_x) / to_goal
+    passed = ahead < 0.0
+    off = abs(ahead) if passed else abs(ahead - MARKED_AHEAD)
+    wide = aside / min(max(to_goal, WIDE_LEAST), WIDE_MOST)
+    quality = 1.0 - 0.5 * math.sqrt(min(off / FAR_AHEAD, 1.0)) - 0.5 * math.sqrt(min(wide, 1.0))
+    quality = max(quality, 0.0) * (PASSED if passed else 1.0)
+    return QUALITY_SHARE * quality + (1.0 - QUALITY_SHARE) * (1.0 - min(length(dx, dy) / (2.0 * HALF_LENGTH), 1.0))
 
 
 @kernel

@@ -27,13 +27,16 @@ from scenic_lite.stream import uniform
 
 # logit P(goal) = SAVE_BASE - SAVE_TIME * t + SAVE_WIDE * (0 .. 1 over the gaps), fitted to 434 measured shots
 # on target; t: s from the foot to the goal line, gap: m from the keeper to the line of the shot
-SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.6
+SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.2
 GAP_NEAR, GAP_WIDE = 0.7, 0.4  # m: within, he need not dive; this much further, he must
 BODY_GAP, BODY_BEATEN = 0.4, 0.35  # m; at most this chance of beating him when shot straight at him
 FOOT_GAP, FOOT_CHANCE = 2.0, 0.85  # m; outside his box, where he has his feet only, the chance falls to 0 by then
 MEASURED_SKILL, SAVE_SKILL = 0.72, 2.5  # skill of the measured keeper; logit per unit that another lacks
 ARM, DIVE_SPEED, DIVE_DELAY = 1.2, 7.5, 0.08  # m, m/s, s: nothing beyond this is ever saved
+BEHIND_HIM = 0.08  # s from measured keepers, who stood near their lines, on to the line
+FAR_OUT = 0.6  # share of more s than those by which a keeper who has come out has less time
 STRIDE = 0.1  # s for which he keeps his velocity
+BEFORE_LINE = 0.3  # m before the goal line, where he meets it at the latest
 FORESEEN = 300  # frames that a shot is followed ahead
 SHOT_SPEED = 9.0  # m/s, slower balls are not shots
 GOAL_MARGIN = 1.3  # half widths of the goal within which he goes for the ball
@@ -84,7 +87,8 @@ def foresee(match, team):
         time, effort, gap = follow_shot(match, player, goal_x)
         if time > 0.0:
             match.saver, match.save_gap = i, gap
-            match.save_succeeds = uniform(match) < save_chance(player, gap, time) and effort < DIVE_SPEED
+            seen = time - FAR_OUT * max(time - match.save_wait - BEHIND_HIM, 0.0)
+            match.save_succeeds = uniform(match) < save_chance(player, gap, seen) and effort < DIVE_SPEED
             player.turning = READY
         return
 
@@ -107,7 +111,8 @@ def follow_shot(match, player, goal_x):
         gap = min(gap, length(ball.x - player.x, ball.y - player.y))
         away = length(ball.x - here_x, ball.y - here_y)
         effort = max(away - ARM, 0.0) / max(time - DIVE_DELAY, 0.02)
-        if effort < least or (effort == least and away < nearest):
+        outside = abs(ball.x) < HALF_LENGTH - BEFORE_LINE or least == math.inf
+        if outside and (effort < least or (effort == least and away < nearest)):
             least, nearest = effort, away
             match.save_x, match.save_y, match.save_wait = ball.x, ball.y, time
         if abs(ball.x) >= HALF_LENGTH:

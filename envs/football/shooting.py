@@ -1,6 +1,6 @@
 """Shots of the built-in AI: from where, at which part of the goal, how hard.
 
-Read next: `kicks`, which carries shots out.
+The law and its numbers are those documented of Google Research Football. Read next: `kicks`, which carries shots out.
 """
 
 from __future__ import annotations
@@ -8,18 +8,28 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import FRAMES, SHOT
+from envs.football.kicks import HELD_LEAST, HELD_RANGE, HELD_STEP, SHOT_GAUGE_POWER
 from envs.football.passing import ask_kick
+from envs.football.shots import SHOT_SKILL
 from envs.football.situation import attacked_goal_x
-from envs.football.vectors import length
+from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
 
-SHOT_RANGE, SHOT_SPOT = 14.0, 7.0  # m around a spot this far before the goal
-FREE_RANGE = 7.0  # m around it for whom no opponent stands before: he goes on for as long
+SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-CORNER_AIM = 3.0  # m off the middle
-LANE_NARROW, LANE_WIDE = 0.4, 1.6  # m from an opponent to the lane: no odds, full odds
-POWER_STEPS = 3.0  # steps for which the button would be held, at most
+SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter's stride lets him shoot
+CORNER, CORNER_AIM, BEHIND_LINE = 3.6, 3.5, 1.0  # m off the middle: of the lane, of the aim; and behind the line
+
+# Lanes
+LANE_LEAD, RIVAL_LEAD = 0.12, 0.2  # s by which the shooter's and the opponents' runs are led
+LANE_END = 1.2  # of the lane's length, up to where an opponent endangers it
+BALL_DELAY, BALL_TIME, BALL_FASTER = 0.7, 0.03, 3.0  # s, s/m, and by what a shot is faster than a pass
+RIVAL_SPEED, RIVAL_START, DANGER = 8.0, 1.0, 0.5  # m/s; m more to go; s of danger if both are there at once
+
+# How it is struck
+RUN_LEAD, AIM_SHARE, RUN_SHARE, FULL_SPEED = 0.2, 0.7, 0.3, 8.0  # s; shares of aim, and of run at this speed, m/s
+POWER_LEAST, POWER_NEAR, POWER_FAR, FAR = 0.7, 0.6, 0.4, 32.0  # of the most; shares; m to the goal
 
 
 @kernel
@@ -28,45 +38,57 @@ def consider_shot(match, i):
     player = match.players[i]
     goal_x = attacked_goal_x(player)
     spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
-    if length(spot_x - player.x, player.y) > (FREE_RANGE if alone(match, player, goal_x) else SHOT_RANGE):
+    if length(spot_x - player.x, player.y) > SHOT_RANGE:
         return False
-    far_y = -math.copysign(CORNER_AIM, player.y if player.y != 0.0 else goal_x)
+    if length(player.vx, player.vy) > SPRINTING and uniform(match) > STRIDE_FITS:
+        return False
+    far_y = -math.copysign(1.0, player.y if player.y != 0.0 else goal_x)
     best, best_y = lane_odds(match, player, goal_x, 0.0), 0.0
-    for aim_y in (far_y, -far_y):
-        odds = lane_odds(match, player, goal_x, aim_y)
+    for side in (far_y, -far_y):
+        odds = lane_odds(match, player, goal_x, side * CORNER)
         if odds > best:
-            best, best_y = odds, aim_y
+            best, best_y = odds, side * CORNER_AIM
     luck = uniform(match) ** (1.0 / FRAMES)  # the best of a frame's draws each
     if math.sqrt(best) + 0.5 * luck < SHOT_CHANCE:
         return False
-    ask_kick(player, SHOT, goal_x, best_y)
-    player.kick_held = 1 + int(POWER_STEPS * uniform(match) + 0.5)
+    shoot(match, player, goal_x, best_y)
     return True
 
 
 @kernel
-def alone(match, player, goal_x):
-    """Tell whether no opponent is closer to the goal that a player attacks than he is."""
-    own = length(goal_x - player.x, player.y)
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team != player.team and length(goal_x - rival.x, rival.y) < own:
-            return False
-    return True
+def shoot(match, player, goal_x, y):
+    """Ask for a shot at y on the goal line: turned away from the run, which would drag it, and so often too far."""
+    miss = 1.0 - SHOT_SKILL[player.shirt % len(SHOT_SKILL)] * player.skill
+    from_x, from_y = player.x + RUN_LEAD * player.vx, player.y + RUN_LEAD * player.vy
+    line_x = goal_x + math.copysign(BEHIND_LINE, goal_x)
+    miss *= (2.0 * uniform(match) - 1.0) * math.copysign(1.0, goal_x)  # turned with the pitch
+    ux, uy = toward(line_x - from_x, y + miss - from_y)
+    run = RUN_SHARE * length(player.vx, player.vy) / FULL_SPEED
+    ux, uy = toward(AIM_SHARE * ux - run * player.facing_x, AIM_SHARE * uy - run * player.facing_y)
+    distance = length(line_x - from_x, y - from_y)
+    ask_kick(player, SHOT, from_x + distance * ux, from_y + distance * uy)
+    far = min(length(goal_x - player.x, player.y) / FAR, 1.0)
+    power = (POWER_LEAST + (1.0 - POWER_LEAST) * uniform(match)) * (POWER_NEAR + POWER_FAR * far)
+    gauge = power ** (1.0 / SHOT_GAUGE_POWER)
+    player.kick_held = int((HELD_LEAST + HELD_RANGE * gauge) / HELD_STEP + uniform(match))
 
 
 @kernel
 def lane_odds(match, player, x, y):
-    """Odds in [0, 1] that no opponent of a player stands in the lane from him to (x, y)."""
-    dx, dy = x - player.x, y - player.y
+    """Odds in [0, 1] that a shot at (x, y) gets past the opponents of a player."""
+    from_x, from_y = player.x + LANE_LEAD * player.vx, player.y + LANE_LEAD * player.vy
+    dx, dy = x - from_x, y - from_y
     distance = length(dx, dy) + 1e-9
-    widest = LANE_WIDE
+    danger = 0.0
     for j in range(match.num_players):
         rival = match.players[j]
         if rival.team == player.team:
             continue
-        to_x, to_y = rival.x - player.x, rival.y - player.y
+        to_x, to_y = rival.x + RIVAL_LEAD * rival.vx - from_x, rival.y + RIVAL_LEAD * rival.vy - from_y
         along = (to_x * dx + to_y * dy) / distance
-        if 0.0 < along < distance:
-            widest = min(widest, abs(to_x * dy - to_y * dx) / distance)
-    return min(max((widest - LANE_NARROW) / (LANE_WIDE - LANE_NARROW), 0.0), 1.0)
+        if 0.0 <= along <= LANE_END * distance:
+            away = abs(to_x * dy - to_y * dx) / distance
+            ball = (BALL_DELAY + BALL_TIME * min(along, distance) * along / distance) / BALL_FASTER
+            rival_time = (away + RIVAL_START) / RIVAL_SPEED
+            danger += min(max(ball - rival_time + DANGER, 0.0), 1.0)
+    return max(1.0 - danger, 0.0)

@@ -5,7 +5,7 @@ Chances are fitted to tackles measured of Google Research Football, severities f
 
 from __future__ import annotations
 
-from envs.football.constants import DT
+from envs.football.constants import BUILTIN_AI, DT
 from envs.football.fouls import report_foul
 from envs.football.motion import SLIDE_TIME
 from envs.football.touch import take
@@ -18,6 +18,9 @@ STANDING = 1.5  # m/s, a carrier slower than this stands
 # Standing tackles
 TACKLE_REACH, TACKLE_BELOW = 0.85, 0.9  # m from the body to the ball; its height
 IDLES = 0.5  # m/s
+MEANT_COSINE = 0.85  # of the angle between the way that a tackler wants to go and the ball
+SHIELDING_COSINE = 0.6  # of the angle at the carrier's body between the way to him and on to the ball
+PASSING_MOST = 9.0  # m/s at which the ball passes
 CONTACT, AT_FEET = 0.85, 0.6  # m between bodies, and to the ball from the carrier's, for a poke round his body
 TACKLE_CHANCE, TACKLE_HURRIED = 0.9, 0.02  # of a tackle; less of it per m/s of the carrier
 TACKLE_BEHIND, BEHIND_COSINE = 0.3, -0.3  # share of the chance that is left from behind
@@ -52,6 +55,26 @@ def in_tackle_reach(match, i, distance):
     if idles and length(carrier.vx, carrier.vy) < STANDING:
         return False
     return distance < TACKLE_REACH or (apart(player, carrier) < CONTACT and apart(ball, carrier) < AT_FEET)
+
+
+@kernel
+def goes_for_ball(match, i, distance):
+    """Tell whether the way that player i wants to go leads to the ball, this far from him; who stands lets it come.
+
+    A built-in player does not try past the carrier's body, nor when they run at each other too fast.
+    """
+    player, ball = match.players[i], match.ball
+    carrier = match.players[match.carrier]
+    want = length(player.want_x, player.want_y)
+    along = player.want_x * (ball.x - player.x) + player.want_y * (ball.y - player.y)
+    if along < MEANT_COSINE * want * distance:
+        return False
+    if player.action != BUILTIN_AI:
+        return True
+    to_x, to_y = toward(carrier.x - player.x, carrier.y - player.y)
+    ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
+    slow = length(ball.vx - player.vx, ball.vy - player.vy) < PASSING_MOST
+    return slow and to_x * ball_x + to_y * ball_y < SHIELDING_COSINE
 
 
 @kernel

@@ -162,7 +162,7 @@ def test_with_a_free_second_attacker_he_does_not_come_all_the_way() -> None:
     for second in ((-20.0, 0.0), (46.0, 8.0)):
         players = [(35.0, -4.0, LEFT, CM), (54.3, 0.0, RIGHT, GK), (*second, LEFT, CM)]
         matches = position(players, (35.4, -4.0))
-        play(matches, [0] * 15)
+        play(matches, [0] * 22)
         out.append(55.0 - matches["players"]["x"][0, 1])
     assert out[0] > 6.0
     assert out[1] < out[0] - 2.0

@@ -1,5 +1,5 @@
 """An attacker who evades whoever comes near, and runs after a ball that got away."""
-# expect at 60: distance(ego, ball) < 8
+# expect at 30: distance(ego, ball) < 8
 # expect always: abs(keeper.y) < 8
 
 from scenic.simulators.gfootball.model import *
