@@ -25,6 +25,7 @@ MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything 
 
 # Traps
 TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
+BODY_REACH, SUDDEN_AGE, SUDDEN_SPEED = 0.3, 0.25, 22.0  # m, s, m/s: a shot too sudden to put out a leg
 FIRST_TIME_FROM = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
 HEADER_FROM = 0.9  # m
 
@@ -92,8 +93,14 @@ def meet(match, i, distance):
             challenge(match, i, distance)
     elif player.role == GK and distance < CLAIM_REACH and ball.z < CLAIM_BELOW and has_hands(match, i):
         catch(match, i)
-    elif distance < TRAP_REACH and ball.z < TRAP_BELOW:
+    elif distance < (BODY_REACH if too_sudden(match) else TRAP_REACH) and ball.z < TRAP_BELOW:
         trap(match, i)
+
+
+@kernel
+def too_sudden(match):
+    """Tell whether the ball has just been struck so hard that it meets nobody but whom it hits."""
+    return match.kicked and match.kick_age < SUDDEN_AGE and ball_speed(match.ball) > SUDDEN_SPEED
 
 
 @kernel

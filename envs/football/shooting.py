@@ -16,7 +16,7 @@ from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
 
-SHOT_RANGE, SHOT_SPOT = 16.0, 7.0  # m around a spot this far before the goal
+SHOT_RANGE, SHOT_SPOT = 14.5, 7.0  # m around a spot this far before the goal
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
 SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter's stride lets him shoot
 CORNER, CORNER_AIM, BEHIND_LINE = 3.6, 3.5, 1.0  # m off the middle: of the lane, of the aim; and behind the line
