@@ -16,9 +16,9 @@ from envs.football.vectors import length, toward
 from scenic_lite.jit import kernel
 from scenic_lite.stream import uniform
 
-SHOT_RANGE, SHOT_SPOT = 14.5, 7.0  # m around a spot this far before the goal
+SHOT_RANGE, SHOT_SPOT = 12.7, 7.0  # m around a spot this far before the goal
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter's stride lets him shoot
+SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter who leads the ball can shoot
 CORNER, CORNER_AIM, BEHIND_LINE = 3.6, 3.5, 1.0  # m off the middle: of the lane, of the aim; and behind the line
 
 # Lanes
@@ -40,7 +40,7 @@ def consider_shot(match, i):
     spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
     if length(spot_x - player.x, player.y) > SHOT_RANGE:
         return False
-    if length(player.vx, player.vy) > SPRINTING and uniform(match) > STRIDE_FITS:
+    if match.carrier == i and length(player.vx, player.vy) > SPRINTING and uniform(match) > STRIDE_FITS:
         return False
     far_y = -math.copysign(1.0, player.y if player.y != 0.0 else goal_x)
     best, best_y = lane_odds(match, player, goal_x, 0.0), 0.0
