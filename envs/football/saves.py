@@ -27,7 +27,7 @@ from scenic_lite.stream import uniform
 
 # logit P(goal) = SAVE_BASE - SAVE_TIME * t + SAVE_WIDE * (0 .. 1 over the gaps), fitted to 434 measured shots
 # on target; t: s from the foot to the goal line, gap: m from the keeper to the line of the shot
-SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.6
+SAVE_BASE, SAVE_TIME, SAVE_WIDE = 2.9, 9.5, 2.2
 GAP_NEAR, GAP_WIDE = 0.7, 0.4  # m: within, he need not dive; this much further, he must
 BODY_GAP, BODY_BEATEN = 0.4, 0.35  # m; at most this chance of beating him when shot straight at him
 FOOT_GAP, FOOT_CHANCE = 2.0, 0.85  # m; outside his box, where he has his feet only, the chance falls to 0 by then
