@@ -18,7 +18,8 @@ demo: $(READY)
 	$(BIN)/regista compare 1v1Restricted --out demo
 
 results: $(READY)
-	$(BIN)/regista compare 1v1Free --methods dr paired_literal paired accel --seeds 5 --total-env-steps 2_000_000 --out runs/results
+	$(BIN)/regista compare 1v1Free --methods dr paired_literal paired accel --seeds 5 --total-env-steps 2_000_000 \
+		--num-envs 16 --num-steps 512 --out runs/results
 	$(BIN)/regista probe --out runs/probe
 	$(BIN)/python -m experiments.results_page runs/results runs/probe
 
