@@ -112,13 +112,14 @@ def into_run(player, mate, distance):
 @kernel
 def ground_odds(match, player, x, y):
     """Odds in [0, 1] that a pass along the ground from a player to (x, y) gets past his opponents."""
-    return max(1.0 - danger(match, player.team, x, y, 0.0), 0.0)
+    return max(1.0 - danger(match, player.team, match.ball.x, match.ball.y, x, y, 0.0, 1.0), 0.0)
 
 
 @kernel
 def high_odds(match, player, x, y):
     """Odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
-    return max(1.0 - HIGH_LOSS - danger(match, player.team, x, y, OVERHEAD), 0.0)
+    found = danger(match, player.team, match.ball.x, match.ball.y, x, y, OVERHEAD, 1.0)
+    return max(1.0 - HIGH_LOSS - found, 0.0)
 
 
 @kernel

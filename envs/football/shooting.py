@@ -9,6 +9,7 @@ import math
 
 from envs.football.constants import FRAMES, SHOT
 from envs.football.kicks import HELD_LEAST, HELD_RANGE, HELD_STEP, SHOT_GAUGE_POWER
+from envs.football.lanes import danger
 from envs.football.passing import ask_kick
 from envs.football.shots import SHOT_SKILL
 from envs.football.situation import attacked_goal_x
@@ -20,12 +21,7 @@ SHOT_RANGE, SHOT_SPOT = 12.7, 7.0  # m around a spot this far before the goal
 SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
 SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter who leads the ball can shoot
 CORNER, CORNER_AIM, BEHIND_LINE = 3.6, 3.5, 1.0  # m off the middle: of the lane, of the aim; and behind the line
-
-# Lanes
-LANE_LEAD, RIVAL_LEAD = 0.12, 0.2  # s by which the shooter's and the opponents' runs are led
-LANE_END = 1.2  # of the lane's length, up to where an opponent endangers it
-BALL_DELAY, BALL_TIME, BALL_FASTER = 0.7, 0.03, 3.0  # s, s/m, and by what a shot is faster than a pass
-RIVAL_SPEED, RIVAL_START, DANGER = 8.0, 1.0, 0.5  # m/s; m more to go; s of danger if both are there at once
+LANE_LEAD, FASTER_THAN_PASSES = 0.12, 3.0  # s by which the shooter's run is led; a shot's speed
 
 # How it is struck
 RUN_LEAD, AIM_SHARE, RUN_SHARE, FULL_SPEED = 0.2, 0.7, 0.3, 8.0  # s; shares of aim, and of run at this speed, m/s
@@ -77,18 +73,4 @@ def shoot(match, player, goal_x, y):
 def lane_odds(match, player, x, y):
     """Odds in [0, 1] that a shot at (x, y) gets past the opponents of a player."""
     from_x, from_y = player.x + LANE_LEAD * player.vx, player.y + LANE_LEAD * player.vy
-    dx, dy = x - from_x, y - from_y
-    distance = length(dx, dy) + 1e-9
-    danger = 0.0
-    for j in range(match.num_players):
-        rival = match.players[j]
-        if rival.team == player.team:
-            continue
-        to_x, to_y = rival.x + RIVAL_LEAD * rival.vx - from_x, rival.y + RIVAL_LEAD * rival.vy - from_y
-        along = (to_x * dx + to_y * dy) / distance
-        if 0.0 <= along <= LANE_END * distance:
-            away = abs(to_x * dy - to_y * dx) / distance
-            ball = (BALL_DELAY + BALL_TIME * min(along, distance) * along / distance) / BALL_FASTER
-            rival_time = (away + RIVAL_START) / RIVAL_SPEED
-            danger += min(max(ball - rival_time + DANGER, 0.0), 1.0)
-    return max(1.0 - danger, 0.0)
+    return max(1.0 - danger(match, player.team, from_x, from_y, x, y, 0.0, FASTER_THAN_PASSES), 0.0)
