@@ -13,7 +13,6 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import shutil
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,6 +27,7 @@ from ued.config import setting
 
 DESCRIPTION = "Put the tables and pictures of comparisons into a page of results."
 PAGE = "page.md"
+WIDEST, COLOURS = 1240, 256  # of pictures on the page
 PICTURE = re.compile(r"!\[([^]]*)\]\(([^)/]+)\)")  # one in the folder itself
 
 
@@ -72,12 +72,23 @@ def section(folder: Path, pictures: Path, base: Path) -> str:
         target = pictures / f"{name}_{found[2]}"
         try:
             pictures.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(folder / found[2], target)
+            _shrink(folder / found[2], target)
         except OSError as error:
             raise cannot_write(target, error) from error
         return f"![{found[1]}]({Path(os.path.relpath(target, base)).as_posix()})"
 
     return PICTURE.sub(copied, (folder / PAGE).read_text())
+
+
+def _shrink(picture: Path, target: Path) -> None:
+    """Save a picture as small as a page needs it: at most WIDEST pixels wide, in COLOURS colours."""
+    from PIL import Image
+
+    with Image.open(picture) as image:
+        height = round(image.height * min(WIDEST / image.width, 1.0))
+        small = image.convert("RGB").resize((min(image.width, WIDEST), height), Image.Resampling.LANCZOS)
+        few = small.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)  # keeps rare colours
+        few.save(target, optimize=True)
 
 
 def put(page: str, name: str, text: str) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from envs.football.config import FootballConfig
 from experiments import build, compare, results_page
@@ -260,7 +261,7 @@ def test_levels_that_give_no_cvar_are_refused(flags, capsys):
 def test_a_page_takes_in_a_comparison_and_keeps_the_rest(tmp_path, capsys):
     folder, page = tmp_path / "results", tmp_path / "RESULTS.md"
     folder.mkdir()
-    (folder / "curves.png").write_bytes(b"one")
+    Image.new("RGB", (2480, 100), "red").save(folder / "curves.png")
     results_page.write_page(folder, "a and b", ["compare", "x y"], "| a |", {"Curves": "curves.png"})
     page.write_text("# Results\n\nMine before.\n")
     command = [str(folder), "--into", str(page), "--pictures", str(tmp_path / "pictures")]
@@ -269,7 +270,8 @@ def test_a_page_takes_in_a_comparison_and_keeps_the_rest(tmp_path, capsys):
     once = page.read_text()
     assert "## a and b\n\n```sh\nregista compare 'x y'\n```\n\n| a |" in once
     assert "![Curves](pictures/results_curves.png)" in once
-    assert (tmp_path / "pictures" / "results_curves.png").read_bytes() == b"one"
+    with Image.open(tmp_path / "pictures" / "results_curves.png") as picture:
+        assert picture.size == (1240, 50) and picture.convert("RGB").getpixel((7, 7))[0] > 250
     results_page.write_page(folder, "changed", ["compare"], "| b |", {"Curves": "curves.png"})
     assert results_page.main(command) == 0
     again = page.read_text()
