@@ -35,7 +35,7 @@ DIRECTIONS = (  # of actions 1 to 8
 
 SHOT_RANGE = 16.0  # m
 LONG_SHOT = 21.0  # m, when an opponent is about to take the ball
-PRESSED = 2.5  # m to an opponent who is not behind
+PRESSED = 5.0  # m to an opponent who is not behind
 LOOK_AHEAD = 7.0  # m along which opponents count when dribbling
 LANE = 3.5  # m that opponents must be off the way
 PASS_LEAST, PASS_MOST = 5.0, 28.0  # m
