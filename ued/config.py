@@ -152,6 +152,7 @@ class SelfRegretConfig(TeacherConfig):
 class PairedConfig(TeacherConfig):
     """Settings of PAIRED."""
 
+    dr_fraction: float = setting(0.25, "share of levels drawn at random instead, so that easy ones are not forgotten")
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )
@@ -193,13 +194,13 @@ class PairedConfig(TeacherConfig):
     @classmethod
     def thesis(cls) -> PairedConfig:
         """Give the settings of the thesis (Table 4.2)."""
-        return cls(roles="fixed", adversary=AdversaryConfig.thesis())
+        return cls(roles="fixed", dr_fraction=0.0, adversary=AdversaryConfig.thesis())
 
     @classmethod
     def literal(cls) -> PairedConfig:
         """Give PAIRED as it is usually shipped: the thesis's student rewards, no entropy bonus, no random levels."""
         adversary = AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16)
-        return cls(student_reward="regret", roles="fixed", clip_regret=True, adversary=adversary)
+        return cls(student_reward="regret", roles="fixed", dr_fraction=0.0, clip_regret=True, adversary=adversary)
 
 
 @dataclass(frozen=True)
