@@ -21,7 +21,7 @@ results: $(READY)
 	$(BIN)/regista compare 1v1Free --methods dr paired_literal paired accel --seeds 5 --total-env-steps 2_000_000 \
 		--num-envs 16 --num-steps 512 --out runs/results
 	$(BIN)/regista probe --out runs/probe
-	$(BIN)/python -m experiments.results_page runs/results runs/probe
+	$(BIN)/python -m experiments.pictures.results_page runs/results runs/probe
 
 test: lint
 	$(BIN)/pytest --numprocesses auto

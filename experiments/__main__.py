@@ -1,7 +1,7 @@
 """`regista COMMAND ...`, also as `python -m experiments COMMAND ...`.
 
 Each command is a module with a frozen configuration and a `main(argv) -> int`; it is imported when it is called, so
-that `--help` does not wait for torch. Read next: `train`.
+that `--help` does not wait for torch. Read next: `commands.train`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
-from experiments.errors import CommandError, UsageError, nearest
+from experiments.run.errors import CommandError, UsageError, nearest
 
 COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
@@ -39,7 +39,9 @@ Begin with: regista compare 1v1Restricted --out demo
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts its threads; see `scenic_lite.jit`
+    os.environ.setdefault(
+        "OMP_WAIT_POLICY", "passive"
+    )  # before torch starts its threads; see `scenic_lite.kernels.jit`
     return run_command(_dispatch, sys.argv[1:] if argv is None else argv)
 
 
@@ -71,7 +73,7 @@ def _dispatch(words: list[str]) -> int:
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")
-    return import_module(f"experiments.{name}").main(words[1:])
+    return import_module(f"experiments.commands.{name}").main(words[1:])
 
 
 def _exit_code(error: Exception) -> int | None:

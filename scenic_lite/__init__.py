@@ -10,16 +10,16 @@ manual of the language. The packages, in the order in which a program passes the
     dynamics    behaviors and monitors: the reference, the compiler, the machine
 
 and here the chapters of the language: `distributions`, `classes`, `specifiers`, `placement`, `operators`,
-`requirements`, `rules`. Read next: `evaluation.evaluate`, `graph`, `program`; then `dynamics.reference`.
+`requirements`, `rules`. Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.interpreter`.
 """
 
-from scenic_lite.domain import Domain
+from scenic_lite.core.domain import Domain
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.evaluation.evaluate import load
-from scenic_lite.program import Draw, Program
-from scenic_lite.rejection import RejectionReport
-from scenic_lite.rules import Rule
-from scenic_lite.scenes import ObjectInfo, Scenes
+from scenic_lite.loader import load
+from scenic_lite.scene.constraints import Rule
+from scenic_lite.scene.program import Draw, Program
+from scenic_lite.scene.rejection import RejectionReport
+from scenic_lite.scene.scenes import ObjectInfo, Scenes
 
 __all__ = [
     "Domain",

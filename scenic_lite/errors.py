@@ -1,6 +1,6 @@
 """The one exception of the language: what is wrong, where, and what would have been right.
 
-Read next: `lexer`, where the first of them are raised.
+Read next: `syntax.lexer`, where the first of them are raised.
 """
 
 from __future__ import annotations

@@ -24,9 +24,9 @@ EXCEPTIONS = {
     "ued/upomdp.py": {"numpy", "gymnasium"},
     "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.upomdp"},
     "ued/methods/alp_gmm.py": {"ued", "numpy", "sklearn", "threadpoolctl"},
-    "ued/recorder.py": {"ued", "numpy", "rerun"},
-    "ued/recorder_layout.py": {"ued", "numpy", "rerun"},
-    "ued/recorder_scenes.py": {"ued", "numpy", "rerun"},
+    "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
+    "ued/recorder/layout.py": {"ued", "numpy", "rerun"},
+    "ued/recorder/scenes.py": {"ued", "numpy", "rerun"},
 }
 
 
@@ -58,7 +58,7 @@ def test_packages_import_only_what_the_design_allows(package):
 
 def test_only_the_recorder_imports_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
-    assert users == ["recorder.py", "recorder_layout.py", "recorder_scenes.py"]
+    assert users == ["layout.py", "recorder.py", "scenes.py"]
 
 
 @pytest.mark.parametrize(

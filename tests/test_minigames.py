@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from envs.football.casting import Casting
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
-from envs.football.domain import FOOTBALL
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.lineup import Casting
 from envs.football.vector_env import FootballVectorEnv
 from minigames import MINIGAMES
 from scenic_lite import load

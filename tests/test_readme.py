@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-import envs.football.domain
+import envs.football.scenic.domain
 import scenic_lite
 from experiments.__main__ import COMMANDS, main
-from experiments.build import METHODS
+from experiments.run.build import METHODS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -61,7 +61,7 @@ def test_every_method_is_in_the_table():
 
 def test_the_scenario_has_the_free_parameters_that_are_promised():
     (text,) = blocks("")
-    program = scenic_lite.load(text, envs.football.domain.FOOTBALL)
+    program = scenic_lite.load(text, envs.football.scenic.domain.FOOTBALL)
     assert f"here D = {program.dim}" in README
     assert program.sample(10, np.random.default_rng(0))[1].ok.all()
 

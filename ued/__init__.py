@@ -3,14 +3,13 @@
     from ued import DR, GymUPOMDP, Paired, PPOConfig, evaluate
 
 Names are loaded when first used, so that `import ued` stays quick and environments need no torch.
-Read next: `upomdp`, the seam; then `rollout`, `player`, `ppo` and `methods.dr`.
+Read next: `upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ued.adversary import Adversary
     from ued.checkpoint import CheckpointError
     from ued.config import (
         ACCELConfig,
@@ -29,7 +28,11 @@ if TYPE_CHECKING:
     from ued.curriculum import Curriculum, ThetaSpace
     from ued.evaluation import Evaluation, evaluate
     from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
-    from ued.level_buffer import LevelBuffer
+    from ued.learning.ppo import PPO
+    from ued.learning.student import Student
+    from ued.levels.adversary import Adversary
+    from ued.levels.buffer import LevelBuffer
+    from ued.levels.record import trial_dtype
     from ued.methods import LevelBatch, Method
     from ued.methods.accel import ACCEL
     from ued.methods.alp_gmm import ALPGMM
@@ -41,10 +44,7 @@ if TYPE_CHECKING:
     from ued.methods.self_regret import SelfRegret
     from ued.methods.sfl import SFL
     from ued.mixture import Mixture
-    from ued.ppo import PPO
-    from ued.student import Student
     from ued.training import Training
-    from ued.trials import trial_dtype
     from ued.upomdp import UPOMDP, ThetaError, level_dtype
 
 _HOME = {
@@ -52,7 +52,7 @@ _HOME = {
     "ACCELConfig": "ued.config",
     "ALPGMM": "ued.methods.alp_gmm",
     "ALPGMMConfig": "ued.config",
-    "Adversary": "ued.adversary",
+    "Adversary": "ued.levels.adversary",
     "AdversaryConfig": "ued.config",
     "BufferConfig": "ued.config",
     "CheckpointError": "ued.checkpoint",
@@ -62,14 +62,14 @@ _HOME = {
     "Evaluation": "ued.evaluation",
     "GymUPOMDP": "ued.gym_upomdp",
     "LevelBatch": "ued.methods",
-    "LevelBuffer": "ued.level_buffer",
+    "LevelBuffer": "ued.levels.buffer",
     "Method": "ued.methods",
     "Minimax": "ued.methods.minimax",
     "Mixture": "ued.mixture",
     "MinimaxConfig": "ued.config",
     "PLR": "ued.methods.plr",
     "PLRConfig": "ued.config",
-    "PPO": "ued.ppo",
+    "PPO": "ued.learning.ppo",
     "PPOConfig": "ued.config",
     "Paired": "ued.methods.paired",
     "PairedConfig": "ued.config",
@@ -80,7 +80,7 @@ _HOME = {
     "SFLConfig": "ued.config",
     "SelfRegret": "ued.methods.self_regret",
     "SelfRegretConfig": "ued.config",
-    "Student": "ued.student",
+    "Student": "ued.learning.student",
     "ThetaError": "ued.upomdp",
     "ThetaSpace": "ued.curriculum",
     "Training": "ued.training",
@@ -88,7 +88,7 @@ _HOME = {
     "UPOMDPWrapper": "ued.gym_upomdp",
     "evaluate": "ued.evaluation",
     "level_dtype": "ued.upomdp",
-    "trial_dtype": "ued.trials",
+    "trial_dtype": "ued.levels.record",
 }
 
 __all__ = [

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from ued.streams import split_seed, torch_stream
-from ued.student import Student
+from ued.learning.student import Student
+from ued.seeding import split_seed, torch_stream
 from ued.upomdp import UPOMDP
 
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will

@@ -1,7 +1,7 @@
 """Any Gymnasium environment as a UPOMDP: the user says what θ means, and how it is put into the environment.
 
 `UPOMDPWrapper` does it for one environment and stays a valid Gymnasium environment; `GymUPOMDP` steps N of those and
-is what methods train on. Read next: `rollout`.
+is what methods train on. Read next: `learning.rollout`.
 """
 
 from __future__ import annotations

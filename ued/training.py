@@ -24,16 +24,16 @@ from torch import Tensor
 
 from ued.config import PPOConfig
 from ued.curriculum import Curriculum
-from ued.diagnostics import level_metrics
-from ued.episode_values import EpisodeValues
+from ued.learning.ppo import PPO, Guide
+from ued.learning.rollout import gae
+from ued.learning.student import Scripted, Student
+from ued.learning.value_stats import EpisodeValues
+from ued.learning.worker import Player, collect
+from ued.levels.diagnostics import level_metrics
+from ued.levels.queue import TrialQueue
+from ued.levels.record import mean_returns
 from ued.methods import LevelBatch, episode_metrics, prefixed
-from ued.player import Player, collect
-from ued.ppo import PPO, Guide
-from ued.rollout import gae
-from ued.streams import split_seed, torch_stream
-from ued.student import Scripted, Student
-from ued.trial_queue import TrialQueue
-from ued.trials import mean_returns
+from ued.seeding import split_seed, torch_stream
 from ued.upomdp import UPOMDP
 
 BLOCK = 8  # trials that are proposed ahead where a curriculum changes with what it proposes

@@ -4,8 +4,8 @@ A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that
 [-1, 1]^D, a *level* is a row (program, seed, θ), and N environments play N levels at a time. Which level comes next is
 the business of the method that trains on it, so an environment repeats its level until told otherwise.
 
-Letters: `N` environments, `D` dimensions of θ. Read next: `rollout`, which plays levels, or `gym_upomdp`, which makes a
-UPOMDP of any Gymnasium environment.
+Letters: `N` environments, `D` dimensions of θ. Read next: `learning.rollout`, which plays levels, or `gym_upomdp`,
+which makes a UPOMDP of any Gymnasium environment.
 """
 
 from __future__ import annotations

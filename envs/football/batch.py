@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from envs.football.agents import num_agents
 from envs.football.constants import NO_FAULT
-from envs.football.observation import note_places, observe
-from envs.football.reward import agent_reward, team_reward
-from envs.football.script import step_scripted
+from envs.football.control.agents import num_agents
+from envs.football.control.reward import agent_reward, team_reward
+from envs.football.observation.observer import note_places, observe
+from envs.football.scenic.step import step_scripted
 from envs.football.simulator import step_match
 from envs.football.state import MATCH
-from scenic_lite.jit import kernel
+from scenic_lite.kernels.jit import kernel
 
 
 class Batch(NamedTuple):

@@ -13,9 +13,9 @@ import numpy as np
 
 from envs.football.config import FootballConfig
 from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
-from envs.football.picture import draw_match
-from envs.football.raw import row
+from envs.football.observation.raw import row
 from envs.football.vector_env import FootballVectorEnv
+from envs.football.view.picture import draw_match
 from scenic_lite import Program
 
 ENDINGS = {

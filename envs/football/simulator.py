@@ -5,21 +5,21 @@ Each stage stands in the file of that name. Read next: `state` for the record, t
 
 from __future__ import annotations
 
-from envs.football.agents import assign_actions, choose_controlled
-from envs.football.ai import read_game, think
+from envs.football.ai.decide import read_game, think
+from envs.football.ai.keeper import hurry
 from envs.football.constants import BUILTIN_AI, NOBODY, RUNNING, STAND
-from envs.football.control import obey, release_keys
-from envs.football.dribble import lead_ball
-from envs.football.keeper import hurry
-from envs.football.kicks import swing_legs
-from envs.football.motion import plan_motion
-from envs.football.offside import mark_offside
-from envs.football.physics import play_frames
-from envs.football.possession import find_chasers, tick
-from envs.football.restarts import wait_for_restart
-from envs.football.reward import pay_checkpoints
-from envs.football.rules import apply_rules, begin_step
-from scenic_lite.jit import kernel
+from envs.football.control.agents import assign_actions, choose_controlled
+from envs.football.control.keys import obey, release_keys
+from envs.football.control.reward import pay_checkpoints
+from envs.football.physics.dribble import lead_ball
+from envs.football.physics.frames import play_frames
+from envs.football.physics.kicks import swing_legs
+from envs.football.physics.motion import plan_motion
+from envs.football.physics.possession import find_chasers, tick
+from envs.football.rules.offside import mark_offside
+from envs.football.rules.referee import apply_rules, begin_step
+from envs.football.rules.restarts import wait_for_restart
+from scenic_lite.kernels.jit import kernel
 
 
 @kernel

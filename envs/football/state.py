@@ -12,10 +12,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
+from envs.football.ai.formation import posts
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
-from envs.football.control_modes import appoint
-from envs.football.formation import posts
-from scenic_lite.stream import streams
+from envs.football.control.control_modes import appoint
+from scenic_lite.kernels.rng import streams
 
 BALL_FIELDS = (
     ("x", "f8", (), "m", "place of the centre"),

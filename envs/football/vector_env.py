@@ -1,6 +1,6 @@
 """Football as a UPOMDP: N matches that a Scenic program describes, each on its own level, stepped as one batch.
 
-Read next: `casting`, how a program becomes a match; `batch`, how matches are stepped.
+Read next: `scenic.lineup`, how a program becomes a match; `batch`, how matches are stepped.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
 from envs.football.batch import Rules, begin, empty_batch, empty_outcome, observe_batch, restart, step_batch
-from envs.football.casting import Casting
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
-from envs.football.control_modes import dismiss
-from envs.football.domain import FOOTBALL
-from envs.football.observation import RAW, Observer
-from envs.football.staging import Staging
+from envs.football.control.control_modes import dismiss
+from envs.football.observation.observer import RAW, Observer
+from envs.football.scenic.behaviors import Staging
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.lineup import Casting
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta
 

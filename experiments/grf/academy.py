@@ -1,6 +1,6 @@
 """Whole episodes: how often scripted policies, and the built-in players, score on the academy scenes.
 
-Read next: `matches`, eleven against eleven.
+Read next: `grf.matches`, eleven against eleven.
 """
 
 from __future__ import annotations

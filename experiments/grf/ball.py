@@ -3,7 +3,7 @@
 Each path of the original is begun again from the first step in which the ball was free, with its place, height and
 velocity there and the spin that such a kick gives; what follows is the ball's alone. Compared are the distance at the
 end, the speed on the way (root mean square of the difference, as a share of that of the speed), and for what flies the
-height (as a share of the greatest). Read next: `passes`, where the speed with which it leaves the foot is compared.
+height (as a share of the greatest). Read next: `grf.passes`, where the speed with which it leaves the foot is compared.
 """
 
 from __future__ import annotations
@@ -12,15 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.ball import advance_ball
 from envs.football.constants import FRAMES
-from envs.football.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
-from envs.football.shots import SHOT_SPIN
+from envs.football.physics.ball import advance_ball
+from envs.football.physics.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
+from envs.football.physics.shots import SHOT_SPIN
 from envs.football.state import MATCH
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_share
-from scenic_lite.jit import kernel
+from scenic_lite.kernels.jit import kernel
 
 TITLE = "ball"
 REQUIRED = 1.0

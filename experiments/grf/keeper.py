@@ -2,7 +2,7 @@
 
 Goal rates are compared by time to the line and gap (2400 random shots at full effort; 800 of the original's), the
 table of single positions by its means: a position is locked to the phase of a few animations, in the original.
-Read next: `report`.
+Read next: `grf.report`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.ball import advance_ball
 from envs.football.constants import BUILTIN_AI as AI
 from envs.football.constants import (
     CB,
@@ -35,12 +34,13 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
+from envs.football.physics.ball import advance_ball
 from envs.football.state import Lineup, MatchConfig
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance, by_share
 from experiments.grf.stage import OPEN_END, Stage, Trace
-from scenic_lite.jit import kernel
+from scenic_lite.kernels.jit import kernel
 
 TITLE = "keeper"
 REQUIRED = 0.8

@@ -1,7 +1,7 @@
 """Eleven against eleven, built-in players on both sides: goals, shots, passes, possession, restarts, ways run.
 
 What counts as a pass, a turnover or a shot is what counted in the original's matches: changes of the reported owner,
-and sudden speed of the ball towards the goal. Read next: `report`.
+and sudden speed of the ball towards the goal. Read next: `grf.report`.
 """
 
 from __future__ import annotations

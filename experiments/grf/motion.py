@@ -4,7 +4,7 @@ A curve is compared by the root mean square of its difference over the steps sin
 the highest speed in it, for the speed and for its component along the direction asked for; ours is shifted by the
 whole number of steps that fits best, because the original begins a movement when its animations allow. With the ball
 the key may also come some steps later, in another phase between two touches; so the best of these phases counts. Turns
-are measured to both sides and the worse one counts. Read next: `ball`.
+are measured to both sides and the worse one counts. Read next: `grf.ball`.
 """
 
 from __future__ import annotations

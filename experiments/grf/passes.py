@@ -1,6 +1,6 @@
 """Passes: for whom they are meant, how fast and high they go, and how soon the mate has the ball.
 
-Read next: `shots`.
+Read next: `grf.shots`.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 A policy is an opening (keys of the first steps), then perhaps a wait until a mate has the ball, then perhaps a run,
 and at last a cycle of keys that goes on for ever; each match goes through these at its own pace. Read next:
-`academy`, which counts what they score.
+`grf.academy`, which counts what they score.
 """
 
 from __future__ import annotations

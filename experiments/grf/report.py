@@ -15,8 +15,8 @@ from pathlib import Path
 from types import ModuleType
 
 from experiments.grf.rows import Row
-from experiments.results import align
-from experiments.table import cannot_write
+from experiments.run.results import align
+from experiments.run.table import cannot_write
 
 FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "academy", "matches")
 

@@ -1,7 +1,7 @@
 """The academy scenes and line-ups of Google Research Football: who stands where when an episode begins.
 
 Places are scenario files' own: the right team's in its own mirrored frame; `stage_scene` moves them to where the
-engine puts players. Read next: `policies`, who plays in them.
+engine puts players. Read next: `grf.policies`, who plays in them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Shots of a lone striker: when they leave the foot, how fast, and where their first course meets the goal line.
 
-Read next: `keeper`, who faces them.
+Read next: `grf.keeper`, who faces them.
 """
 
 from __future__ import annotations

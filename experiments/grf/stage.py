@@ -1,7 +1,7 @@
 """A situation of Google Research Football set up in our simulator: who stands where, who presses what.
 
 Places are the original's: x in [-1, 1] towards the goal of the right team, y in [-0.42, 0.42] downwards. Read next:
-`motion`, the family that is easiest to follow.
+`grf.motion`, the family that is easiest to follow.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from envs.football.simulator import step_teams
 from envs.football.state import Lineup, MatchConfig, kick_off
-from scenic_lite.jit import kernel
+from scenic_lite.kernels.jit import kernel
 
 METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
 OPEN_END = MatchConfig(

@@ -1,7 +1,7 @@
 """Tackles: running into a carrier, sliding at him by angle and distance, and getting past a lone built-in defender.
 
 A tackler is an agent, as in the measurement: he runs at the ball along the nearest of the eight directions. Read next:
-`report`.
+`grf.report`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The smallest world: every object drifts up the y axis by the same distance in each step, and actions change nothing.
 
 It is the simulator in which Scenic's authors test behaviors, and in which ours are compared with theirs. An action is
-any value. `run` plays one episode with any controller that has `act` and `watch`. Read next: `reference`.
+any value. `run` plays one episode with any controller that has `act` and `watch`. Read next:
+`dynamics.reference.interpreter`.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from scenic_lite.dynamics.reference import Reference
-from scenic_lite.dynamics.world import Commands, Verdict, World
-from scenic_lite.graph import Value
-from scenic_lite.program import Program
-from scenic_lite.space.geometry import Vector
-from scenic_lite.values import Instance, Namespace
+from scenic_lite.core.types import Instance, Namespace
+from scenic_lite.core.world import Commands, Verdict, World
+from scenic_lite.dynamics.reference.interpreter import Reference
+from scenic_lite.scene.program import Program
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import Value
 
 FIELDS = ("x", "y", "heading")
 FACTS = ("time",)

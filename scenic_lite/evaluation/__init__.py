@@ -1,4 +1,4 @@
 """The walk over the tree: what each expression and statement means, for numbers and random values alike.
 
-Read next: `evaluate`, where a load begins; `frame`.
+Read next: `loader`, where a load begins; `core.scope`.
 """

@@ -1,6 +1,6 @@
 """Assign to names, elements, slices and attributes, and delete them.
 
-Read next: `statements`.
+Read next: `evaluation.statements`.
 """
 
 from __future__ import annotations
@@ -9,16 +9,16 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.classes import checked, is_object
+from scenic_lite.core.exceptions import named_fault
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.exceptions import named_fault
 from scenic_lite.evaluation.expressions import combined, item_of
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import Random, Value
-from scenic_lite.scenes import randoms_in
-from scenic_lite.space.regions import Region
-from scenic_lite.values import Choice, Instance, Namespace, ScenicClass, describe_kind
+from scenic_lite.language.classes import checked, is_object
+from scenic_lite.scene.scenes import randoms_in
+from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.regions import Region
 
 
 def assign(frame: Frame, node: ast.Assign) -> None:

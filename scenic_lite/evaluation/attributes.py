@@ -1,6 +1,6 @@
 """What `value.name` may read: our own tables, never the attributes of Python objects.
 
-Read next: `functions`, the built-in functions.
+Read next: `evaluation.functions`, the built-in functions.
 """
 
 from __future__ import annotations
@@ -11,18 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.classes import SIDES, is_object, is_oriented, side_of
-from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
-from scenic_lite.evaluation.exceptions import ExceptionClass, Fault
-from scenic_lite.evaluation.frame import Frame, near
-from scenic_lite.evaluation.tables import own
-from scenic_lite.evaluation.texts import METHODS as TEXTS
-from scenic_lite.graph import ABSOLUTE, MAXIMUM, Random, Value, apply
-from scenic_lite.space.geometry import Vector, angle_between, as_vector, distance_between
-from scenic_lite.space.region_members import CLASS_FUNCTIONS, FIELD_FIELDS, FIELD_METHODS, REGION_FIELDS, REGION_METHODS
-from scenic_lite.space.regions import Region, VectorField
-from scenic_lite.values import (
+from scenic_lite.core.builtin_tables import own
+from scenic_lite.core.exceptions import ExceptionClass, Fault
+from scenic_lite.core.scope import Frame, near
+from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
@@ -36,6 +28,20 @@ from scenic_lite.values import (
     Super,
     describe_kind,
 )
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
+from scenic_lite.evaluation.strings import METHODS as TEXTS
+from scenic_lite.language.classes import SIDES, is_object, is_oriented, side_of
+from scenic_lite.language.region_members import (
+    CLASS_FUNCTIONS,
+    FIELD_FIELDS,
+    FIELD_METHODS,
+    REGION_FIELDS,
+    REGION_METHODS,
+)
+from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between
+from scenic_lite.values.graph import ABSOLUTE, MAXIMUM, Random, Value, apply
+from scenic_lite.values.regions import Region, VectorField
 
 
 def attribute(frame: Frame, value: Value, name: str) -> Value:

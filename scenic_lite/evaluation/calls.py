@@ -1,6 +1,6 @@
 """Calls: functions of the program, built-in ones, behaviors; and the making of instances.
 
-Read next: `statements`.
+Read next: `evaluation.statements`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,9 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.exceptions import ExceptionClass, Fault
-from scenic_lite.evaluation.frame import Frame, near
-from scenic_lite.graph import Value
-from scenic_lite.placement import SPECIFIERS
-from scenic_lite.specifiers import Meaning, make, warn_of_unknown, with_property
-from scenic_lite.syntax import nodes
-from scenic_lite.values import (
+from scenic_lite.core.exceptions import ExceptionClass, Fault
+from scenic_lite.core.scope import Frame, near
+from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
@@ -30,6 +25,11 @@ from scenic_lite.values import (
     Stream,
     describe_kind,
 )
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.specifier_rules import SPECIFIERS
+from scenic_lite.language.specifiers import Meaning, make, warn_of_unknown, with_property
+from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import Value
 
 TRACKED_NAMES = ("ego", "workspace")  # the session's, wherever they are set
 NAMING = (ast.ExceptHandler, ast.MatchAs, ast.MatchStar, ast.FunctionDef, ast.ClassDef)

@@ -1,6 +1,6 @@
 """Comparisons: chains of them, equality, membership in containers and regions.
 
-Outside requirements nothing random may be compared, as in real Scenic. Read next: `expressions`.
+Outside requirements nothing random may be compared, as in real Scenic. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -10,10 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.classes import is_object, outline
+from scenic_lite.core.scope import Frame, in_row
+from scenic_lite.core.types import Choice, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame, in_row
-from scenic_lite.graph import (
+from scenic_lite.language.classes import is_object, outline
+from scenic_lite.values.geometry import Vector, as_vector
+from scenic_lite.values.graph import (
     AND,
     EQUAL,
     GREATER,
@@ -29,9 +31,7 @@ from scenic_lite.graph import (
     apply,
     kind_of,
 )
-from scenic_lite.space.geometry import Vector, as_vector
-from scenic_lite.space.regions import Region
-from scenic_lite.values import Choice, describe_kind
+from scenic_lite.values.regions import Region
 
 PARTS = (Random, Vector, list, tuple, Choice)  # what a list may hold that Python's own `==` does not compare
 COMPARISONS: dict[type, Operation] = {

@@ -1,17 +1,17 @@
 """The methods of lists, tuples, dictionaries and sets, within the budget.
 
-What is not here does not exist for a program. Read next: `attributes`, which looks them up.
+What is not here does not exist for a program. Read next: `evaluation.attributes`, which looks them up.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+from scenic_lite.core.builtin_tables import plain, sited
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Builtin
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.evaluation.tables import plain, sited
-from scenic_lite.graph import Value
-from scenic_lite.values import Builtin
+from scenic_lite.values.graph import Value
 
 
 def sorted_list(frame: Frame, node: Any, values: Value, key: Value = None, reverse: Value = False) -> list:

@@ -1,6 +1,6 @@
 """Evaluate expressions: what each node of the tree means for numbers, containers and random values alike.
 
-Read next: `calls`, functions and instances; `comparisons`; `statements`.
+Read next: `evaluation.calls`, functions and instances; `evaluation.comparisons`; `evaluation.statements`.
 """
 
 from __future__ import annotations
@@ -12,15 +12,20 @@ from typing import Any
 
 import numpy as np
 
+from scenic_lite.core.checks import Picky
+from scenic_lite.core.exceptions import from_python, named_fault
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Builtin, Choice, Delayed, Function, Namespace, Stream, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.comparisons import comparison
-from scenic_lite.evaluation.exceptions import from_python, named_fault
-from scenic_lite.evaluation.faults import Picky
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.evaluation.texts import joined as joined_texts
-from scenic_lite.evaluation.texts import percent, represented, text_of
-from scenic_lite.graph import (
+from scenic_lite.evaluation.strings import joined as joined_texts
+from scenic_lite.evaluation.strings import percent, represented, text_of
+from scenic_lite.language.region_members import item_of as element_of
+from scenic_lite.language.scenic_operators import OPERATORS, ego_of
+from scenic_lite.syntax import nodes
+from scenic_lite.values.geometry import Vector, as_vector
+from scenic_lite.values.graph import (
     AND,
     NOT,
     OR,
@@ -32,13 +37,8 @@ from scenic_lite.graph import (
     kind_of,
     real_power,
 )
-from scenic_lite.operators import OPERATORS, ego_of
-from scenic_lite.space.geometry import Vector, as_vector
-from scenic_lite.space.lines import PolylineRegion
-from scenic_lite.space.region_members import item_of as element_of
-from scenic_lite.space.regions import Region, VectorField
-from scenic_lite.syntax import nodes
-from scenic_lite.values import Builtin, Choice, Delayed, Function, Namespace, Stream, choose, describe_kind
+from scenic_lite.values.lines import PolylineRegion
+from scenic_lite.values.regions import Region, VectorField
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,

@@ -1,6 +1,6 @@
 """The built-in functions: those of Python, distributions, regions, the modules `math` and `random`.
 
-Nothing of Python's own is reachable but what these tables hold. Read next: `expressions`.
+Nothing of Python's own is reachable but what these tables hold. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -8,17 +8,17 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite import distributions as draw
-from scenic_lite.classes import OBJECT, ORIENTED_POINT, POINT
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Builtin, Namespace
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.evaluation.functions_of_python import PYTHON
-from scenic_lite.evaluation.numbers_of_python import MATH, NUMBERS, of_one, of_two
-from scenic_lite.evaluation.randomness import RANDOM
-from scenic_lite.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
-from scenic_lite.space.geometry import NORMALISE, Vector
-from scenic_lite.space.region_functions import REGIONS, number
-from scenic_lite.values import Builtin, Namespace
+from scenic_lite.evaluation.builtins import PYTHON
+from scenic_lite.evaluation.math_builtins import MATH, NUMBERS, of_one, of_two
+from scenic_lite.evaluation.random_module import RANDOM
+from scenic_lite.language import distributions as draw
+from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT
+from scenic_lite.language.region_functions import REGIONS, number
+from scenic_lite.values.geometry import NORMALISE, Vector
+from scenic_lite.values.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
 
 
 def no_shapely(frame: Frame, node: ast.AST, *shapes: Value) -> None:

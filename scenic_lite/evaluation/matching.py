@@ -1,6 +1,6 @@
 """`match`: values taken apart by patterns.
 
-Read next: `statements`.
+Read next: `evaluation.statements`.
 """
 
 from __future__ import annotations
@@ -9,13 +9,13 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Builtin, Choice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
+from scenic_lite.evaluation.builtins import is_of
 from scenic_lite.evaluation.comparisons import equal
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.evaluation.functions_of_python import is_of
-from scenic_lite.graph import Random, Value
-from scenic_lite.values import Builtin, Choice, describe_kind
+from scenic_lite.values.graph import Random, Value
 
 
 def choose_case(frame: Frame, node: ast.Match) -> None:

@@ -3,15 +3,15 @@
 Spec section 11.8: `Main`, or the only scenario if it needs no arguments, or the one asked for; a program without any is
 a scenario itself. The main one's setup runs when the program is loaded, after the statements outside of scenarios; it
 takes over their objects, parameters and requirements, but not their monitors, records and conditions to terminate. What
-happens in episodes is in `dynamics.scenarios`. Read next: `evaluate`.
+happens in episodes is in `dynamics.scenarios`. Read next: `loader`.
 """
 
 from __future__ import annotations
 
+from scenic_lite.core.scope import Frame, Session, Source, near
+from scenic_lite.core.types import Behavior, BehaviorCall
 from scenic_lite.errors import Place, ScenicError
 from scenic_lite.evaluation.calls import bind
-from scenic_lite.evaluation.frame import Frame, Session, Source, near
-from scenic_lite.values import Behavior, BehaviorCall
 
 
 def set_up_main(session: Session, source: Source, name: str | None) -> None:

@@ -1,6 +1,6 @@
 """Imports: the domain's library, `math` and `random`, and `.scenic` files beside the program.
 
-Nothing is ever handed to Python's own import. Read next: `program`.
+Nothing is ever handed to Python's own import. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from scenic_lite.core.exceptions import named_fault
+from scenic_lite.core.scope import Frame, Session, Source, near
+from scenic_lite.core.types import Namespace
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.evaluation.exceptions import named_fault
-from scenic_lite.evaluation.frame import Frame, Session, Source, near
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.check import check
 from scenic_lite.syntax.lexer import unified
 from scenic_lite.syntax.parser import parse
-from scenic_lite.values import Namespace
 
 LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to read
 LONGEST_NAME = 200  # characters of a path that are shown

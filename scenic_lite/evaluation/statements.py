@@ -1,6 +1,7 @@
 """Execute statements: Python's, and those of Scenic that shape a scene.
 
-Behaviors, monitors and conditions that end an episode are kept as trees for whoever runs them. Read next: `modules`.
+Behaviors, monitors and conditions that end an episode are kept as trees for whoever runs them. Read next:
+`evaluation.modules`.
 """
 
 from __future__ import annotations
@@ -9,18 +10,27 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.classes import OBJECT
+from scenic_lite.core.exceptions import ExceptionClass
+from scenic_lite.core.scope import Frame, Watched, name_draws, near
+from scenic_lite.core.types import (
+    Behavior,
+    BehaviorCall,
+    Builtin,
+    Default,
+    Delayed,
+    Instance,
+    ScenicClass,
+    describe_kind,
+)
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
 from scenic_lite.evaluation.calls import Return, defaults_of, function_of, scope_of
-from scenic_lite.evaluation.exceptions import ExceptionClass
-from scenic_lite.evaluation.frame import Frame, Watched, name_draws, near
 from scenic_lite.evaluation.matching import choose_case
 from scenic_lite.evaluation.trying import TRYING
-from scenic_lite.graph import Random, Value, is_number
-from scenic_lite.requirements import mutate, require
+from scenic_lite.language.classes import OBJECT
+from scenic_lite.language.requirements import mutate, require
 from scenic_lite.syntax import nodes
-from scenic_lite.values import Behavior, BehaviorCall, Builtin, Default, Delayed, Instance, ScenicClass, describe_kind
+from scenic_lite.values.graph import Random, Value, is_number
 
 
 class Break(Exception):

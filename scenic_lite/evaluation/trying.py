@@ -1,7 +1,7 @@
 """`try`, `raise` and `assert`.
 
 A program catches what it could catch in Python, by the names of `exceptions`; never the end of its budget. Read next:
-`exceptions`.
+`core.exceptions`.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
+from scenic_lite.core.exceptions import EXCEPTIONS, ExceptionClass, Fault, fault_of, named_fault, raised
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.exceptions import EXCEPTIONS, ExceptionClass, Fault, fault_of, named_fault, raised
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.evaluation.texts import text_of
-from scenic_lite.graph import Value
+from scenic_lite.evaluation.strings import text_of
 from scenic_lite.syntax import nodes
-from scenic_lite.values import describe_kind
+from scenic_lite.values.graph import Value
 
 
 def attempt(frame: Frame, node: ast.Try) -> None:

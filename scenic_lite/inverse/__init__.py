@@ -1,4 +1,4 @@
 """From a scene back to the level that it is.
 
-Read next: `levels`.
+Read next: `inverse.levels`.
 """

@@ -1,6 +1,7 @@
 """How to go back through each operation: from its value, and all inputs but one, to that one.
 
-Operations without a rule (`abs`, `sin`, ...) are left to `solver`. Read next: `inversion`, which applies the rules.
+Operations without a rule (`abs`, `sin`, ...) are left to `solver`. Read next: `inverse.inversion`, which applies the
+rules.
 """
 
 from __future__ import annotations
@@ -11,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.distributions import NORMAL_SHARE, Cut, Integers, normal_quantile
-from scenic_lite.graph import FLOAT, Table, pick
 from scenic_lite.inverse.knowledge import Knowledge
-from scenic_lite.space.geometry import NORMALISE, TURN
+from scenic_lite.language.distributions import NORMAL_SHARE, Cut, Integers, normal_quantile
+from scenic_lite.values.geometry import NORMALISE, TURN
+from scenic_lite.values.graph import FLOAT, Table, pick
 
 ROUNDING = 1e-9  # of an angle
 Rule = Callable[[Knowledge, Any, tuple[int, ...], int], None]

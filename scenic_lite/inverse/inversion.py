@@ -1,7 +1,7 @@
 """From values back to draws: what is known of the registers of a tape is carried backwards, operation by operation.
 
 A value that is known, with all its inputs but one, gives that one; and forwards, inputs that are known give the value.
-What only several equations together decide is left to `solver`. Read next: `levels`, which asks.
+What only several equations together decide is left to `solver`. Read next: `inverse.levels`, which asks.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.evaluation.frame import DrawnPoint
+from scenic_lite.core.scope import DrawnPoint
 from scenic_lite.inverse.inverses import rule_for
 from scenic_lite.inverse.knowledge import Knowledge
-from scenic_lite.space.geometry import Vector
+from scenic_lite.values.geometry import Vector
 
 SWEEPS = 50  # each carries knowledge through the whole graph, forwards and back; more only for a malicious graph
 

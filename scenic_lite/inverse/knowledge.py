@@ -1,6 +1,6 @@
 """What is known of the registers of a tape in each of N scenes, on the way from values back to draws.
 
-Read next: `inverses`, one rule per operation.
+Read next: `inverse.inverses`, one rule per operation.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.graph import Tape
-from scenic_lite.inverse.bounds import Interval
+from scenic_lite.scene.bounds import Interval
+from scenic_lite.values.graph import Tape
 
 
 class Knowledge:

@@ -1,7 +1,7 @@
 """From a scene to the level that describes it: the inverse of `Program.instantiate`.
 
 What is asked is carried back through the tape (`inversion`); what is left is searched for (`solver`); then the level is
-made, and compared with what was asked. Read next: `wishes`, in which a scene is asked for.
+made, and compared with what was asked. Read next: `inverse.wishes`, in which a scene is asked for.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenic_lite.evaluation.frame import DrawnPoint
-from scenic_lite.graph import Column, Random, Tape, Value, columns_of
-from scenic_lite.inverse.bounds import bounds_of
+from scenic_lite.core.scope import DrawnPoint
 from scenic_lite.inverse.inversion import propagate
 from scenic_lite.inverse.knowledge import Knowledge
 from scenic_lite.inverse.solver import solve
 from scenic_lite.inverse.wishes import CLOSE, Wish
-from scenic_lite.space.geometry import TURN
+from scenic_lite.scene.bounds import bounds_of
+from scenic_lite.values.geometry import TURN
+from scenic_lite.values.graph import Column, Random, Tape, Value, columns_of
 
 if TYPE_CHECKING:
     from scenic_lite.inverse.refusals import Refusals

@@ -1,6 +1,6 @@
 """Why no level is the scene that was asked for, said of one object, property and draw.
 
-Read next: `levels`, which finds out.
+Read next: `inverse.levels`, which finds out.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.graph import Random, columns_of
 from scenic_lite.inverse.wishes import Wish
-from scenic_lite.naming import title_of
+from scenic_lite.scene.naming import title_of
+from scenic_lite.values.graph import Random, columns_of
 
 if TYPE_CHECKING:
     from scenic_lite.inverse.wishes import Subjects
-    from scenic_lite.program import Draw, Program
+    from scenic_lite.scene.program import Draw, Program
 
 BEYOND = 1e-7  # of θ: farther outside [-1, 1] is no rounding
 LISTED = 8  # draws, in one message

@@ -1,7 +1,7 @@
 """Draws that several equations decide together: a batched least-squares search over the unit cube.
 
 Levenberg's method with differences for derivatives, from where `inversion` has left off and then from the best of many
-points, since the equations may bend, fold and jump. Read next: `levels`, which calls it.
+points, since the equations may bend, fold and jump. Read next: `inverse.levels`, which calls it.
 """
 
 from __future__ import annotations

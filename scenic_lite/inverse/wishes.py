@@ -1,6 +1,6 @@
 """What a scene is asked to be, value by value: read from `Scenes`, or from what a person writes down.
 
-Read next: `levels`, which finds the draws that give it.
+Read next: `inverse.levels`, which finds the draws that give it.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from scenic_lite.core.scope import near
+from scenic_lite.core.types import BehaviorCall, Choice, Instance
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.evaluation.frame import near
-from scenic_lite.graph import Column, Random, Value, is_number, kind_of
-from scenic_lite.scenes import Scenes, part_of, row_of
-from scenic_lite.space.geometry import Vector
-from scenic_lite.space.regions import Region
-from scenic_lite.values import BehaviorCall, Choice, Instance
+from scenic_lite.scene.scenes import Scenes, part_of, row_of
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import Column, Random, Value, is_number, kind_of
+from scenic_lite.values.regions import Region
 
 CLOSE = 1e-6  # relative, from 1 on: two values that agree so far are the same
 

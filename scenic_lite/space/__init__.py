@@ -1,4 +1,4 @@
 """The plane: vectors and angles, regions, vector fields.
 
-Read next: `geometry`, `regions`.
+Read next: `values.geometry`, `values.regions`.
 """

@@ -1,4 +1,4 @@
 """Program text to a checked syntax tree.
 
-Read next: `parser`.
+Read next: `syntax.parser`.
 """

@@ -1,7 +1,7 @@
 """Rules of the language that need the whole tree: what may stand where, what may occur only once, what never ends.
 
 All findings are returned together, sorted by place. Names that are defined nowhere are not looked for here: that needs
-the imported library. Read next: `check_loops`, for endless loops, and `evaluate`, which runs the static half.
+the imported library. Read next: `syntax.check_loops`, for endless loops, and `loader`, which runs the static half.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Warnings about specifiers that are allowed but surely not meant.
 
 Scenic lets an object have any property, so a slip such as `with bahavior B()` is silently without effect; and a heading
-without `deg` is in radians. Read next: `check`.
+without `deg` is in radians. Read next: `syntax.check`.
 """
 
 from __future__ import annotations

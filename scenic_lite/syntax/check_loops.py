@@ -1,7 +1,7 @@
 """Loops in behaviors and monitors that would hold up a simulation step for ever.
 
 Within one step the world stands still, so a loop must either let time pass or change what ends it. Only what is certain
-is reported: a loop that takes an action on some path, or that leaves itself, is believed. Read next: `check`.
+is reported: a loop that takes an action on some path, or that leaves itself, is believed. Read next: `syntax.check`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Which Scenic a program is written in: as the caller says, as its first line says, or as its words tell.
 
-Read next: `evaluate`.
+Read next: `loader`.
 """
 
 from __future__ import annotations

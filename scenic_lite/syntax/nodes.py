@@ -6,7 +6,7 @@ Scenic is Python plus a few forms, so its tree is Python's plus a few nodes: a p
 handed to `compile`: a program is data.
 
 The docstring of a class is its production, the names below it are its fields; a name with a default is an attribute
-beside the fields, which `ast.walk` does not follow. Read next: `parser`, which makes these.
+beside the fields, which `ast.walk` does not follow. Read next: `syntax.parser`, which makes these.
 """
 
 from __future__ import annotations

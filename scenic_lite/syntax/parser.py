@@ -3,7 +3,7 @@
 Each file is one layer of a class, in this order: `parser_cursor` walks the tokens; `parser_strings`,
 `parser_specifiers`, `parser_displays`, `parser_calls` and `parser_expressions` read values; `parser_statements`,
 `parser_patterns`, `parser_blocks` and `parser_scenic` read statements. No text is ever given to Python's compiler.
-Read next: `nodes`, for what comes out, and `check`, for the rules that need the whole tree.
+Read next: `syntax.nodes`, for what comes out, and `syntax.check`, for the rules that need the whole tree.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The statements and blocks that Scenic adds to Python.
 
 All their words but Scenic 3's hard keywords are names elsewhere, so each production first looks at what follows.
-Read next: `nodes`, for what they become, and `parser`, which puts everything together.
+Read next: `syntax.nodes`, for what they become, and `syntax.parser`, which puts everything together.
 """
 
 from __future__ import annotations

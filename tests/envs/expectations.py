@@ -4,9 +4,10 @@
     # expect by 40: runner.sprint == 1
     # expect always: keeper.x < -90
 
-Names are the program's objects with the columns of the world table (`envs.football.world.FIELDS`), `<name>_start` is an
-object at kick-off, `distance(a, b)` is what it says. A line holds if it does in most of the matches played, each on a
-random level and without a learner; a match that ends sooner than the time named does not count for `at` and `by`.
+Names are the program's objects with the columns of the world table (`envs.football.scenic.world.FIELDS`),
+`<name>_start` is an object at kick-off, `distance(a, b)` is what it says. A line holds if it does in most of the
+matches played, each on a random level and without a learner; a match that ends sooner than the time named does not
+count for `at` and `by`.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ import numpy as np
 from pitch import take_over
 
 from envs.football.constants import NOBODY
+from envs.football.scenic.world import FACTS, FIELDS
+from envs.football.scenic.world_table import NUM_FIELDS, write_world
 from envs.football.vector_env import FootballVectorEnv
-from envs.football.world import FACTS, FIELDS
-from envs.football.world_table import NUM_FIELDS, write_world
 
 LINE = re.compile(r"^# expect (?:(always)|(at|by) (\d+)): (.+)$", re.MULTILINE)
 MATCHES, MOST = 16, 0.75

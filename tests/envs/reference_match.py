@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.casting import Casting
 from envs.football.constants import RUNNING
-from envs.football.script import step_commanded
-from envs.football.world import FACTS, FOOTBALL_WORLD
-from envs.football.world_table import NUM_FIELDS, write_world
+from envs.football.scenic.lineup import Casting
+from envs.football.scenic.step import step_commanded
+from envs.football.scenic.world import FACTS, FOOTBALL_WORLD
+from envs.football.scenic.world_table import NUM_FIELDS, write_world
 from scenic_lite import Program
-from scenic_lite.dynamics.reference import Reference
-from scenic_lite.dynamics.world import Commands, Verdict
+from scenic_lite.core.world import Commands, Verdict
+from scenic_lite.dynamics.reference.interpreter import Reference
 
 
 class Moment(NamedTuple):

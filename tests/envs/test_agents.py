@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pitch import position, take_over
 
-from envs.football.casting import CastingError
 from envs.football.config import FootballConfig
 from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SPRINT
+from envs.football.scenic.lineup import CastingError
 from envs.football.simulator import step_matches
 from envs.football.state import Lineup, MatchConfig, kick_off
 from envs.football.vector_env import FootballVectorEnv

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
+from envs.football.ai.formation import posts
 from envs.football.constants import CB, CF, CM, GK, LB, LEFT, NOBODY, RB, RIGHT, SHOT
-from envs.football.formation import posts
 from envs.football.state import MatchConfig
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.ball import advance_ball, rolled
 from envs.football.constants import BALL_RADIUS, GOAL_HEIGHT
+from envs.football.physics.ball import advance_ball, rolled
 from envs.football.state import BALL
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.casting import CastingError
 from envs.football.config import FootballConfig
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
-from envs.football.domain import FOOTBALL, SETTINGS
+from envs.football.scenic.domain import FOOTBALL, SETTINGS
+from envs.football.scenic.lineup import CastingError
 from envs.football.state import MatchConfig
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load

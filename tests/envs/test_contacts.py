@@ -18,9 +18,9 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.fouls import YELLOW_FROM
+from envs.football.physics.tackles import slide_into
+from envs.football.rules.fouls import YELLOW_FROM
 from envs.football.simulator import step_teams
-from envs.football.tackles import slide_into
 
 MANY = range(200)
 

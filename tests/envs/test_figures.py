@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from envs.football.constants import BUILTIN_AI, HIGH_PASS, METRES_PER_X, TERMINATED
-from envs.football.domain import FOOTBALL
+from envs.football.scenic.domain import FOOTBALL
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError, load
 

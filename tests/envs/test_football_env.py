@@ -15,8 +15,8 @@ from gymnasium.utils.env_checker import check_env
 import minigames
 from envs.football.config import FootballConfig
 from envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRES_PER_Y, SHOT
-from envs.football.features import features_names
 from envs.football.gym_env import FootballEnv
+from envs.football.observation.features import features_names
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 from ued.upomdp import ThetaError

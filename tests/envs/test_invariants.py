@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 from pitch import OPEN, Player, plain, position
 from test_restarts import ELEVENS, MODES, PLACES
 
-from envs.football.ball import bounce, drag_on_ground, hit_goal_frame
-from envs.football.bodies import part_bodies
 from envs.football.constants import BALL_RADIUS, BUILTIN_AI, CM, CORNER, FREE_KICK, GK, LEFT, NORMAL, PENALTY, RIGHT
-from envs.football.hands import parry
-from envs.football.motion import plan_motion
+from envs.football.physics.ball import bounce, drag_on_ground, hit_goal_frame
+from envs.football.physics.bodies import part_bodies
+from envs.football.physics.hands import parry
+from envs.football.physics.motion import plan_motion
+from envs.football.rules.whistle import stop_play
 from envs.football.simulator import step_matches, step_teams
 from envs.football.state import MATCH, MatchConfig
-from envs.football.whistle import stop_play
 from tests.envs.torture import strange_places, torture
 
 ROOT = Path(__file__).resolve().parents[2]

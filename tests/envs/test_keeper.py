@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.ball import advance_ball
+from envs.football.ai.keeper import bisector_foot
 from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
-from envs.football.keeper import bisector_foot
-from envs.football.saves import foresee_shot, save_chance
+from envs.football.physics.ball import advance_ball
+from envs.football.physics.saves import foresee_shot, save_chance
 
 
 def keeper_after(steps: int, ball: tuple[float, float], striker: tuple[float, float], with_back: bool) -> np.ndarray:

@@ -27,9 +27,9 @@ from envs.football.constants import (
     SHORT_PASS,
     SHOT,
 )
-from envs.football.first_touch import difficulty
-from envs.football.kicks import delay, gauge
-from envs.football.passes import choose_mate, place_of
+from envs.football.physics.first_touch import difficulty
+from envs.football.physics.kicks import delay, gauge
+from envs.football.physics.passes import choose_mate, place_of
 
 
 def shoot(x: float, y: float, keys: list[int], presses: int = 1, seeds: int = 40) -> dict[str, np.ndarray]:

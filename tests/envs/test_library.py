@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from envs.football.domain import FOOTBALL, LIBRARY, MODULES
-from envs.football.world import FACTS, FIELDS, FOOTBALL_WORLD
+from envs.football.scenic.domain import FOOTBALL, LIBRARY, MODULES
+from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
 from scenic_lite import load
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.reference.interpreter import Reference
 
 HEAD = """
 from football.behaviors import *

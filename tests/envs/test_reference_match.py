@@ -9,12 +9,12 @@ import pytest
 from reference_match import ReferenceMatch
 
 from envs.football.constants import DURATION, NUM_ACTIONS, REJECTED, RUNNING, TERMINATED
-from envs.football.domain import FOOTBALL
 from envs.football.gym_env import FootballEnv
+from envs.football.scenic.domain import FOOTBALL
 from envs.football.state import MATCH
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
-from scenic_lite.dynamics.bytecode import NO_COMMAND
+from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("minigames", "tests/programs", "experiments/programs")

@@ -7,8 +7,8 @@ import pytest
 
 import minigames
 from envs.football.config import FootballConfig
-from envs.football.replay import Recorder, RecordError, load_record, replay, same
 from envs.football.vector_env import FootballVectorEnv
+from envs.football.view.replay import Recorder, RecordError, load_record, replay, same
 
 PROGRAM = minigames.MINIGAMES["3v2FourBehaviors"].program  # with behaviors, and a module of its own
 ALONE = "ego = LeftCM at 0 @ 0\nRightGK at 99 @ 0\nball = Ball at Range(1, 3) @ 0\n"

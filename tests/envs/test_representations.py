@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 import minigames
 from envs.football.config import REPRESENTATIONS, FootballConfig
 from envs.football.gym_env import FootballEnv
-from envs.football.raw import row
+from envs.football.observation.raw import row
 from envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = minigames.MINIGAMES["3v2FourBehaviors"].program

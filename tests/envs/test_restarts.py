@@ -31,8 +31,8 @@ from envs.football.constants import (
     SHOT,
     THROW_IN,
 )
+from envs.football.rules.whistle import stop_play
 from envs.football.state import MatchConfig
-from envs.football.whistle import stop_play
 
 SHAPE = [
     *[(-54.0, 0.0, GK), (-25.0, 16.0, LB), (-28.0, 5.0, CB), (-28.0, -5.0, CB), (-25.0, -16.0, RB)],

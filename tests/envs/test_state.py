@@ -8,7 +8,7 @@ from pitch import duel
 
 from envs.football.constants import CM, GK
 from envs.football.state import BALL_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS, Lineup, MatchConfig, kick_off
-from scenic_lite.stream import streams, uniform
+from scenic_lite.kernels.rng import streams, uniform
 
 
 def test_every_field_is_declared_once() -> None:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from pitch import position, take_over
 
-from envs.football.casting import Casting
 from envs.football.constants import (
     BUILTIN_AI,
     CM,
@@ -20,14 +19,15 @@ from envs.football.constants import (
     RIGHT,
     SHOT,
 )
-from envs.football.domain import FOOTBALL
-from envs.football.script import command_players
-from envs.football.world import FACTS, FIELDS, FOOTBALL_WORLD
-from envs.football.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.lineup import Casting
+from envs.football.scenic.step import command_players
+from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
+from envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.world import packed
-from scenic_lite.space.geometry import Vector
-from scenic_lite.values import Instance, ScenicClass
+from scenic_lite.core.types import Instance, ScenicClass
+from scenic_lite.core.world import packed
+from scenic_lite.values.geometry import Vector
 
 NORTH, WEST, SOUTH, EAST = 0.0, math.pi / 2, math.pi, 3 * math.pi / 2
 CAST = np.array([1, THE_BALL, 0])  # a program of a right player, the ball and a left player

@@ -34,11 +34,11 @@ from envs.football.constants import (
     STAND,
     THROW_IN,
 )
-from envs.football.fouls import report_foul
+from envs.football.rules.fouls import report_foul
 from envs.football.simulator import step_match, step_teams
 from envs.football.state import Lineup, MatchConfig, kick_off
-from scenic_lite.jit import kernel
-from scenic_lite.stream import uniform
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
 
 COMPLAINTS = (
     *("sane", "a player's numbers are not finite", "a player is off the grass", "a player is too fast"),

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from experiments import build
+from experiments.run import build
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 
 

@@ -6,8 +6,8 @@ from typing import Literal
 
 import pytest
 
-from experiments.arguments import group, parse, positional, typed_settings
-from experiments.errors import UsageError
+from experiments.run.arguments import group, parse, positional, typed_settings
+from experiments.run.errors import UsageError
 from ued.config import setting
 
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from experiments.__main__ import main
-from experiments.benchmark_behaviors import CASES, PROGRAMS
+from experiments.benchmarks.behaviors import CASES, PROGRAMS
 
 THESIS = Path(__file__).parents[1] / "programs" / "figure_2_1.scenic"
 
@@ -15,8 +15,8 @@ def test_every_program_is_installed_and_the_figure_is_the_thesiss():
 
 
 def test_the_suite_measures_them(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmark_language.CASES", {})
-    monkeypatch.setattr("experiments.benchmark_behaviors.NUM_ENVS", 4)
+    monkeypatch.setattr("experiments.benchmarks.language.CASES", {})
+    monkeypatch.setattr("experiments.benchmarks.behaviors.NUM_ENVS", 4)
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["behaviors"]
     assert [row["what"] for row in rows] == list(CASES.values())

@@ -3,7 +3,7 @@
 import json
 
 from experiments.__main__ import main
-from experiments.benchmark_language import CASES, PROGRAMS
+from experiments.benchmarks.language import CASES, PROGRAMS
 
 
 def test_every_program_of_the_table_is_installed():
@@ -11,8 +11,8 @@ def test_every_program_of_the_table_is_installed():
 
 
 def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmark_language.LARGE", 64)
-    monkeypatch.setattr("experiments.benchmark_language.SMALL", 8)
+    monkeypatch.setattr("experiments.benchmarks.language.LARGE", 64)
+    monkeypatch.setattr("experiments.benchmarks.language.SMALL", 8)
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["language"]
     assert [row["program"] for row in rows] == list(CASES)
@@ -23,7 +23,7 @@ def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
 
 
 def test_the_table_names_the_original(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmark_language.CASES", {"soft": CASES["soft"]})
+    monkeypatch.setattr("experiments.benchmarks.language.CASES", {"soft": CASES["soft"]})
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001"]) == 0
     table = capsys.readouterr().out
     assert "Scenic 3.1.1: scenes/s" in table and "soft" in table

@@ -15,12 +15,17 @@ import pytest
 from PIL import Image
 
 from envs.football.config import FootballConfig
-from experiments import build, compare, results_page
 from experiments.__main__ import main
-from experiments.config import TrainConfig
-from experiments.errors import CommandError
-from experiments.report import Report
-from experiments.results import (
+from experiments.commands import compare
+from experiments.commands.train import train
+from experiments.pictures import results_page
+from experiments.run import build
+from experiments.run.config import TrainConfig
+from experiments.run.errors import CommandError
+from experiments.run.evaluator import TestScenes
+from experiments.run.folder import RunFolder
+from experiments.run.report import Report
+from experiments.run.results import (
     LevelResult,
     Result,
     Scores,
@@ -34,11 +39,8 @@ from experiments.results import (
     mean_return,
     summarise_levels,
 )
-from experiments.run import RunFolder
-from experiments.stopping import StopRequest
-from experiments.table import read_rows
-from experiments.testing import TestScenes
-from experiments.train import train
+from experiments.run.signals import StopRequest
+from experiments.run.table import read_rows
 from ued.evaluation import Evaluation
 from ued.upomdp import level_dtype
 

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from experiments import config as configs
-from experiments.config import ConfigError, TrainConfig, presets
+from experiments.run import config as configs
+from experiments.run.config import ConfigError, TrainConfig, presets
 
 
 @pytest.mark.parametrize("name", ["fast", "thesis"])

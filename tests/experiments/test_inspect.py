@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
-from experiments.stage import corners, stage_of
+from experiments.pictures.scene_view import corners, stage_of
 from scenic_lite import load
 
 STREET = """

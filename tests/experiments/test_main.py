@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from experiments.__main__ import COMMANDS, main
-from experiments.progress import Progress, count, duration
+from experiments.run.progress import Progress, count, duration
 
 ROOT = Path(__file__).parents[2]
 
@@ -71,7 +71,7 @@ def test_an_error_in_a_program_shows_its_place(tmp_path, capsys):
 
 
 def test_debug_shows_the_traceback(tmp_path):
-    from experiments.errors import CommandError
+    from experiments.run.errors import CommandError
 
     with pytest.raises(CommandError):
         main(["train", "--resume", str(tmp_path), "--debug"])

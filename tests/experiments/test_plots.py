@@ -4,12 +4,13 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from envs.football.casting import Casting
-from envs.football.render import FootballPainter, pitch_lines
-from experiments import build, level_plots, plots
-from experiments.overview import Comparison, overview
-from experiments.results import Result
-from experiments.table import Table
+from envs.football.scenic.lineup import Casting
+from envs.football.view.render import FootballPainter, pitch_lines
+from experiments.pictures import level_plots, plots
+from experiments.pictures.overview import Comparison, overview
+from experiments.run import build
+from experiments.run.results import Result
+from experiments.run.table import Table
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.experiments.probe import DRAWS, ProbePainter, batch
-from ued.recorder import CurriculumRecorder, Episode, Recording, ramp, smooth, unique_names
+from ued.recorder.recorder import CurriculumRecorder, Episode, Recording, ramp, smooth, unique_names
 
 rerun = pytest.importorskip("rerun")
 UPDATES = 30

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from experiments.__main__ import main
-from experiments.run import RunFolder
-from experiments.table import read_columns, read_rows
+from experiments.run.folder import RunFolder
+from experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
 
 ROOT = Path(__file__).parents[2]
@@ -57,8 +57,8 @@ def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
 
 
 def test_a_run_that_never_began_leaves_the_name_free(probe, tmp_path, monkeypatch, capsys):
-    from experiments import build
-    from experiments.errors import CommandError
+    from experiments.run import build
+    from experiments.run.errors import CommandError
 
     make_method = build.make_method
 
@@ -177,7 +177,7 @@ def test_a_program_of_ones_own_must_stay_the_same(probe, tmp_path, monkeypatch, 
 
 
 def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, capsys):
-    from ued.recorder import CurriculumRecorder
+    from ued.recorder.recorder import CurriculumRecorder
 
     def fail(*_):
         raise RuntimeError("the viewer is on strike")

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from scenic_lite import Domain, Program, load
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.core.types import Instance
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import Trace, first_table, properties, run, toy_world
-from scenic_lite.space.geometry import Vector
-from scenic_lite.values import Instance
+from scenic_lite.values.geometry import Vector
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from scenic_lite import Domain, ScenicError, load
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import first_table, run, toy_world
 
 SYNTAX = ("ScenicParseError", "ParseCompileError", "ScenicSyntaxError", "TokenParseError", "PythonParseError")

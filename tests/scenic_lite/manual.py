@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite import Program, Scenes, ScenicError, load
-from scenic_lite.dynamics.compiled import CompiledController
-from scenic_lite.dynamics.compiler.compiler import compile_program
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine.compiled import CompiledController
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
 
 MANUAL = Path(__file__).parents[2] / "scenic_lite" / "README.md"

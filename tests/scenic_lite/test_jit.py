@@ -10,12 +10,12 @@ from pathlib import Path
 import numba
 import pytest
 
-from scenic_lite import jit
+from scenic_lite.kernels import jit
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
     """The folder that a fresh process would cache in, asked without touching this one's."""
-    command = [sys.executable, "-c", "from scenic_lite import jit; print(jit.CACHE)"]
+    command = [sys.executable, "-c", "from scenic_lite.kernels import jit; print(jit.CACHE)"]
     inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     inherited |= {"PYTHONPATH": str(jit.ROOT), "TMPDIR": str(tmp_path), **environment}
     return subprocess.run(command, env=inherited, capture_output=True, text=True, check=True).stdout.strip()
@@ -58,9 +58,12 @@ def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, mon
     for package in jit.PACKAGES:
         (tmp_path / package).mkdir()
     (tmp_path / "envs" / "numbers.py").write_text("G = 9.81\n")
-    (tmp_path / "envs" / "ball.py").write_text("from envs.numbers import G\nfrom scenic_lite.jit import kernel\n")
+    (tmp_path / "envs" / "ball.py").write_text(
+        "from envs.numbers import G\nfrom scenic_lite.kernels.jit import kernel\n"
+    )
     (tmp_path / "envs" / "drawing.py").write_text("import math\n")
-    (tmp_path / "scenic_lite" / "jit.py").write_text("\n")
+    (tmp_path / "scenic_lite" / "kernels").mkdir()
+    (tmp_path / "scenic_lite" / "kernels" / "jit.py").write_text("\n")
     monkeypatch.setattr(jit, "ROOT", tmp_path)
     before = jit.digest()
     (tmp_path / "envs" / "drawing.py").write_text("import math, os\n")

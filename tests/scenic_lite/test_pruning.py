@@ -6,8 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from scenic_lite import ScenicError, load
-from scenic_lite.evaluation import evaluate
+from scenic_lite import ScenicError, load, loader
 
 SCENES = 4000
 CLOSE = 2.2 * np.sqrt(2 / SCENES)  # of two samples' distribution functions
@@ -98,7 +97,7 @@ SLOW = ("row by row",)
 def unpruned(text):
     """The same program, whose invalid draws are all rejected."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(evaluate, "prune", lambda session: None)
+        patch.setattr(loader, "prune", lambda session: None)
         return load(text, dialect=3)
 
 

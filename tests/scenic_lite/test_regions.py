@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from scenic_lite import ScenicError, load
-from scenic_lite.space.geometry import Vector
+from scenic_lite.values.geometry import Vector
 from tests.scenic_lite.scene import BARE, one_scene, param, things
 
 POINTS = 20_000

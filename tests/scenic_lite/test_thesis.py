@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import minigames
-from envs.football.domain import FOOTBALL
+from envs.football.scenic.domain import FOOTBALL
 from scenic_lite import load
 
 PROGRAMS = Path(__file__).parents[1] / "programs"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene import things
 
-from envs.football.domain import FOOTBALL
+from envs.football.scenic.domain import FOOTBALL
 from minigames.suites import MINIGAMES
 from scenic_lite import ScenicError, load
 

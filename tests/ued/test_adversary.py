@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import torch
 
-from ued.adversary import Adversary, Beta, RunningScale, Squashed
 from ued.config import AdversaryConfig
-from ued.streams import torch_stream
+from ued.levels.adversary import Adversary, Beta, RunningScale, Squashed
+from ued.seeding import torch_stream
 
 PEAK = 0.5
 UNIFORM_STD = 1 / math.sqrt(3)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from ued.episode_values import NAMES, EpisodeValues
-from ued.rollout import Rollout
+from ued.learning.rollout import Rollout
+from ued.learning.value_stats import NAMES, EpisodeValues
 
 
 def rollout(rng, steps, envs, rate):

@@ -7,8 +7,8 @@ from probes import Landscape, TwoStep
 from ued import evaluation
 from ued.config import PPOConfig
 from ued.evaluation import evaluate
-from ued.streams import torch_stream
-from ued.student import Student
+from ued.learning.student import Student
+from ued.seeding import torch_stream
 
 
 class Lengths(Landscape):

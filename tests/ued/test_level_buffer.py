@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ued.config import BufferConfig
-from ued.level_buffer import LevelBuffer
-from ued.trials import NONE
+from ued.levels.buffer import LevelBuffer
+from ued.levels.record import NONE
 from ued.upomdp import level_dtype
 
 

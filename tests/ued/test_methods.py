@@ -34,10 +34,10 @@ from ued import (
 )
 from ued.config import AdversaryConfig, ALPGMMConfig
 from ued.curriculum import ThetaSpace
+from ued.levels.record import NONE, Origin
 from ued.methods.accel import edit
 from ued.methods.sfl import CANDIDATE, SFLLevels
 from ued.probes import Frontier
-from ued.trials import NONE, Origin
 
 PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)
 SMALL = BufferConfig(capacity=64)

@@ -7,9 +7,9 @@ import pytest
 from probes import Choice, Free, HalfValid, Landscape
 
 from ued.config import AdversaryConfig, PairedConfig, PPOConfig
+from ued.levels.record import Origin
+from ued.levels.scores import regret
 from ued.methods.paired import NAMES, Paired
-from ued.scores import regret
-from ued.trials import Origin
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
 

@@ -6,11 +6,11 @@ import torch
 from probes import Endless, TwoStep
 
 from ued.config import PPOConfig
-from ued.player import Player, collect
-from ued.rollout import Rollout, gae
-from ued.streams import torch_stream
-from ued.student import Student
-from ued.trials import make_trials, trial_dtype
+from ued.learning.rollout import Rollout, gae
+from ued.learning.student import Student
+from ued.learning.worker import Player, collect
+from ued.levels.record import make_trials, trial_dtype
+from ued.seeding import torch_stream
 
 
 def random_rollout(steps=40, envs=6, seed=0):

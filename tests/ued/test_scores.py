@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ued.scores import population_regret, regret, score
-from ued.trials import make_trials, trial_dtype
+from ued.levels.record import make_trials, trial_dtype
+from ued.levels.scores import population_regret, regret, score
 from ued.upomdp import level_dtype
 
 GAP = np.nan

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ued.trial_queue import TrialQueue
-from ued.trials import make_trials, trial_dtype
+from ued.levels.queue import TrialQueue
+from ued.levels.record import make_trials, trial_dtype
 from ued.upomdp import level_dtype
 
 

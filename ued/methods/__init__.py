@@ -1,4 +1,7 @@
-"""The methods: one file each, the paper's algorithm box on top of one shared PPO. Read next: `dr`, then `paired`."""
+"""The methods: one file each, the paper's algorithm box on top of one shared PPO.
+
+Read next: `methods.dr`, then `methods.paired`.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 if TYPE_CHECKING:  # torch is heavy, and records of levels need none
-    from ued.player import Episodes
-    from ued.student import Student
+    from ued.learning.student import Student
+    from ued.learning.worker import Episodes
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ import numpy as np
 
 from ued.config import ACCELConfig, PPOConfig
 from ued.curriculum import LevelSpace
+from ued.levels.record import Origin, make_trials, mean_returns
 from ued.methods.plr import PLRLevels
 from ued.training import BLOCK, Training
-from ued.trials import Origin, make_trials, mean_returns
 from ued.upomdp import UPOMDP
 
 TRIES = 8  # to edit a level into a valid one

@@ -18,8 +18,8 @@ import numpy as np
 
 from ued.config import ALPGMMConfig, PPOConfig
 from ued.curriculum import LevelSpace, LevelStock
+from ued.levels.record import Origin, make_trials, trial_dtype
 from ued.training import BLOCK, Training
-from ued.trials import Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly

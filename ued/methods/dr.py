@@ -16,8 +16,8 @@ import numpy as np
 
 from ued.config import DRConfig, PPOConfig
 from ued.curriculum import LevelSpace
+from ued.levels.record import Origin, make_trials, trial_dtype
 from ued.training import Training
-from ued.trials import Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
 

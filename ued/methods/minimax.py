@@ -15,9 +15,9 @@ import numpy as np
 
 from ued.config import MinimaxConfig, PPOConfig
 from ued.curriculum import LevelSpace
-from ued.teacher import Teacher
+from ued.levels.record import mean_returns
+from ued.levels.teacher import Teacher
 from ued.training import Training
-from ued.trials import mean_returns
 from ued.upomdp import UPOMDP
 
 

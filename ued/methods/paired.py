@@ -14,7 +14,7 @@ just learned to solve, and the adversary is taught to avoid them: so the default
 of both students against the mean of both (`roles`). The other settings are further stabilisers: random levels among the
 adversary's, mean-mean regret, students drawn to each other, and an antagonist that is no student but what the
 environment itself does with the learner's part (a Scenic behavior), the yardstick from the first update on.
-Read next: `teacher` and `adversary`; `training`, who plays what; `methods.repaired`.
+Read next: `levels.teacher` and `levels.adversary`; `training`, who plays what; `methods.repaired`.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ from torch import Tensor
 
 from ued.config import PairedConfig, PPOConfig
 from ued.curriculum import LevelSpace
-from ued.diagnostics import regret_split
-from ued.ppo import Guide
-from ued.scores import population_regret, regret
-from ued.teacher import Teacher
+from ued.learning.ppo import Guide
+from ued.levels.diagnostics import regret_split
+from ued.levels.record import Origin
+from ued.levels.scores import population_regret, regret
+from ued.levels.teacher import Teacher
 from ued.training import Seat, Training
-from ued.trials import Origin
 from ued.upomdp import UPOMDP
 
 NAMES = ("protagonist", "antagonist")

@@ -7,7 +7,7 @@
             draw a level from the buffer by score and staleness; the student plays it and learns; score it anew
 
 A level on which no episode has finished has no score, and is neither kept nor dropped for it. Read next:
-`level_buffer`, `scores`; then `methods.accel`.
+`levels.buffer`, `levels.scores`; then `methods.accel`.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ import numpy as np
 
 from ued.config import PLRConfig, PPOConfig
 from ued.curriculum import LevelSpace, LevelStock
-from ued.level_buffer import LevelBuffer
-from ued.scores import score
+from ued.levels.buffer import LevelBuffer
+from ued.levels.record import NONE, Origin, make_trials, trial_dtype
+from ued.levels.scores import score
 from ued.training import BLOCK, Training
-from ued.trials import NONE, Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
 

@@ -20,9 +20,9 @@ import numpy as np
 
 from ued.config import PPOConfig, RepairedConfig
 from ued.curriculum import LevelSpace
-from ued.level_buffer import LevelBuffer
+from ued.levels.buffer import LevelBuffer
+from ued.levels.record import NONE, Origin
 from ued.methods.paired import Paired, PairedLevels
-from ued.trials import NONE, Origin
 from ued.upomdp import UPOMDP, level_dtype
 
 

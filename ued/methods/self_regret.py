@@ -18,8 +18,8 @@ import numpy as np
 
 from ued.config import PPOConfig, SelfRegretConfig
 from ued.curriculum import LevelSpace
-from ued.scores import regret
-from ued.teacher import Teacher
+from ued.levels.scores import regret
+from ued.levels.teacher import Teacher
 from ued.training import Training
 from ued.upomdp import UPOMDP
 

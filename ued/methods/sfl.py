@@ -18,9 +18,9 @@ import numpy as np
 
 from ued.config import PPOConfig, SFLConfig
 from ued.curriculum import LevelSpace, LevelStock
-from ued.scores import score
+from ued.levels.record import NONE, Origin, make_trials, trial_dtype
+from ued.levels.scores import score
 from ued.training import BLOCK, Training
-from ued.trials import NONE, Origin, make_trials, trial_dtype
 from ued.upomdp import UPOMDP, level_dtype
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)

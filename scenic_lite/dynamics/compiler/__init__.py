@@ -1,4 +1,4 @@
 """Behaviors, monitors and conditions compiled into code for the machine (`vm`).
 
-Read next: `compiler`.
+Read next: `dynamics.compiler.compile`.
 """

@@ -1,21 +1,22 @@
 """Attributes that a program sets while a match runs: of its objects, and of `simulation()`.
 
-They are seen by all behaviors of the match, so their registers belong to none of them. Read next: `compiler_behaviors`.
+They are seen by all behaviors of the match, so their registers belong to none of them. Read next:
+`dynamics.compiler.behaviors`.
 """
 
 from __future__ import annotations
 
 import ast
 
-from scenic_lite.classes import checked
-from scenic_lite.dynamics.bytecode import REWARD
+from scenic_lite.core.scope import near
+from scenic_lite.core.types import Choice, Instance, describe_kind
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame
-from scenic_lite.dynamics.compiler.slots import Slot, pairs
+from scenic_lite.dynamics.compiler.registers import Slot, pairs
+from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import near
-from scenic_lite.graph import Value, kind_of
-from scenic_lite.values import Choice, Instance, describe_kind
+from scenic_lite.language.classes import checked
+from scenic_lite.values.graph import Value, kind_of
 
 # "object" and its label, "simulation" and "", "global" and its module's number; then the attribute or variable
 Key = tuple[str, str | int, str]

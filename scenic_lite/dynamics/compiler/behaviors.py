@@ -1,6 +1,7 @@
 """Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors inlined into the thread that runs them.
 
-What each means, and in which order its parts are evaluated, is `reference`'s to say. Read next: `compiler_interrupts`.
+What each means, and in which order its parts are evaluated, is `reference`'s to say. Read next:
+`dynamics.compiler.interrupts`.
 """
 
 from __future__ import annotations
@@ -10,23 +11,23 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from scenic_lite.dynamics.bytecode import COMPLETE, Op
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Behavior, BehaviorCall, Choice, describe_kind
+from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.attributes import remember
 from scenic_lite.dynamics.compiler.choices import over_options
 from scenic_lite.dynamics.compiler.code import TOLD, Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
-from scenic_lite.dynamics.compiler.slots import kept
-from scenic_lite.dynamics.temporal import is_temporal
-from scenic_lite.dynamics.world import packed
+from scenic_lite.dynamics.compiler.registers import kept
+from scenic_lite.dynamics.machine.bytecode import COMPLETE, Op
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import Random, Value, is_number
-from scenic_lite.requirements import source_text
+from scenic_lite.language.requirements import source_text
+from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
-from scenic_lite.values import Behavior, BehaviorCall, Choice, describe_kind
+from scenic_lite.values.graph import Random, Value, is_number
 
 Called = tuple[BehaviorCall, Value]  # with its weight
 

@@ -1,26 +1,26 @@
 """Calls: functions of the program are inlined, built-in ones of lists have a meaning of their own here.
 
-Read next: `compiler_functions`, `compiler_statements`.
+Read next: `dynamics.compiler.functions`, `dynamics.compiler.statements`.
 """
 
 from __future__ import annotations
 
 import ast
 
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
 from scenic_lite.dynamics.compiler.attributes import set_attribute
 from scenic_lite.dynamics.compiler.changing import METHODS, mutated
 from scenic_lite.dynamics.compiler.choices import over_options
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.functions import FUNCTIONS
 from scenic_lite.dynamics.compiler.lists import put_with_room
-from scenic_lite.dynamics.compiler.shapes import LiveList, shape_of, varies
-from scenic_lite.dynamics.compiler.slots import copied, pairs, registers_in, settled
+from scenic_lite.dynamics.compiler.registers import copied, pairs, registers_in, settled
+from scenic_lite.dynamics.compiler.types import LiveList, shape_of, varies
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import Column, Random, Value
-from scenic_lite.values import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
+from scenic_lite.values.graph import Column, Random, Value
 
 
 def call_node(c: Compilation, frame: Frame, node: ast.Call) -> Value:

@@ -1,6 +1,6 @@
 """`match` as `if`: what a pattern asks of its subject, as an expression.
 
-Read next: `statements`.
+Read next: `dynamics.compiler.statements`.
 """
 
 from __future__ import annotations

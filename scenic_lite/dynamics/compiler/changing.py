@@ -1,6 +1,6 @@
 """Slices and methods of lists whose length the match decides: each makes a new list from the elements of the old.
 
-Read next: `calls`, which assigns the changed list to its variable.
+Read next: `dynamics.compiler.calls`, which assigns the changed list to its variable.
 """
 
 from __future__ import annotations
@@ -8,10 +8,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import choose
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
-from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.functions import in_order
 from scenic_lite.dynamics.compiler.lists import (
     appended,
@@ -23,12 +24,11 @@ from scenic_lite.dynamics.compiler.lists import (
     rebuilt,
     same_value,
 )
-from scenic_lite.dynamics.compiler.shapes import LiveList, varies
-from scenic_lite.dynamics.compiler.slots import kept, settled
+from scenic_lite.dynamics.compiler.registers import kept, settled
+from scenic_lite.dynamics.compiler.types import LiveList, varies
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT, Value, apply, as_number
-from scenic_lite.values import choose
+from scenic_lite.values.graph import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT, Value, apply, as_number
 
 Changed = tuple[Value, Value]  # the list as it is now, what the method returns
 

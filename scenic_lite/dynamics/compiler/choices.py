@@ -2,7 +2,7 @@
 
 What is done to them is done to each of the things: at once if that costs nothing, else behind jumps, so that only what
 is really there is computed. Where it cannot be done to some of them (None has no position) the match stops with the
-program's line if one of those is met. Read next: `compiler_conditions`.
+program's line if one of those is met. Read next: `dynamics.compiler.conditions`.
 """
 
 from __future__ import annotations
@@ -10,20 +10,20 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import PYTHON_FAULTS, Frame, from_python
+from scenic_lite.core.types import Choice, Function, choose
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_live, register_of
-from scenic_lite.dynamics.compiler.frame import Compilation
-from scenic_lite.dynamics.compiler.shapes import LiveList, put_together, taken_apart
-from scenic_lite.dynamics.compiler.slots import Slot
+from scenic_lite.dynamics.compiler.registers import Slot
+from scenic_lite.dynamics.compiler.types import LiveList, put_together, taken_apart
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of, signed
-from scenic_lite.evaluation.frame import PYTHON_FAULTS, Frame, from_python
-from scenic_lite.evaluation.texts import text_of
-from scenic_lite.graph import EQUAL, NOT_EQUAL, Column, Random, Value, apply
-from scenic_lite.operators import OPERATORS
-from scenic_lite.values import Choice, Function, choose
+from scenic_lite.evaluation.strings import text_of
+from scenic_lite.language.scenic_operators import OPERATORS
+from scenic_lite.values.graph import EQUAL, NOT_EQUAL, Column, Random, Value, apply
 
 MADE = Callable[[Value], Value]
 

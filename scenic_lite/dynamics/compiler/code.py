@@ -2,7 +2,7 @@
 
 Registers are numbered in areas while a program is compiled, and laid side by side when it is finished: constants,
 inputs, the world and the threads' variables keep their values, intermediate results are shared by all. Read next:
-`compiler_emit`, which turns nodes into rows.
+`dynamics.compiler.emit`, which turns nodes into rows.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from scenic_lite.budget import exceeded
-from scenic_lite.dynamics.bytecode import FIRST_FREE, Op
+from scenic_lite.core.budget import exceeded
+from scenic_lite.dynamics.machine.bytecode import FIRST_FREE, Op
 from scenic_lite.errors import Place, ScenicError
-from scenic_lite.graph import Column, Random
+from scenic_lite.values.graph import Column, Random
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000

@@ -3,7 +3,8 @@
 What each of this means is `dynamics.scenarios`' to say. The whole tree of scenarios is one thread: the program's own
 takes a step, its compose block goes on where its slot says, and in that the parts that it runs take theirs. Where a
 compose block lets time pass it notes where to go on and jumps to the end of its scenario's step. Routines end a
-scenario from wherever that happens. Read next: `setups`, the statements of a setup; `watchers`.
+scenario from wherever that happens. Read next: `dynamics.compiler.setups`, the statements of a setup;
+`dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -12,18 +13,18 @@ import ast
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from scenic_lite.dynamics.bytecode import COMPLETE, Op
+from scenic_lite.core.types import BehaviorCall, Choice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope, assigned_names
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope, assigned_names
 from scenic_lite.dynamics.compiler.parts import Part, part_of
 from scenic_lite.dynamics.compiler.setups import set_up, start_monitor
 from scenic_lite.dynamics.compiler.watchers import conditions, limit_of, see_step, unsatisfied
-from scenic_lite.dynamics.temporal import is_temporal
-from scenic_lite.graph import Value
+from scenic_lite.dynamics.machine.bytecode import COMPLETE, Op
+from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
-from scenic_lite.values import BehaviorCall, Choice
+from scenic_lite.values.graph import Value
 
 DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Scenario)
 

@@ -1,6 +1,6 @@
 """Comprehensions: over a fixed list with fixed tests a fixed list, otherwise one whose length the match decides.
 
-Read next: `compiler_statements`.
+Read next: `dynamics.compiler.statements`.
 """
 
 from __future__ import annotations
@@ -8,10 +8,12 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice
 from scenic_lite.dynamics.compiler.code import Label
+from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.conditions import jump_on, truth
 from scenic_lite.dynamics.compiler.emit import jump
-from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
     among_objects,
@@ -22,13 +24,11 @@ from scenic_lite.dynamics.compiler.lists import (
     one_list,
     put_at_end,
 )
-from scenic_lite.dynamics.compiler.shapes import Items, LiveList
-from scenic_lite.dynamics.compiler.slots import Slot, settled
+from scenic_lite.dynamics.compiler.registers import Slot, settled
+from scenic_lite.dynamics.compiler.types import Items, LiveList
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import unpack
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import Value
-from scenic_lite.values import Choice
+from scenic_lite.values.graph import Value
 
 Keep = Callable[[Value], None]
 
@@ -152,7 +152,7 @@ class Gathered:
 
 def as_items(value: Value) -> LiveList:
     """A list whose length varies and whose elements are like this value, as a shape."""
-    from scenic_lite.dynamics.compiler.shapes import shape_of
+    from scenic_lite.dynamics.compiler.types import shape_of
 
     return LiveList(shape_of(value), ())
 

@@ -9,19 +9,19 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import over_options, same_thing
 from scenic_lite.dynamics.compiler.code import Label, Row
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, assigned_names
 from scenic_lite.dynamics.compiler.emit import jump
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, assigned_names
 from scenic_lite.dynamics.compiler.lists import contains
-from scenic_lite.dynamics.compiler.shapes import LiveList
-from scenic_lite.dynamics.compiler.slots import Slot, settled
+from scenic_lite.dynamics.compiler.registers import Slot, settled
+from scenic_lite.dynamics.compiler.types import LiveList
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import compared
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import AND, NOT, NOT_EQUAL, OR, Random, Value, apply
-from scenic_lite.values import Choice, choose, describe_kind
+from scenic_lite.values.graph import AND, NOT, NOT_EQUAL, OR, Random, Value, apply
 
 
 def jump_on(c: Compilation, frame: Frame, node: ast.expr, target: Label, when: bool) -> None:

@@ -1,8 +1,8 @@
 """From nodes to rows: each operation of the evaluator's graph becomes an opcode.
 
 A node that mentions nothing of the running match is an input: it is computed once, with the scene. Not so if that can
-fail, as 1 / x of a column x: it must fail when and where the match comes to it. Read next: `compiler_shapes`, which
-says what a variable holds.
+fail, as 1 / x of a column x: it must fail when and where the match comes to it. Read next: `dynamics.compiler.types`,
+which says what a variable holds.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite import distributions, graph
-from scenic_lite.classes import sector_and_rectangle
-from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live, Operands
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation import numbers_of_python
-from scenic_lite.evaluation.functions_of_python import TRUE_OR_FALSE
-from scenic_lite.graph import Column, Random, Table, Value
-from scenic_lite.space import geometry, regions
-from scenic_lite.space.polygons import Holds
+from scenic_lite.evaluation import math_builtins
+from scenic_lite.evaluation.builtins import TRUE_OR_FALSE
+from scenic_lite.language import distributions
+from scenic_lite.language.classes import sector_and_rectangle
+from scenic_lite.values import geometry, graph, regions
+from scenic_lite.values.graph import Column, Random, Table, Value
+from scenic_lite.values.polygons import Holds
 
 SIMPLE: dict[Any, Op] = {  # operands in their order
     graph.ADD.array: Op.ADD,
@@ -71,7 +71,7 @@ BY_NAME: dict[str, Op] = {
     "fmod": Op.REMAINDER,
     "pow": Op.POWER,
 }
-TABLES = (*numbers_of_python.OF_ONE, *numbers_of_python.OF_TWO, graph.Operation(math.log, np.log))
+TABLES = (*math_builtins.OF_ONE, *math_builtins.OF_TWO, graph.Operation(math.log, np.log))
 SIMPLE |= {array: BY_NAME[scalar.__name__] for scalar, array in TABLES if scalar.__name__ in BY_NAME}
 SWAPPED: dict[Any, Op] = {graph.GREATER.array: Op.LESS, graph.GREATER_EQUAL.array: Op.LESS_EQUAL}
 LISTED: dict[Any, Op] = {

@@ -1,6 +1,6 @@
 """Built-in functions whose arguments are lists of varying length or live keys: the nearest, the sorted, the filtered.
 
-Each returns NotImplemented where the evaluator's own function will do. Read next: `compiler_comprehensions`.
+Each returns NotImplemented where the evaluator's own function will do. Read next: `dynamics.compiler.comprehensions`.
 """
 
 from __future__ import annotations
@@ -8,10 +8,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
-from scenic_lite.dynamics.compiler.frame import Compilation
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
     among_objects,
@@ -25,12 +26,11 @@ from scenic_lite.dynamics.compiler.lists import (
     one_list,
     rebuilt,
 )
-from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, varies
-from scenic_lite.dynamics.compiler.slots import Slot, settled
+from scenic_lite.dynamics.compiler.registers import Slot, settled
+from scenic_lite.dynamics.compiler.types import CAPACITY, LiveList, loaded, varies
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT, Random, Value, apply, kind_of
-from scenic_lite.values import Choice, describe_kind
+from scenic_lite.values.graph import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT, Random, Value, apply, kind_of
 
 Own = Callable[[Compilation, Frame, ast.AST, list, dict[str, Value]], Value]
 

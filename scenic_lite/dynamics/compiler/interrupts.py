@@ -4,7 +4,7 @@ Every block has a slot: the row where it goes on, 0 while it is not running. Ent
 the handlers and lets the block around it go on at the scan, so that whenever time has passed the outermost scan runs
 first. The scan asks the handlers from the last to the first: one that is running, or whose condition is true, goes on;
 if there is none, the body. A handler that ends clears its slot and scans again in the same step. Read next:
-`compiler_watchers`.
+`dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import ast
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from scenic_lite.dynamics.bytecode import Op
 from scenic_lite.dynamics.compiler.code import Label
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, assigned_names
 from scenic_lite.dynamics.compiler.conditions import jump_on
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, assigned_names
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
 

@@ -1,19 +1,19 @@
 """The last step of the compiler: short cuts, then final numbers for rows and registers.
 
-Read next: `compiled`.
+Read next: `dynamics.machine.compiled`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from scenic_lite.dynamics.bytecode import SEEN, Code, Listing, Op
-from scenic_lite.dynamics.compiled import Compiled, leaves
 from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
-from scenic_lite.dynamics.compiler.frame import Compilation
+from scenic_lite.dynamics.compiler.compilation import Compilation
+from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing, Op
+from scenic_lite.dynamics.machine.compiled import Compiled, leaves
 from scenic_lite.errors import Place
-from scenic_lite.graph import Tape, Value
-from scenic_lite.program import Program
+from scenic_lite.scene.program import Program
+from scenic_lite.values.graph import Tape, Value
 
 Thread = tuple[int, int, Label, str]  # slot, object or -1, first row, title
 

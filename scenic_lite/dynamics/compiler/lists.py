@@ -10,19 +10,19 @@ import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice, Instance, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
-from scenic_lite.dynamics.compiler.frame import Compilation
-from scenic_lite.dynamics.compiler.shapes import CAPACITY, Items, LiveList, element_of, join, loaded, shape_of
-from scenic_lite.dynamics.compiler.slots import Slot, pairs, settled, store
+from scenic_lite.dynamics.compiler.registers import Slot, pairs, settled, store
+from scenic_lite.dynamics.compiler.types import CAPACITY, Items, LiveList, element_of, join, loaded, shape_of
+from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import membership
 from scenic_lite.evaluation.expressions import item_of
-from scenic_lite.evaluation.frame import Frame
-from scenic_lite.graph import ADD, EQUAL, LESS, OR, Random, Value, apply, as_number
-from scenic_lite.space.regions import Region
-from scenic_lite.values import Choice, Instance, choose, describe_kind
+from scenic_lite.values.graph import ADD, EQUAL, LESS, OR, Random, Value, apply, as_number
+from scenic_lite.values.regions import Region
 
 MANY = 8  # objects: a loop over so many has the same rows for all of them
 

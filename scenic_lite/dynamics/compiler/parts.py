@@ -1,7 +1,8 @@
 """A scenario at one place of the program that runs it: its registers, its labels, and what it watches while it runs.
 
-The program's own scenario is the part that has no parent. Every `do` of a compose block makes a part for each scenario
-that it names, as a `do` of a behavior makes rows of its own. Read next: `composing`, which writes the rows.
+The program's own scenario is the part that has no parent. Every `do` of a compose block makes a part for each
+scenario that it names, as a `do` of a behavior makes rows of its own. Read next: `dynamics.compiler.composing`, which
+writes the rows.
 """
 
 from __future__ import annotations
@@ -10,10 +11,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Watched
+from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.evaluation.frame import Watched
-from scenic_lite.values import BehaviorCall, Instance
+from scenic_lite.dynamics.machine.bytecode import Op
 
 
 @dataclass(eq=False)

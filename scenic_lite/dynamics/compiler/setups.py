@@ -1,7 +1,7 @@
 """What the statements of a setup mean when it is executed during a match: what they make belongs to its scenario.
 
 `override`, `require monitor`, temporal `require`, `terminate when`, `terminate after`, `record`; the first three may
-also stand in a compose block. Read next: `watchers`.
+also stand in a compose block. Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -11,25 +11,25 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from scenic_lite.classes import checked
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.scope import Frame, Watched
+from scenic_lite.core.types import BehaviorCall, Choice, Instance, describe_kind
 from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.parts import Driver, Kept, Monitor, Overridden, Part, Temporal
-from scenic_lite.dynamics.compiler.slots import Slot, kept
+from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.watchers import Automaton
-from scenic_lite.dynamics.runtime import overriding
-from scenic_lite.dynamics.temporal import formula_of
+from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.reference.instant_statements import overriding
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Frame, Watched
 from scenic_lite.evaluation.statements import keep_record, keep_termination
-from scenic_lite.graph import Value
-from scenic_lite.requirements import source_text
+from scenic_lite.language.classes import checked
+from scenic_lite.language.requirements import source_text
+from scenic_lite.language.temporal import formula_of
 from scenic_lite.syntax import nodes
-from scenic_lite.values import BehaviorCall, Choice, Instance, describe_kind
+from scenic_lite.values.graph import Value
 
 
 def set_up(c: Compilation, part: Part) -> None:

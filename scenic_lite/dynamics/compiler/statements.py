@@ -1,7 +1,7 @@
 """Python's statements: branches, loops, assignments, `return`.
 
 What is fixed is decided now: a branch on `self.team == "right"` leaves one side, a loop over a fixed list is unrolled.
-What the match decides becomes jumps. Read next: `compiler_behaviors`.
+What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
 """
 
 from __future__ import annotations
@@ -11,28 +11,28 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Any
 
-from scenic_lite.dynamics.bytecode import Op
+from scenic_lite.core.exceptions import ExceptionClass, Fault, raised
+from scenic_lite.core.types import BehaviorCall, Choice, describe_kind
 from scenic_lite.dynamics.compiler.attributes import set_attribute
 from scenic_lite.dynamics.compiler.cases import SUBJECT, branches_of
 from scenic_lite.dynamics.compiler.changing import mutated
 from scenic_lite.dynamics.compiler.choices import combination
 from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Loop, Snapshot, assigned_names, suspends
 from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Loop, Snapshot, assigned_names, suspends
 from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
-from scenic_lite.dynamics.compiler.shapes import LiveList, varies
-from scenic_lite.dynamics.compiler.slots import Slot, copied, kept, settled
-from scenic_lite.dynamics.threads import within
+from scenic_lite.dynamics.compiler.registers import Slot, copied, kept, settled
+from scenic_lite.dynamics.compiler.types import LiveList, varies
+from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.reference.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import TRACKED
 from scenic_lite.evaluation.calls import Return
-from scenic_lite.evaluation.exceptions import ExceptionClass, Fault, raised
 from scenic_lite.evaluation.expressions import item_of
 from scenic_lite.evaluation.matching import chosen_case
 from scenic_lite.evaluation.statements import define_function, nothing
-from scenic_lite.graph import Random, Value
-from scenic_lite.values import BehaviorCall, Choice, describe_kind
+from scenic_lite.values.graph import Random, Value
 
 MOST_UNROLLED = 64  # rounds of a loop over a fixed list
 

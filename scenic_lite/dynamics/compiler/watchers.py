@@ -1,7 +1,7 @@
 """What watches a match: guards at its start, temporal requirements, `terminate when`, `terminate after`, `record`.
 
 A temporal requirement is a small automaton: what remains to be required after a step (`temporal`) is its state, the
-truths of the expressions that the state mentions choose the next one. Read next: `compiler`.
+truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.compile`.
 """
 
 from __future__ import annotations
@@ -11,22 +11,22 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from itertools import product
 
-from scenic_lite.dynamics.bytecode import TERMINATED, Op
-from scenic_lite.dynamics.compiled import Listed, Record
+from scenic_lite.core.scope import Watched
+from scenic_lite.core.types import BehaviorCall, Choice, Instance
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label, Live, Operands
+from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
-from scenic_lite.dynamics.compiler.frame import Compilation, LiveFrame, Scope
 from scenic_lite.dynamics.compiler.parts import Kept, Part, Temporal
-from scenic_lite.dynamics.compiler.shapes import CAPACITY, LiveList, loaded, put_together, taken_apart
-from scenic_lite.dynamics.compiler.slots import kept
-from scenic_lite.dynamics.temporal import Formula, Settled
+from scenic_lite.dynamics.compiler.registers import kept
+from scenic_lite.dynamics.compiler.types import CAPACITY, LiveList, loaded, put_together, taken_apart
+from scenic_lite.dynamics.machine.bytecode import TERMINATED, Op
+from scenic_lite.dynamics.machine.compiled import Listed, Record
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.frame import Watched
-from scenic_lite.graph import Random, Value
+from scenic_lite.language.temporal import Formula, Settled
 from scenic_lite.syntax import nodes
-from scenic_lite.values import BehaviorCall, Choice, Instance
+from scenic_lite.values.graph import Random, Value
 
 MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for

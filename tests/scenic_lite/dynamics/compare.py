@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.compiled import Compiled, CompiledController
-from scenic_lite.dynamics.compiler.compiler import compile_program
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.core.types import Instance
+from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine.compiled import Compiled, CompiledController
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import Controller, first_table, run, toy_world
-from scenic_lite.space.geometry import Vector
-from scenic_lite.values import Instance
+from scenic_lite.values.geometry import Vector
 
 MINUS_ZERO = re.compile(r"-0(?![\d.])")
 CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions

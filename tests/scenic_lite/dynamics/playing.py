@@ -3,7 +3,7 @@
 import numpy as np
 
 from scenic_lite import load
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import first_table, run, toy_world
 
 

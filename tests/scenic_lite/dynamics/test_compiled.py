@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.domain import FOOTBALL
-from envs.football.world import FOOTBALL_WORLD
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics import vm
-from scenic_lite.dynamics.bytecode import Op
-from scenic_lite.dynamics.compiled import CompiledController
-from scenic_lite.dynamics.compiler.compiler import compile_program
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.core.world import packed
+from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine import vm
+from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine.compiled import CompiledController
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import toy_world
-from scenic_lite.dynamics.world import packed
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.domain import FOOTBALL
-from envs.football.world import FOOTBALL_WORLD
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import load
-from scenic_lite.dynamics.bytecode import Op
-from scenic_lite.dynamics.compiled import CompiledController
+from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler import lists
-from scenic_lite.dynamics.compiler.compiler import compile_program
-from scenic_lite.dynamics.reference import Reference
-from scenic_lite.dynamics.world import packed
+from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine.compiled import CompiledController
+from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.generated import program as generated
 from tests.scenic_lite.dynamics.test_compiled import random_worlds

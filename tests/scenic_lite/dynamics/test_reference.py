@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.draws import Draws
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.reference.episode_rng import Draws
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import first_table, run, toy_world
-from scenic_lite.stream import streams, uniform
+from scenic_lite.kernels.rng import streams, uniform
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 

@@ -6,7 +6,7 @@ What it does well is in the golden oracle.
 import pytest
 
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.reference import Reference
+from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import toy_world
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played

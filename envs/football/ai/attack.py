@@ -1,0 +1,126 @@
+"""Built-in players on the ball: shoot, pass, or dribble where a field of forces leads; at a free ball, play it at once.
+
+The order of decisions and the forces are those documented of Google Research Football. Read next: `ai.shooting`,
+`ai.passing`; `ai.support`, for their mates.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.ai.effort import RUNS, WALKS
+from envs.football.ai.passing import consider_first_time_pass, consider_pass
+from envs.football.ai.shooting import consider_shot
+from envs.football.ai.situation import attacked_goal_x
+from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
+from envs.football.control.keys import chase
+from envs.football.physics.dribble import TOUCH_REACH
+from envs.football.physics.possession import ball_speed, forget_kick, meeting_time
+from envs.football.physics.vectors import apart, length
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
+
+CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
+RIVALS_RANGE, RIVALS_PUSH = 10.0, 1.6  # m; push of an opponent at no distance, against a pull of 1
+LINES_RANGE, LINES_PUSH = 20.0, 0.45  # m
+BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
+FORCE_SPEED = 8.0  # m/s for a force of 1
+VOLLEY_FITS = 0.3  # chance per step that his stride lets him shoot a ball that he has not stopped
+AT_ONCE = 0.25  # s before he meets a free ball: from then on he decides whether to play it without stopping it
+
+
+@kernel
+def play_ball(match, i):
+    """Decide for the carrier: shoot, pass, or dribble."""
+    player = match.players[i]
+    if match.kicker == i:
+        return
+    if player.kick == 0 and kicks_himself(match, player) and not consider_shot(match, i):
+        consider_pass(match, i)
+    if apart(match.ball, player) > TOUCH_REACH:
+        chase(match, i, player.top_speed)
+    else:
+        run_by_forces(match, player)
+
+
+@kernel
+def meet_free_ball(match, i):
+    """Run for a free ball, and just before it comes decide whether to shoot it or pass it on without stopping it.
+
+    In the original's matches two of five shots and a fifth of the passes are played like that.
+    """
+    player = match.players[i]
+    chase(match, i, player.top_speed)
+    if not kicks_himself(match, player):
+        return
+    forget_kick(player)
+    if meeting_time(match, player, ball_speed(match.ball)) > AT_ONCE:
+        return
+    if uniform(match) > VOLLEY_FITS or not consider_shot(match, i):
+        consider_first_time_pass(match, i)
+
+
+@kernel
+def kicks_himself(match, player):
+    """Tell whether a player may kick: in a team with agents the ball waits for one of them."""
+    return match.num_agents[player.team] == 0
+
+
+@kernel
+def run_by_forces(match, player):
+    """Dribble where the goal pulls and opponents and lines push, at the gait that suits the force."""
+    force_x, force_y = pull_of_goal(player)
+    push_x, push_y = push_of_rivals(match, player)
+    force_x += push_x + push_of_goal_line(player)
+    force_y += push_y + push_of_line(HALF_WIDTH, player.y)
+    size = length(force_x, force_y) + 1e-9
+    speed = carrying_speed(player, FORCE_SPEED * size)
+    player.want_x, player.want_y = force_x / size * speed, force_y / size * speed
+
+
+@kernel
+def carrying_speed(player, wish):
+    """The speed in m/s with the ball that suits a wish; he never stands."""
+    if wish < WALKS:
+        return DRIBBLE_SPEED
+    return RUN_SPEED if wish < RUNS else player.top_speed
+
+
+@kernel
+def pull_of_goal(player):
+    """Force 1 towards the goal, or rather towards a place nearer to the player's own lane."""
+    to_x, to_y = attacked_goal_x(player) - player.x, -CENTRE_PULL * player.y
+    distance = length(to_x, to_y) + 1e-9
+    return to_x / distance, to_y / distance
+
+
+@kernel
+def push_of_rivals(match, player):
+    """Force away from the opponents around."""
+    force_x, force_y = 0.0, 0.0
+    for j in range(match.num_players):
+        rival = match.players[j]
+        if rival.team == player.team:
+            continue
+        dx, dy = player.x - rival.x, player.y - rival.y
+        squared = dx * dx + dy * dy
+        if 0.0 < squared < RIVALS_RANGE * RIVALS_RANGE:
+            distance = math.sqrt(squared)
+            push = RIVALS_PUSH * (1.0 - distance / RIVALS_RANGE) / distance
+            force_x += push * dx
+            force_y += push * dy
+    return force_x, force_y
+
+
+@kernel
+def push_of_goal_line(player):
+    """Force away from the goal lines, but not before the goal."""
+    beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / BESIDE_GOAL, 0.0), 1.0)
+    return beside * push_of_line(HALF_LENGTH, player.x)
+
+
+@kernel
+def push_of_line(limit, place):
+    """Force away from the nearer of two lines at -limit and limit."""
+    near = max(1.0 - (limit - abs(place)) / LINES_RANGE, 0.0)
+    return -math.copysign(LINES_PUSH * near * near, place)

@@ -1,0 +1,266 @@
+"""The built-in goalkeeper: where he stands, when he comes out, and his kick-out.
+
+As documented of Google Research Football. Read next: `physics.saves`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.ai.marking import man_on_ball
+from envs.football.constants import (
+    GOAL_HALF_WIDTH,
+    HIGH_PASS,
+    LEFT,
+    NOBODY,
+    RUN_SPEED,
+)
+from envs.football.control.keys import chase, go_for_ball, run_to
+from envs.football.physics.hands import HOLD_STEPS
+from envs.football.physics.possession import ball_speed, meeting_time
+from envs.football.physics.saves import dive, own_goal_x
+from envs.football.physics.vectors import apart, length
+from scenic_lite.kernels.jit import kernel
+
+# Standing
+HIGH_LINE = 10.0  # m before the goal line while the ball is in the other half
+LINE_LEAST = 0.7  # m
+ASTRAY = 3.0  # m from where he should be: he sprints
+ADVANCE = 0.3  # share of the way to the ball while his team has it
+
+# Loose balls
+CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
+CLAIM_RANGE = 30.0  # m from the goal line
+
+# Coming out
+SHOT_FROM, SECOND_SHOT_FROM = 20.0, 24.0  # m to the goal: from where an opponent on the ball shoots, and another
+RIVAL_LEAD, MATE_RUN, BALL_LEAD = 0.32, 0.24, 0.6  # s by which runs and the ball are led
+COMMITTED = 5.0  # m to a led ball, from where on he goes through with it
+TOO_LATE = 1.0  # m by which a mate is further from there: too late
+SECOND_SHARE = 0.7  # of the way out that another free attacker as near takes away
+ON_BALL, OFF_BALL = 0.6, 0.4  # weight of the ball against the opponent who has it, or will
+STOPS_SHORT, RUSH_NEAR = 0.5, 2.5  # m
+
+GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
+
+# Distribution
+THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
+THROW_LEAST, THROW_MOST = 8.0, 40.0  # m to a free mate
+HOLD_LONGEST = 40  # steps, then it goes to the nearest mate all the same
+HURRY_AFTER = 30  # steps beyond which a commanded keeper kicks out by himself
+MATE_LEAD = 0.4  # s by which a mate's run is led
+KICK_OUT = 30.0  # m upfield when there is no mate
+
+
+@kernel
+def think_keeper(match, i):
+    """Decide for keeper i."""
+    player = match.players[i]
+    if match.saver == i and match.save_wait < GIVEN_UP:
+        match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
+    if match.holder == i:
+        player.want_x, player.want_y = 0.0, 0.0
+        match.hold_wait -= 1
+        if player.kick == 0 and match.hold_wait < 0:
+            distribute(match, i)
+    elif match.saver == i:
+        dive(match, player)
+    elif match.carrier == i:
+        kick_out(match, i)
+    elif goes_for_loose_ball(match, i):
+        chase(match, i, player.top_speed)
+    else:
+        share = boldness(match, i)
+        if share > 0.0:
+            come_out(match, i, share)
+        else:
+            stand(match, i)
+
+
+@kernel
+def hurry(match, i):
+    """Make a commanded keeper kick the ball out when he has held it for too long."""
+    if match.holder == i:
+        match.hold_wait -= 1
+        if match.hold_wait < -HURRY_AFTER and match.players[i].kick == 0:
+            kick_out(match, i)
+
+
+@kernel
+def distribute(match, i):
+    """Kick the ball out once the nearest mate has no opponent near him, or the ball has been held for too long."""
+    mate = nearest_mate(match, i, 0.0)
+    if mate == NOBODY or not opposed(match, mate, THROW_FREE) or match.hold_wait < HOLD_STEPS - HOLD_LONGEST:
+        kick_out(match, i)
+
+
+@kernel
+def kick_out(match, i):
+    """Kick or throw the ball high to the nearest free mate some way off, else to the nearest, or simply upfield."""
+    player = match.players[i]
+    forward = 1.0 if player.team == LEFT else -1.0
+    player.aim_x, player.aim_y = player.x + forward * KICK_OUT, player.y
+    j = nearest_mate(match, i, THROW_FREE)
+    if j == NOBODY or apart(match.players[j], player) > THROW_MOST:
+        j = nearest_mate(match, i, 0.0)
+    if j != NOBODY:
+        mate = match.players[j]
+        player.aim_x, player.aim_y = mate.x + MATE_LEAD * mate.vx, mate.y + MATE_LEAD * mate.vy
+    player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
+    player.kick_mate = j
+
+
+@kernel
+def nearest_mate(match, i, free):
+    """Return player i's nearest mate, but not a very near one, who has no opponent within `free` m, -1 if none."""
+    player = match.players[i]
+    best, nearest = NOBODY, math.inf
+    for j in range(match.num_players):
+        mate = match.players[j]
+        distance = apart(mate, player)
+        if j == i or mate.team != player.team or mate.off:
+            continue
+        if THROW_LEAST < distance < nearest and not opposed(match, j, free):
+            best, nearest = j, distance
+    return best
+
+
+@kernel
+def opposed(match, j, within):
+    """Tell whether player j has an opponent within so many m."""
+    player = match.players[j]
+    for k in range(match.num_players):
+        rival = match.players[k]
+        if rival.team != player.team and apart(rival, player) < within:
+            return True
+    return False
+
+
+@kernel
+def goes_for_loose_ball(match, i):
+    """Tell whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
+    player, ball = match.players[i], match.ball
+    goal_x = own_goal_x(player.team)
+    if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
+        return False
+    if abs(goal_x - ball.x) > CLAIM_RANGE or match.chaser[player.team] != i:
+        return lone(match, i)
+    rival = match.chaser[1 - player.team]
+    if rival == NOBODY:
+        return True
+    speed = ball_speed(ball)
+    return meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)
+
+
+@kernel
+def lone(match, i):
+    """Tell whether keeper i's team has no other player: every ball in his half is his."""
+    mates = 0
+    for j in range(match.num_players):
+        mates += match.players[j].team == match.players[i].team and not match.players[j].off
+    return mates == 1
+
+
+@kernel
+def boldness(match, i):
+    """Share of the way to the ball that keeper i goes to meet an opponent whom no mate can stop before he shoots.
+
+    0 if one can, 1 if only that opponent is dangerous, less the more an attacker next to him is.
+    """
+    team = match.players[i].team
+    goal_x = own_goal_x(team)
+    first = man_on_ball(match, 1 - team)
+    if match.ball.x * goal_x <= 0.0 or match.favoured == team or first == NOBODY:
+        return 0.0
+    if match.carrier != NOBODY and apart(match.ball, match.players[i]) < COMMITTED:
+        return 1.0
+    way, mate_way = ways_to_shot(match, i, first, SHOT_FROM)
+    if mate_way <= way + TOO_LATE:
+        return 0.0
+    second = nearest_to_goal(match, 1 - team, first)
+    if second == NOBODY:
+        return 1.0
+    second_way, second_mate_way = ways_to_shot(match, i, second, SECOND_SHOT_FROM)
+    free = min(max(0.5 * (second_mate_way - second_way), 0.0), 1.0)
+    close = 1.0 - min(max(2.0 * (second_way / (way + 1e-4) - 1.0), 0.0), 1.0)
+    return 1.0 - free * SECOND_SHARE * close
+
+
+@kernel
+def ways_to_shot(match, i, j, range_of_shot):
+    """How far in m opponent j is from where he will shoot, and how far the nearest mate of keeper i is from there."""
+    rival = match.players[j]
+    goal_x = own_goal_x(match.players[i].team)
+    x, y = rival.x + RIVAL_LEAD * rival.vx, rival.y + RIVAL_LEAD * rival.vy
+    to_goal = length(goal_x - x, y) + 1e-9
+    way = max(to_goal - range_of_shot * min(to_goal / (2.0 * range_of_shot), 1.0), 0.0)
+    x, y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
+    nearest = math.inf
+    for k in range(match.num_players):
+        mate = match.players[k]
+        if k != i and mate.team != rival.team and not mate.off:
+            nearest = min(nearest, length(mate.x + MATE_RUN * mate.vx - x, mate.y + MATE_RUN * mate.vy - y))
+    return way, nearest
+
+
+@kernel
+def nearest_to_goal(match, team, but):
+    """The player of `team`, except one, who is nearest to the goal that it attacks; -1 none."""
+    goal_x = -own_goal_x(team)
+    best, least = NOBODY, math.inf
+    for j in range(match.num_players):
+        player = match.players[j]
+        if player.team != team or j == but or player.off:
+            continue
+        distance = length(goal_x - player.x, player.y)
+        if distance < least:
+            best, least = j, distance
+    return best
+
+
+@kernel
+def come_out(match, i, share):
+    """Run this share of the way from the goal to where the opponent on the ball will soon be; near him, at the ball."""
+    player, ball = match.players[i], match.ball
+    if match.carrier != NOBODY and apart(ball, player) < RUSH_NEAR:
+        go_for_ball(match, i, player.top_speed)
+        return
+    rival = match.players[man_on_ball(match, 1 - player.team)]
+    weight = ON_BALL if match.carrier != NOBODY else OFF_BALL
+    ball_x, ball_y = ball.x + BALL_LEAD * ball.vx, ball.y + BALL_LEAD * ball.vy
+    to_x = weight * ball_x + (1.0 - weight) * (rival.x + RIVAL_LEAD * rival.vx)
+    to_y = weight * ball_y + (1.0 - weight) * (rival.y + RIVAL_LEAD * rival.vy)
+    goal_x = own_goal_x(player.team)
+    foot_x = goal_x - math.copysign(LINE_LEAST, goal_x)
+    foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
+    way = length(to_x - foot_x, to_y - foot_y) + 1e-9
+    out = max(share * (way - STOPS_SHORT), LINE_LEAST) / way
+    x, y = foot_x + out * (to_x - foot_x), foot_y + out * (to_y - foot_y)
+    run_to(player, x, y, player.top_speed)
+
+
+@kernel
+def stand(match, i):
+    """Stand on the line that halves the angle between ball and posts, or high while the ball is far."""
+    player, ball = match.players[i], match.ball
+    goal_x = own_goal_x(player.team)
+    inward = -1.0 if goal_x > 0.0 else 1.0
+    if ball.x * goal_x <= 0.0:
+        run_to(player, goal_x + inward * HIGH_LINE, 0.0, RUN_SPEED)
+        return
+    foot_y = bisector_foot(ball.x - goal_x, ball.y)
+    dx, dy = ball.x - goal_x, ball.y - foot_y
+    distance = math.sqrt(dx * dx + dy * dy) + 1e-9
+    ours = match.last_touch != NOBODY and match.players[match.last_touch].team == player.team
+    out = max(ADVANCE * distance, LINE_LEAST) if ours else LINE_LEAST
+    out = min(out, HIGH_LINE)
+    x, y = goal_x + out * dx / distance, foot_y + out * dy / distance
+    astray = length(x - player.x, y - player.y) > ASTRAY
+    run_to(player, x, y, player.top_speed if astray else RUN_SPEED)
+
+
+@kernel
+def bisector_foot(dx, y):
+    """y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
+    near, far = length(dx, y - GOAL_HALF_WIDTH), length(dx, y + GOAL_HALF_WIDTH)
+    return GOAL_HALF_WIDTH * (far - near) / (far + near + 1e-9)

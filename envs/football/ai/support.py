@@ -1,0 +1,135 @@
+"""Built-in players whose team has the ball and who have not: come free, keep apart, run, and stay onside.
+
+As documented of Google Research Football: a place between the post and one where a field of forces leads, and now
+and then a run behind the defence. Read next: `ai.attack`, for the player on the ball.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.ai.effort import head_for
+from envs.football.ai.formation import formation_place, forward, on_pitch
+from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, RIGHT
+from envs.football.physics.vectors import apart, length
+from envs.football.rules.offside import second_last
+from scenic_lite.kernels.jit import kernel
+
+DECIDED_EVERY = 3  # steps; who decides when is staggered by shirts
+SUPPORT_LEAST, SUPPORT_MOST = 0.1, 0.9  # share of the forces, far from the ball and near it
+SUPPORT_NEAR, SUPPORT_FAR = 12.0, 40.0  # m
+MATES_APART, MATES_PUSH = 10.0, 0.5  # m; m per m
+SHADOW, SHADOW_PUSH = 5.0, 0.8  # m to either side of the line behind an opponent
+COME_WITHIN, COME, KEEP_OFF = 7.0, 0.6, 2.0  # m to the ball; m per m
+FORWARD_POST, LANE_RUN = 0.2, 6.0  # posts from here on push forward, by m
+ONSIDE = -1.8  # m: he misjudges the line by this much
+RUN_STEPS, RUN_AHEAD, RUN_WITHIN = 40, 16.0, 40.0  # steps, m, m ahead of the ball at most
+RUN_CLEAR = 3.0  # m between a runner and any opponent
+RUN_POST = -0.2
+RUNS_EVERY = 5  # steps between two calls of `start_runs`
+
+
+@kernel
+def support(match, i):
+    """Head for the place that was chosen last, choosing anew every few steps."""
+    player = match.players[i]
+    if (match.step + player.shirt) % DECIDED_EVERY == 0:
+        choose_place(match, i)
+    head_for(match, player, player.place_x, player.place_y)
+
+
+@kernel
+def choose_place(match, i):
+    """Set where player i supports the player on the ball."""
+    player = match.players[i]
+    if match.runner[player.team] == i:
+        x, y = player.x + forward(player.team) * RUN_AHEAD, 0.9 * player.y
+    else:
+        x, y = formation_place(match, player)
+        near = (length(match.ball.x - x, match.ball.y - y) - SUPPORT_NEAR) / (SUPPORT_FAR - SUPPORT_NEAR)
+        weight = SUPPORT_MOST + (SUPPORT_LEAST - SUPPORT_MOST) * min(max(near, 0.0), 1.0)
+        force_x, force_y = support_force(match, i, x, y)
+        x, y = x + weight * force_x, y + weight * force_y
+    x, y = on_pitch(x, y)
+    ahead = forward(player.team)
+    player.place_x, player.place_y = ahead * min(ahead * x, onside_line(match, player.team) - ONSIDE), y
+
+
+@kernel
+def support_force(match, i, x, y):
+    """The way in m that leads from (x, y) to a better place for player i: apart from mates, out of shadows."""
+    player, ball = match.players[i], match.ball
+    to_x, to_y = x - ball.x, y - ball.y
+    distance = math.sqrt(to_x * to_x + to_y * to_y) + 1e-9
+    ux, uy = to_x / distance, to_y / distance
+    force_x = forward(player.team) * LANE_RUN if player.post_x > FORWARD_POST else 0.0
+    force_y = 0.0
+    reach = max(KEEP_OFF - distance, 0.0) - COME * max(distance - COME_WITHIN, 0.0)
+    force_x += reach * ux
+    force_y += reach * uy
+    for j in range(match.num_players):
+        other = match.players[j]
+        if j == i:
+            continue
+        if other.team == player.team:
+            dx, dy = x - other.x, y - other.y
+            squared = dx * dx + dy * dy
+            if 0.0 < squared < MATES_APART * MATES_APART:
+                away = math.sqrt(squared)
+                push = MATES_PUSH * (MATES_APART - away) / away
+                force_x += push * dx
+                force_y += push * dy
+            continue
+        dx, dy = other.x - ball.x, other.y - ball.y
+        along, across = dx * ux + dy * uy, dx * uy - dy * ux
+        if 0.0 < along < distance + SHADOW and 0.0 < abs(across) < SHADOW:
+            push = math.copysign(SHADOW_PUSH * (SHADOW - abs(across)), across)
+            force_x -= push * uy
+            force_y += push * ux
+    return force_x, force_y
+
+
+@kernel
+def onside_line(match, team):
+    """How far forward in m a player of `team` may stand."""
+    ahead = forward(team)
+    return max(second_last(match, 1 - team, ahead), ahead * match.ball.x, 0.0)
+
+
+@kernel
+def start_runs(match):
+    """Let time pass for runs, and let the team on the ball start one if nobody runs."""
+    for team in (LEFT, RIGHT):
+        match.run_left[team] -= RUNS_EVERY
+        if match.favoured != team or match.run_left[team] <= 0:
+            match.runner[team] = NOBODY
+        if match.favoured == team and match.runner[team] == NOBODY and match.carrier != NOBODY:
+            match.runner[team] = free_runner(match, team)
+            match.run_left[team] = RUN_STEPS
+
+
+@kernel
+def free_runner(match, team):
+    """The foremost mate of the player on the ball who is onside and free, -1 none."""
+    ahead = forward(team)
+    line = onside_line(match, team)
+    best, most = NOBODY, 0.0
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.team != team or player.role == GK or i == match.carrier or player.post_x < RUN_POST:
+            continue
+        lead = ahead * (player.x - match.ball.x)
+        if not most < lead < RUN_WITHIN or ahead * player.x > line or ahead * player.x > HALF_LENGTH - RUN_AHEAD:
+            continue
+        if clear_of_opponents(match, player, RUN_CLEAR):
+            best, most = i, lead
+    return best
+
+
+@kernel
+def clear_of_opponents(match, player, distance):
+    """Tell whether no opponent is this close to a player."""
+    for j in range(match.num_players):
+        if match.players[j].team != player.team and apart(match.players[j], player) < distance:
+            return False
+    return True

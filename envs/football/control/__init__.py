@@ -1,0 +1,1 @@
+"""From agents' actions to players, and from matches to rewards."""

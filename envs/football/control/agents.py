@@ -1,0 +1,135 @@
+"""The agents' part of a step: their actions reach their players, and then each gets the player of its next action.
+
+The latter comes last in a step, so that what an agent observes belongs to the player whom its next action moves. Read
+next: `control.control_modes`, what the modes are called; `control.keys`, which turns actions into wanted velocities
+and kicks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import (
+    ACTIVE,
+    BAD_ACTION,
+    BUILTIN_AI,
+    CLOSEST,
+    GK,
+    LEFT,
+    NOBODY,
+    NUM_ACTIONS,
+    RIGHT,
+)
+from envs.football.physics.possession import ball_speed, meeting_time
+from scenic_lite.kernels.jit import kernel
+
+SWITCH = 0.2  # s by which a mate must be sooner at a loose ball to become the active player
+
+
+@kernel
+def assign_actions(match, actions):
+    """Give the agents' players their actions `[A]`, and everybody else the built-in AI's."""
+    for i in range(match.num_players):
+        match.players[i].action = BUILTIN_AI
+    for agent in range(num_agents(match)):
+        action = actions[agent]
+        if not 0 <= action < NUM_ACTIONS:
+            match.fault = BAD_ACTION
+            action = 0
+        if match.agents[agent] != NOBODY:
+            player = match.players[match.agents[agent]]
+            player.action = seen_by(player.team, action)
+
+
+@kernel
+def num_agents(match):
+    """A, of both teams."""
+    return match.num_agents[LEFT] + match.num_agents[RIGHT]
+
+
+@kernel
+def seen_by(team, action):
+    """Turn a direction, 1..8, for a right player, who sees the pitch from the other end; other actions stay."""
+    if team == RIGHT and 1 <= action <= 8:
+        return (action + 3) % 8 + 1
+    return action
+
+
+@kernel
+def choose_controlled(match):
+    """Give each agent the player whom its next action moves."""
+    first = 0
+    for team in range(2):
+        if match.control[team] == CLOSEST:
+            choose_closest(match, team, first)
+        elif match.control[team] == ACTIVE:
+            choose_active(match, team, first)
+        first += match.num_agents[team]
+
+
+@kernel
+def choose_closest(match, team, first):
+    """Give the agents of a team, from `first` on, its players closest to the ball; ties keep program order."""
+    for i in range(match.num_players):
+        if match.players[i].team == team:
+            match.players[i].agent = NOBODY
+    for agent in range(first, first + match.num_agents[team]):
+        best, closest = NOBODY, math.inf
+        for i in range(match.num_players):
+            player = match.players[i]
+            if player.team != team or player.off or player.agent != NOBODY:
+                continue
+            dx, dy = match.ball.x - player.x, match.ball.y - player.y
+            squared = dx * dx + dy * dy
+            if squared < closest or (squared == closest and player.order < match.players[best].order):
+                best, closest = i, squared
+        match.agents[agent] = best
+        if best != NOBODY:
+            match.players[best].agent = agent
+
+
+@kernel
+def choose_active(match, team, agent):
+    """Give the only agent of a team the player whom Google Research Football would; its sticky keys go with it."""
+    old = match.agents[agent]
+    new = active_player(match, team, old)
+    if new in (old, NOBODY):
+        return
+    match.agents[agent] = new
+    there = match.players[new]
+    there.agent = agent
+    if old != NOBODY:
+        here = match.players[old]
+        here.agent = NOBODY
+        there.direction, there.sprint, there.dribble = here.direction, here.sprint, here.dribble
+
+
+@kernel
+def active_player(match, team, old):
+    """Return who takes the restart or has the ball, else for whom a mate's pass is meant, else who is soonest."""
+    if match.taker != NOBODY and match.players[match.taker].team == team:
+        return match.taker
+    if match.carrier != NOBODY and match.players[match.carrier].team == team:
+        return match.carrier
+    if match.carrier == NOBODY and receives(match, team):
+        return match.receiver
+    speed = ball_speed(match.ball)
+    best, soonest = old, math.inf
+    if old != NOBODY and match.players[old].role != GK and not match.players[old].off:
+        soonest = meeting_time(match, match.players[old], speed) - SWITCH
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.team != team or player.off or i == old or player.role == GK:
+            continue
+        time = meeting_time(match, player, speed)
+        if time < soonest or (time == soonest and player.order < match.players[best].order):
+            best, soonest = i, time
+    return best
+
+
+@kernel
+def receives(match, team):
+    """Tell whether a pass to a player of the team is under way: nobody but the passer has touched it."""
+    if match.receiver == NOBODY or match.last_touch == NOBODY or match.last_touch == match.receiver:
+        return False
+    return match.players[match.receiver].team == team and match.players[match.last_touch].team == team

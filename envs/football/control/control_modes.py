@@ -1,0 +1,78 @@
+"""Which players of a team the agents move: the modes by their names, and who is whose when a match begins.
+
+    closest1, closest2, closest3    the players closest to the ball, nearest first, chosen anew before every action
+    active                          one player, as a single agent of Google Research Football has him: best placed to
+                                    reach the ball, the receiver as soon as a pass leaves the foot
+    a whole number N                the N closest at the start, nearest first; they stay
+    all, allNonGK                   everybody, or everybody but the keeper, in the order of the program; they stay
+    none                            nobody: the built-in players have the team to themselves
+
+Where distances are equal the order of the program decides. Read next: `control.agents`, who is whose from step to step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from envs.football.config import check_control
+from envs.football.constants import ACTIVE, CLOSEST, FIXED, GK, LEFT, NO_AGENTS, NOBODY, RIGHT
+
+_KINDS = {"none": NO_AGENTS, "active": ACTIVE, "closest1": CLOSEST, "closest2": CLOSEST, "closest3": CLOSEST}
+
+
+def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
+    """Number of agents of a team whose players have these roles `[P]`. Raises ValueError if it cannot have so many."""
+    text, size = check_control(mode), len(roles)
+    if text == "allNonGK":
+        keepers = int(np.count_nonzero(roles == GK))
+        if keepers != 1:
+            raise ValueError(f"control 'allNonGK' needs exactly one keeper in {_name(team)}, which has {keepers}")
+        size -= 1
+    if text in ("all", "allNonGK"):
+        wanted = max(size, 1)
+    elif text in ("none", "active"):
+        wanted = int(text == "active")
+    else:
+        wanted = int(text.removeprefix("closest"))
+    if wanted > size:
+        raise ValueError(f"control {text!r} needs {wanted} players in {_name(team)}, which has {size}")
+    return wanted
+
+
+def appoint(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
+    """Give the agents of matches MATCH `[N]` about to begin their players; `modes` of the left and the right team."""
+    players = matches["players"][:, : matches["num_players"][0]]
+    matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
+    first = 0
+    for team, mode in zip((LEFT, RIGHT), modes, strict=True):
+        members = np.flatnonzero(players["team"][0] == team)
+        members = members[np.argsort(players["order"][0, members], kind="stable")]
+        count = count_agents(mode, players["role"][0, members], team)
+        matches["num_agents"][:, team] = count
+        matches["control"][:, team] = _KINDS.get(str(mode), FIXED)
+        chosen = _chosen(str(mode), players[:, members], matches["ball"])[:, :count]
+        matches["agents"][:, first : first + count] = members[chosen]
+        first += count
+    rows = np.arange(len(matches))
+    for agent in range(first):
+        matches["players"]["agent"][rows, matches["agents"][:, agent]] = agent
+
+
+def dismiss(matches: np.ndarray) -> None:
+    """Take their players from the agents of matches MATCH `[N]` about to begin; whoever is there plays himself."""
+    matches["control"] = NO_AGENTS
+    matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
+
+
+def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
+    """Who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
+    if mode == "all":
+        return np.broadcast_to(np.arange(members.shape[1]), members.shape)
+    if mode == "allNonGK":
+        return np.broadcast_to(np.flatnonzero(members["role"][0] != GK), (len(members), members.shape[1] - 1))
+    squared = (members["x"] - ball["x"][:, None]) ** 2 + (members["y"] - ball["y"][:, None]) ** 2
+    return np.argsort(squared, axis=1, kind="stable")
+
+
+def _name(team: int) -> str:
+    return "the left team" if team == LEFT else "the right team"

@@ -1,0 +1,69 @@
+"""What a step is worth to an agent: goals, checkpoints on the way to the opponents' goal, what the program pays.
+
+Read next: `batch`.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import LEFT, METRES_PER_X, METRES_PER_Y, NOBODY
+from envs.football.control.agents import num_agents
+from envs.football.physics.vectors import length
+from scenic_lite.kernels.jit import kernel
+
+CHECKPOINTS, CHECKPOINT_REWARD = 10, 0.1
+FIRST_CHECKPOINT, CHECKPOINT_SPAN = 0.99, 0.8  # units of Google Research Football to (1, 0)
+UNIT_X, UNIT_Y = 100 * METRES_PER_X, 100 * METRES_PER_Y  # m per unit
+
+
+@kernel
+def agent_reward(match, agent, checkpoints):
+    """Reward of one agent for the last step: +1 or -1 for a goal, and if asked 0.1 per checkpoint newly passed.
+
+    To that is added what the program's monitors have set `scenic_reward` to in this step.
+    """
+    total = side(match, agent) * match.goal + match.program_reward
+    return total + match.checkpoint_reward[agent] if checkpoints else total
+
+
+@kernel
+def team_reward(match, checkpoints):
+    """Mean reward of the left team's agents, or of the right one's if the left has none."""
+    first, last = 0, match.num_agents[LEFT]
+    if last == 0:
+        last = num_agents(match)
+    if last == 0:
+        return match.goal + match.program_reward
+    total = 0.0
+    for agent in range(first, last):
+        total += agent_reward(match, agent, checkpoints)
+    return total / last
+
+
+@kernel
+def side(match, agent):
+    """1 for an agent of the left team, -1 for one of the right team."""
+    return 1.0 if agent < match.num_agents[LEFT] else -1.0
+
+
+@kernel
+def pay_checkpoints(match):
+    """Pay each agent each checkpoint towards its goal once while its player owns the ball, the rest at a goal.
+
+    As Google Research Football's wrapper: with the player whom the agent has after the step.
+    """
+    for agent in range(num_agents(match)):
+        reached, forward = match.checkpoints[agent], side(match, agent)
+        if match.goal * forward > 0.0:
+            reached = CHECKPOINTS
+        elif match.owner != NOBODY and match.owner == match.agents[agent]:
+            distance = length(forward * match.ball.x / UNIT_X - 1.0, match.ball.y / UNIT_Y)
+            while reached < CHECKPOINTS and distance <= threshold(reached):
+                reached += 1
+        match.checkpoint_reward[agent] = CHECKPOINT_REWARD * (reached - match.checkpoints[agent])
+        match.checkpoints[agent] = reached
+
+
+@kernel
+def threshold(reached):
+    """Distance to the goal at which the next checkpoint lies, when so many are behind."""
+    return FIRST_CHECKPOINT - reached * CHECKPOINT_SPAN / (CHECKPOINTS - 1)

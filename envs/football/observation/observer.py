@@ -1,0 +1,112 @@
+"""What agents observe: each representation by its name, its space, and the arrays that kernels write it into.
+
+    features       a vector for small networks, sized to the program's players     [F] float32      `features`
+    simple115      the original's vector                                           [115] float32    `simple115`
+    smm            its planes                                                      [72, 96, 4] uint8    `smm`
+    smm_stacked    those of the last four steps, oldest first                      [72, 96, 16] uint8   `smm`
+    raw            its dict                                                                         `raw`
+
+One agent's observation has no axis for agents; several have one, and of `raw` there is a tuple of dicts.
+Read next: `batch`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium.spaces import Box, Space, Tuple
+from gymnasium.vector.utils import batch_space
+
+from envs.football.config import REPRESENTATIONS
+from envs.football.constants import LEFT
+from envs.football.control.agents import num_agents
+from envs.football.observation.features import LIMIT, features_size, write_features
+from envs.football.observation.raw import raw_observation, raw_space
+from envs.football.observation.simple115 import SIZE, write_simple115
+from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_tracks, remember, write_planes
+from envs.football.scenic.lineup import Casting
+from scenic_lite.kernels.jit import kernel
+
+FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
+
+
+class View(NamedTuple):
+    """What kernels write the observations of N matches into; at most one of the arrays has entries."""
+
+    vectors: np.ndarray  # [N, A, F] float32
+    planes: np.ndarray  # [N, A, 72, 96, C] uint8
+
+
+@kernel
+def observe(batch, index, view, kind):
+    """Write what the agents of match number `index` see."""
+    match = batch.matches[index]
+    for agent in range(num_agents(match)):
+        if kind == FEATURES:
+            write_features(match, agent, view.vectors[index, agent])
+        elif kind == SIMPLE115:
+            write_simple115(match, agent, view.vectors[index, agent])
+        elif kind != RAW:
+            write_planes(match, agent, batch.places[index], batch.place_agents[index], view.planes[index, agent])
+
+
+@kernel
+def note_places(batch, index, kind):
+    """Remember what later observations of match number `index` need."""
+    if kind in (SMM, SMM_STACKED):
+        remember(batch.matches[index], batch.places[index], batch.place_agents[index])
+
+
+class Observer:
+    """One representation for the matches of one casting.
+
+    Attributes:
+        kind: its number, for kernels.
+        space: of one environment's observation.
+    """
+
+    def __init__(self, representation: str, casting: Casting) -> None:
+        self.kind = REPRESENTATIONS.index(representation)
+        self._players, self._agents = casting.num_players, sum(casting.num_agents)
+        left = int(np.count_nonzero(np.asarray(casting.lineup.teams) == LEFT))
+        self._sizes = left, casting.num_players - left
+        self._rights = [agent >= casting.num_agents[LEFT] for agent in range(self._agents)]
+        self._shape: tuple[int, ...] = () if self.kind == RAW else tuple(self._space().shape)
+        if self.kind == RAW:
+            spaces = [raw_space(*(self._sizes[::-1] if right else self._sizes)) for right in self._rights]
+            self.space: Space = spaces[0] if self._agents == 1 else Tuple(spaces)
+        else:
+            space = self._space()
+            self.space = space if self._agents == 1 else batch_space(space, self._agents)
+
+    def _space(self) -> Box:
+        """Of one agent's array."""
+        if self.kind == FEATURES:
+            return Box(-LIMIT, LIMIT, (features_size(self._players),), np.float32)
+        if self.kind == SIMPLE115:
+            return Box(-np.inf, np.inf, (SIZE,), np.float32)
+        channels = CHANNELS * (FRAMES if self.kind == SMM_STACKED else 1)
+        return Box(0, 255, (HEIGHT, WIDTH, channels), np.uint8)
+
+    def room(self, count: int) -> View:
+        """Fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
+        vectors, planes = (0,), (0, 0, 0)
+        if self.kind in (FEATURES, SIMPLE115):
+            vectors = self._shape
+        elif self.kind != RAW:
+            planes = self._shape
+        shape = (count, self._agents)
+        return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
+
+    def tracks(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Room for what must be remembered of `count` matches, see `smm`."""
+        return empty_tracks(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
+
+    def read(self, view: View, matches: np.ndarray) -> Any:
+        """The observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH `[N]`."""
+        if self.kind == RAW:
+            dicts = [raw_observation(matches, agent, self._sizes, right) for agent, right in enumerate(self._rights)]
+            return dicts[0] if self._agents == 1 else tuple(dicts)
+        rows = view.vectors if self.kind in (FEATURES, SIMPLE115) else view.planes
+        return rows[:, 0] if self._agents == 1 else rows

@@ -1,0 +1,113 @@
+"""The `raw` observation: a match as Google Research Football's own dict describes it, for N matches at once.
+
+x and y in its units (x/54.4 m; y/83.6 m, pointing down), z in metres, directions per step. An agent of the right team
+sees the pitch turned by 180°, its own team as `left_team`. `row` gives the dict of one match with the original's types.
+Read next: `vector_env`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space
+
+from envs.football.constants import BALL_RADIUS, STEP
+from envs.football.observation.units import UNIT_X, UNIT_Y
+
+FAR = 1e6
+MANY = 2**31  # goals, steps
+SPIN_UNIT = 1e-4  # of `ball_rotation`: rad/s into tenths of rad/ms
+
+
+def raw_space(ours: int, theirs: int) -> Dict:
+    """Give the space of one agent's observation with so many players in its team and in the other one."""
+    real, whole = np.float64, np.int64
+    spaces: dict[str, Space] = {
+        "ball": Box(-FAR, FAR, (3,), real),
+        "ball_direction": Box(-FAR, FAR, (3,), real),
+        "ball_rotation": Box(-FAR, FAR, (3,), real),
+        "ball_owned_team": Discrete(3, start=-1),
+        "ball_owned_player": Discrete(12, start=-1),
+        "active": Discrete(12, start=-1),
+        "designated": Discrete(12, start=-1),
+        "sticky_actions": MultiBinary(10),
+        "score": MultiDiscrete([MANY, MANY]),
+        "steps_left": Discrete(MANY),
+        "game_mode": Discrete(7),
+    }
+    for team, count in (("left_team", ours), ("right_team", theirs)):
+        spaces[team] = Box(-FAR, FAR, (count, 2), real)
+        spaces[team + "_direction"] = Box(-FAR, FAR, (count, 2), real)
+        spaces[team + "_tired_factor"] = Box(0, 1, (count,), real)
+        spaces[team + "_yellow_card"] = MultiBinary(count)
+        spaces[team + "_active"] = MultiBinary(count)
+        spaces[team + "_roles"] = Box(0, 9, (count,), whole)
+    return Dict(spaces)
+
+
+def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], right: bool) -> dict[str, np.ndarray]:
+    """Describe MATCH `[N]` to an agent of the left or the right team: a dict of arrays, each with N as its first axis.
+
+    `sizes` are the numbers of players of both teams. Nobody is -1.
+    """
+    ball, players = matches["ball"], matches["players"][:, : sum(sizes)]
+    me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
+    plane = side * np.array([1 / UNIT_X, 1 / UNIT_Y])
+    spin = SPIN_UNIT / BALL_RADIUS * side
+    owners = _of(players, "team", matches["owner"])
+    alone = matches["num_agents"][:, us] == 1
+    observation = {
+        "ball": _vectors(plane, ball["x"], ball["y"], ball["z"]),
+        "ball_direction": STEP * _vectors(plane, ball["vx"], ball["vy"], ball["vz"]),
+        "ball_rotation": np.stack([-spin * ball["spin_y"], spin * ball["spin_x"], np.zeros(len(ball))], axis=-1),
+        "ball_owned_team": np.where(owners < 0, -1, owners ^ us),
+        "ball_owned_player": _of(players, "shirt", matches["owner"]),
+        "active": _of(players, "shirt", me),
+        "designated": _of(players, "shirt", np.where(alone, me, matches["chaser"][:, us])),
+        "sticky_actions": _sticky(players, me, right),
+        "score": matches["score"][:, ::-1].copy() if right else matches["score"].copy(),
+        "steps_left": matches["game_duration"] - matches["step"],
+        "game_mode": matches["game_mode"].copy(),
+    }
+    teams = players[:, : sizes[0]], players[:, sizes[0] :]
+    for name, team in (("left_team", teams[us]), ("right_team", teams[1 - us])):
+        observation[name] = _vectors(plane, team["x"], team["y"])
+        observation[name + "_direction"] = STEP * _vectors(plane, team["vx"], team["vy"])
+        observation[name + "_tired_factor"] = team["tired"].copy()
+        observation[name + "_yellow_card"] = team["cards"] > 0
+        observation[name + "_active"] = ~team["off"]
+        observation[name + "_roles"] = team["role"].copy()
+    return observation
+
+
+def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
+    """One match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
+    found: dict[str, Any] = {name: values[index] for name, values in observation.items()}
+    for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
+        found[name] = int(found[name])
+    found["score"] = found["score"].tolist()
+    found["sticky_actions"] = found["sticky_actions"].astype(np.uint8)
+    return found
+
+
+def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) -> np.ndarray:
+    """Vectors `[..., 2]` or `[..., 3]` in the units and the frame of the observation."""
+    return np.stack([x * plane[0], y * plane[1], *z], axis=-1)
+
+
+def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
+    """A field `[N]` of the player `index` `[N]`, -1 where that is nobody."""
+    return np.where(index < 0, -1, players[field][np.arange(len(players)), index])
+
+
+def _sticky(players: np.ndarray, me: np.ndarray, right: bool) -> np.ndarray:
+    """The ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
+    rows = np.arange(len(players))
+    sticky = np.zeros((len(players), 10), np.int8)  # as Gymnasium batches `MultiBinary`
+    direction = players["direction"][rows, me]
+    pressed = (direction > 0) & (me >= 0)
+    sticky[rows[pressed], (direction[pressed] - 1 + 4 * right) % 8] = 1
+    sticky[:, 8] = players["sprint"][rows, me] & (me >= 0)
+    sticky[:, 9] = players["dribble"][rows, me] & (me >= 0)
+    return sticky

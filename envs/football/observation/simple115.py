@@ -1,0 +1,55 @@
+"""The `simple115` observation: Google Research Football's vector of 115 numbers (version 2), at most 11 players a team.
+
+    0:22    places x, y of our team        66:88    directions of theirs     94:97    owner: nobody, we, they
+    22:44   directions of our team         88:91    ball x, y, z             97:108   our active player
+    44:66   places of theirs               91:94    its direction            108:115  game mode
+
+Units and frame are those of `raw`; players whom a team does not have are -1. Read next: `observation.raw`.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import LEFT, NOBODY, STEP
+from envs.football.observation.units import UNIT_X, UNIT_Y
+from scenic_lite.kernels.jit import kernel
+
+SIZE = 115
+TEAM = 11  # players of a team that there is room for
+_DIRECTIONS, _THEIRS, _BALL, _OWNER, _ACTIVE, _MODE = 22, 44, 88, 94, 97, 108
+
+
+@kernel
+def write_simple115(match, agent, row):
+    """Write the observation of an agent into `row` `[115]` float32; zeros if it has no player."""
+    row[:] = 0.0
+    if match.agents[agent] == NOBODY:
+        return
+    me = match.players[match.agents[agent]]
+    row[:_BALL] = -1.0
+    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.off:
+            continue  # as if he had never been in the team
+        at = 2 * player.shirt + (0 if player.team == me.team else _THEIRS)
+        row[at] = side * player.x / UNIT_X
+        row[at + 1] = side * player.y / UNIT_Y
+        row[at + _DIRECTIONS] = side * STEP * player.vx / UNIT_X
+        row[at + _DIRECTIONS + 1] = side * STEP * player.vy / UNIT_Y
+    _write_ball(match.ball, side, row)
+    owner = 0
+    if match.owner != NOBODY:
+        owner = 1 if match.players[match.owner].team == me.team else 2
+    row[_OWNER + owner] = 1.0
+    row[_ACTIVE + me.shirt] = 1.0
+    row[_MODE + match.game_mode] = 1.0
+
+
+@kernel
+def _write_ball(ball, side, row):
+    row[_BALL] = side * ball.x / UNIT_X
+    row[_BALL + 1] = side * ball.y / UNIT_Y
+    row[_BALL + 2] = ball.z
+    row[_BALL + 3] = side * STEP * ball.vx / UNIT_X
+    row[_BALL + 4] = side * STEP * ball.vy / UNIT_Y
+    row[_BALL + 5] = STEP * ball.vz

@@ -1,0 +1,8 @@
+"""The units of Google Research Football's observations: x = ±1 near the goal lines, y pointing down.
+
+Read next: `observation.raw`.
+"""
+
+from envs.football.constants import METRES_PER_X, METRES_PER_Y
+
+UNIT_X, UNIT_Y = 100 * METRES_PER_X, -100 * METRES_PER_Y  # m per unit

@@ -1,0 +1,1 @@
+"""Bodies, ball and their meetings."""

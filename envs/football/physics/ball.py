@@ -1,0 +1,171 @@
+"""The ball between two touches: air, ground, spin and the goal frame.
+
+Forces are those of Google Research Football.
+Read next: `physics.frames`, which calls `advance_ball` a hundred times a second.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import (
+    BALL_RADIUS,
+    DT,
+    GOAL_HALF_WIDTH,
+    GOAL_HEIGHT,
+    HALF_LENGTH,
+    POST_RADIUS,
+)
+from scenic_lite.kernels.jit import kernel
+
+GRAVITY = 9.81  # m/s²
+AIR_DRAG = 0.015  # 1/m: deceleration is this times v²
+GROUND_DRAG = 0.04  # 1/m
+GROUND_FRICTION = 1.6  # m/s²
+GRASS = 0.025  # m, height above the ground over which the ground's grip fades out
+BOUNCE, BOUNCE_LOSS = 0.62, 0.06  # vertical speed kept, and lost, m/s
+ROLLING = 0.12  # m/s, slower bounces are not bounces
+GRIP = 0.01  # share of the difference between speed and spin that the ground evens out in a frame
+SPIN_GAIN, SPIN_GAIN_BOUNCE = 0.345, 1.38  # m/s by which spin may approach speed in a frame, at a bounce
+SWERVE, SWERVE_TURN, SWERVE_POWER, FASTEST = 0.3, 0.94 * math.pi, 2.6, 70.0  # m/s² per rad/s of spin; speed in m/s
+SPIN_LEAST = 0.5  # rad/s, slower spin does not bend the flight
+POST_BOUNCE = 0.8  # speed kept
+FRAME_REACH = BALL_RADIUS + POST_RADIUS
+
+
+@kernel
+def advance_ball(ball):
+    """Move the ball on by one frame of 10 ms."""
+    on_ground = ball.vz == 0.0 and ball.z <= BALL_RADIUS
+    if on_ground and ball.vx == 0.0 and ball.vy == 0.0:
+        return
+    if on_ground:
+        drag_on_ground(ball, 1.0, AIR_DRAG)
+    else:
+        fly(ball)
+    x, y, z = ball.x, ball.y, ball.z
+    ball.x += ball.vx * DT
+    ball.y += ball.vy * DT
+    if abs(ball.x) > HALF_LENGTH - 1.0 and abs(ball.y) < GOAL_HALF_WIDTH + 1.0:
+        hit_goal_frame(ball, x, y, z)
+
+
+@kernel
+def fly(ball):
+    """Let air and gravity act on the ball for a frame, and the ground if it comes near enough."""
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
+    keep = 1.0 - AIR_DRAG * speed * DT
+    ball.vx *= keep
+    ball.vy *= keep
+    ball.vz = ball.vz * keep - GRAVITY * DT
+    swerve(ball, speed)
+    ball.z += ball.vz * DT
+    if ball.z < BALL_RADIUS:
+        bounce(ball)
+    if ball.z < BALL_RADIUS + GRASS:
+        drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7, 0.0)
+
+
+@kernel
+def swerve(ball, speed):
+    """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side."""
+    wx, wy, wz = -ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
+    if wx * wx + wy * wy + wz * wz < SPIN_LEAST * SPIN_LEAST or speed < 1.0:
+        return
+    force = SWERVE * math.sin(min(speed / FASTEST, 1.0) * SWERVE_TURN) ** SWERVE_POWER * DT / speed
+    vx, vy, vz = ball.vx, ball.vy, ball.vz
+    ball.vx += force * (wy * vz - wz * vy)
+    ball.vy += force * (wz * vx - wx * vz)
+    ball.vz += force * (wx * vy - wy * vx)
+
+
+@kernel
+def drag_on_ground(ball, contact, air):
+    """Slow the ball by the ground's friction (and by air drag `air`), and let speed and spin approach each other.
+
+    `contact` in [0, 1] is how much of the ground's grip is felt.
+    """
+    speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
+    loss = (((GROUND_DRAG * contact + air) * speed * speed) + GROUND_FRICTION * contact) * DT
+    if loss >= speed:
+        ball.vx, ball.vy, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0
+        return
+    keep = 1.0 - loss / speed
+    ball.vx *= keep
+    ball.vy *= keep
+    even_out(ball, GRIP * contact, SPIN_GAIN * contact)
+
+
+@kernel
+def even_out(ball, share, gain):
+    """Move speed towards spin by a share of their difference, and spin towards speed by at most `gain` m/s."""
+    slip_x, slip_y = ball.spin_x - ball.vx, ball.spin_y - ball.vy
+    ball.vx += share * slip_x
+    ball.vy += share * slip_y
+    squared = slip_x * slip_x + slip_y * slip_y
+    if squared <= gain * gain:  # rolling, without the square root
+        ball.spin_x, ball.spin_y, ball.curl = ball.vx, ball.vy, 0.0
+        return
+    spin_share = min(gain / math.sqrt(squared), 1.0 - share)
+    ball.spin_x -= spin_share * slip_x
+    ball.spin_y -= spin_share * slip_y
+    ball.curl -= spin_share * ball.curl
+
+
+@kernel
+def bounce(ball):
+    """Reflect the ball off the ground."""
+    impact = abs(ball.vz)
+    ball.z = BALL_RADIUS
+    ball.vz = max(BOUNCE * impact - BOUNCE_LOSS, 0.0)
+    if ball.vz < ROLLING:
+        ball.vz = 0.0
+    even_out(ball, 0.5 * min(max((impact - 0.5) / 12.0, 0.0), 1.0), SPIN_GAIN_BOUNCE)
+
+
+@kernel
+def hit_goal_frame(ball, x, y, z):
+    """Bounce the ball off a post or the crossbar that it met on its way from (x, y, z) to where it is."""
+    goal_x = HALF_LENGTH if ball.x > 0.0 else -HALF_LENGTH
+    post_y = GOAL_HALF_WIDTH if ball.y > 0.0 else -GOAL_HALF_WIDTH
+    share = entry_share(x - goal_x, y - post_y, ball.x - x, ball.y - y)
+    if share >= 0.0 and ball.z < GOAL_HEIGHT:
+        away_x, away_y = x + share * (ball.x - x) - goal_x, y + share * (ball.y - y) - post_y
+        ball.vx, ball.vy = reflected(ball.vx, ball.vy, away_x, away_y)
+        ball.vz *= POST_BOUNCE
+        ball.x, ball.y = goal_x + away_x, post_y + away_y
+        return
+    share = entry_share(x - goal_x, z - GOAL_HEIGHT, ball.x - x, ball.z - z)
+    if share >= 0.0 and abs(ball.y) < GOAL_HALF_WIDTH:
+        away_x, away_z = x + share * (ball.x - x) - goal_x, z + share * (ball.z - z) - GOAL_HEIGHT
+        ball.vx, ball.vz = reflected(ball.vx, ball.vz, away_x, away_z)
+        ball.vy *= POST_BOUNCE
+        ball.x, ball.z = goal_x + away_x, GOAL_HEIGHT + away_z
+
+
+@kernel
+def entry_share(a, b, da, db):
+    """Share in [0, 1] of the way (da, db) from (a, b) at which the frame is hit at the origin, -1 if it is not."""
+    squared = da * da + db * db
+    half = a * da + b * db
+    outside = a * a + b * b - FRAME_REACH * FRAME_REACH
+    discriminant = half * half - squared * outside
+    if half >= 0.0 or outside < 0.0 or discriminant < 0.0:
+        return -1.0
+    share = (-half - math.sqrt(discriminant)) / squared
+    return share if share <= 1.0 else -1.0
+
+
+@kernel
+def reflected(va, vb, a, b):
+    """Velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
+    inward = (va * a + vb * b) / (a * a + b * b)
+    return (va - 2.0 * inward * a) * POST_BOUNCE, (vb - 2.0 * inward * b) * POST_BOUNCE
+
+
+@kernel
+def rolled(speed, time):
+    """Distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
+    slowing = GROUND_FRICTION + 0.045 * speed * speed
+    time = min(time, speed / slowing)
+    return speed * time - 0.5 * slowing * time * time

@@ -1,0 +1,90 @@
+"""Bodies on the pitch: they move on, cannot stand in each other, and stop at the edge of the grass.
+
+Read next: `physics.frames`, which calls this in every frame.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT
+from scenic_lite.kernels.jit import kernel
+
+SAME_PLACE = 1e-3  # m between bodies that were in the same place
+BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
+
+
+@kernel
+def advance_player(player):
+    """Move a player on by one frame of 10 ms."""
+    player.x += player.vx * DT
+    player.y += player.vy * DT
+
+
+@kernel
+def keep_on_pitch(player):
+    """Stop a player at the edge of the grass, a little beyond the lines."""
+    if player.off:
+        return
+    if abs(player.x) > HALF_LENGTH + APRON:
+        player.x = math.copysign(HALF_LENGTH + APRON, player.x)
+        player.vx = 0.0
+    if abs(player.y) > HALF_WIDTH + APRON:
+        player.y = math.copysign(HALF_WIDTH + APRON, player.y)
+        player.vy = 0.0
+
+
+@kernel
+def crowded(match):
+    """Tell whether any two players could meet within this step."""
+    for i in range(1, match.num_players):
+        a = match.players[i]
+        for j in range(i):
+            b = match.players[j]
+            if abs(a.x - b.x) < BODIES_NEAR and abs(a.y - b.y) < BODIES_NEAR:
+                return True
+    return False
+
+
+@kernel
+def part_bodies(match):
+    """Push overlapping players apart and take away the speed with which they close in.
+
+    Who runs faster gives way more, so that nobody is shoved about the pitch; who has been beaten is in nobody's way.
+    """
+    for i in range(1, match.num_players):
+        a = match.players[i]
+        for j in range(i):
+            b = match.players[j]
+            dx, dy = a.x - b.x, a.y - b.y
+            squared = dx * dx + dy * dy
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and not (beaten(a) or beaten(b)):
+                if squared == 0.0:  # one steps back towards his goal
+                    dx, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
+                part(a, b, dx, dy, math.sqrt(squared))
+
+
+@kernel
+def beaten(player):
+    """Tell whether a player lies on the ground or has just tried for the ball in vain."""
+    return player.down > 0.0 or player.touch_wait > 0.0
+
+
+@kernel
+def part(a, b, dx, dy, distance):
+    """Part two overlapping bodies; (dx, dy) leads from b to a."""
+    nx, ny = dx / distance, dy / distance
+    toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # only these, or energy could be gained
+    energy_a, energy_b = toward_b * toward_b + 1e-9, toward_a * toward_a + 1e-9
+    share = energy_a / (energy_a + energy_b)
+    push = 2.0 * BODY_RADIUS - distance
+    a.x += share * push * nx
+    a.y += share * push * ny
+    b.x -= (1.0 - share) * push * nx
+    b.y -= (1.0 - share) * push * ny
+    closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
+    if closing < 0.0:
+        a.vx -= share * closing * nx
+        a.vy -= share * closing * ny
+        b.vx += (1.0 - share) * closing * nx
+        b.vy += (1.0 - share) * closing * ny

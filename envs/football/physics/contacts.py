@@ -1,0 +1,179 @@
+"""Meetings of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
+
+Read next: `physics.tackles`, then `rules.referee`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from envs.football.constants import GK, NOBODY, NORMAL, STEP
+from envs.football.physics.first_touch import cushion
+from envs.football.physics.hands import can_hold, has_hands, hold, parry
+from envs.football.physics.kicks import kick_first_time
+from envs.football.physics.possession import ball_speed
+from envs.football.physics.saves import ARM, foresee
+from envs.football.physics.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
+from envs.football.physics.touch import take
+from envs.football.physics.vectors import length
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
+
+MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
+
+# Traps
+TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
+BODY_REACH, SUDDEN_AGE, SUDDEN_SPEED = 0.3, 0.25, 22.0  # m, s, m/s: a shot too sudden to put out a leg
+FIRST_TIME_FROM = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
+HEADER_FROM = 0.9  # m
+
+# Keepers
+SAVE_BELOW, EASY_CATCH = 2.8, 8.0  # m; m/s, slower balls always stick
+CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
+CLAIM_STANDING = 0.6  # chance against a carrier who stands
+CLAIM_SURE, CLAIM_HURRIED, CLAIM_MOST = 1.42, 0.1, 0.95  # against one who runs: less per m/s, but at most
+CLAIM_WAIT, CLAIM_DOWN = 1.2, 1.0  # s when beaten; a carrier who stands does not leave him on the ground
+CLAIM_FEET = 0.85  # of the chance that is left with the feet alone
+CLAIM_SWERVE = 10.0  # m/s across his reach at which he cannot have it
+ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
+CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
+CATCH_EASIER, CATCH_EASE = 0.75, 0.2  # s after the kick, from where on more balls stick; until all do
+BLOCK_DOWN, DIVE_DOWN = 0.3, 1.1  # s on the ground after a block on the spot, after a dive
+
+_COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
+
+
+@kernel
+def reachable(match):
+    """Return a bit for every player who may meet the ball within a step."""
+    ball = match.ball
+    reach = MEETING + STEP * (8.0 + math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
+    bits = 0
+    for i in range(match.num_players):
+        player = match.players[i]
+        dx, dy = ball.x - player.x, ball.y - player.y
+        if dx * dx + dy * dy < reach * reach:
+            bits |= 1 << i
+    return bits
+
+
+@kernel
+def meet_ball(match, bits):
+    """Let every player named in `bits` try for the ball in this frame.
+
+    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene.
+    """
+    turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
+    for k in range(match.num_players):
+        i = match.num_players - 1 - k if turned else k
+        if match.game_mode != NORMAL:
+            return
+        if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
+            continue
+        player = match.players[i]
+        if player.touch_wait > 0.0 or (player.down > 0.0 and not player.sliding):
+            continue
+        dx, dy = match.ball.x - player.x, match.ball.y - player.y
+        squared = dx * dx + dy * dy
+        if squared < MEETING * MEETING:
+            meet(match, i, math.sqrt(squared))
+
+
+@kernel
+def meet(match, i, distance):
+    """Let player i, this far from the ball, do what suits: save, claim, tackle, or trap."""
+    player, ball = match.players[i], match.ball
+    if match.saver == i:
+        if match.save_wait < STEP and distance < ARM:
+            save(match, i)
+    elif match.carrier != NOBODY:
+        if match.players[match.carrier].team != player.team:
+            challenge(match, i, distance)
+    elif player.role == GK and distance < CLAIM_REACH and ball.z < CLAIM_BELOW and has_hands(match, i):
+        catch(match, i)
+    elif distance < (BODY_REACH if too_sudden(match) else TRAP_REACH) and ball.z < TRAP_BELOW:
+        trap(match, i)
+
+
+@kernel
+def too_sudden(match):
+    """Tell whether the ball has just been struck so hard that it meets nobody but whom it hits."""
+    return match.kicked and match.kick_age < SUDDEN_AGE and ball_speed(match.ball) > SUDDEN_SPEED
+
+
+@kernel
+def challenge(match, i, distance):
+    """Let player i, this far from the ball, try to take it off the carrier."""
+    player, ball = match.players[i], match.ball
+    if player.role == GK and not player.sliding:
+        if distance < CLAIM_REACH and ball.z < (CLAIM_BELOW if has_hands(match, i) else HEADER_FROM):
+            claim(match, i)
+    elif player.sliding:
+        slide_into(match, i, distance)
+    elif in_tackle_reach(match, i, distance) and goes_for_ball(match, i, distance):
+        tackle(match, i)
+
+
+@kernel
+def trap(match, i):
+    """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
+    player = match.players[i]
+    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > FIRST_TIME_FROM:
+        kick_first_time(match, i)
+        return
+    cushion(match, i)
+    if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
+        foresee(match, player.team)
+
+
+@kernel
+def claim(match, i):
+    """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
+    player, carrier = match.players[i], match.players[match.carrier]
+    speed = length(carrier.vx, carrier.vy)
+    stands = speed < STANDING
+    chance = CLAIM_STANDING
+    if not stands:
+        chance = min(CLAIM_SURE - CLAIM_HURRIED * speed, CLAIM_MOST)
+        chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
+    hands = has_hands(match, i)
+    if uniform(match) < (chance if hands else CLAIM_FEET * chance):
+        carrier.touch_wait = ROBBED_WAIT
+        if hands:
+            hold(match, i)
+        else:
+            take(match, i)
+        return
+    player.touch_wait, player.down = CLAIM_WAIT, 0.0 if stands else CLAIM_DOWN
+
+
+@kernel
+def catch(match, i):
+    """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
+    player, ball = match.players[i], match.ball
+    fast = length(ball.vx - player.vx, ball.vy - player.vy)
+    if fast < EASY_CATCH or can_hold(match, fast):
+        hold(match, i)
+    else:
+        parry(match, i, False)
+
+
+@kernel
+def save(match, i):
+    """Carry out what was drawn when the shot was taken: a catch, a parry, or nothing."""
+    player, ball = match.players[i], match.ball
+    near = match.save_gap < CATCH_NEAR
+    match.saver = NOBODY
+    if not match.save_succeeds or ball.z > SAVE_BELOW:
+        player.touch_wait, player.down = CLAIM_WAIT, DIVE_DOWN
+        return
+    late = min(max((match.kick_age - CATCH_EASIER) / CATCH_EASE, 0.0), 1.0)
+    fits = CATCH_FITS if near else CATCH_DIVING
+    sticks = uniform(match) < fits + (1.0 - fits) * late
+    if sticks and can_hold(match, length(ball.vx, ball.vy)) and has_hands(match, i):
+        hold(match, i)
+        return
+    parry(match, i, not near)
+    player.down = BLOCK_DOWN if near else DIVE_DOWN

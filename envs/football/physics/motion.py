@@ -1,0 +1,92 @@
+"""What every body does in a step: it runs, lies on the ground, or throws itself at the ball; and where it looks.
+
+Read next: `physics.running`, then `physics.dribble`; `physics.frames` moves the bodies on.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import HALF_LENGTH, LEFT, STEP
+from envs.football.physics.dribble import run_with_ball
+from envs.football.physics.running import BRAKING, run_free
+from envs.football.physics.vectors import toward
+from scenic_lite.kernels.jit import kernel
+
+AT_REST = 0.3  # m/s
+TURN = 0.4  # rad turned in a step on the spot
+TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
+# A slide: he glides, from the stand after a jump, slows down steadily to a stop, lies, and rises with a step forward
+SLIDE_TIME, SLIDE_GLIDE, SLIDE_STOPS, SLIDE_RISES = 1.4, 1.15, 0.74, 0.45  # s altogether; of which so much is left
+SLIDE_JUMP, SLIDE_OFF, SLIDE_GAINS = 1.9, 0.4, 1.6  # m/s of a jump from the stand; it grows to this and by this factor
+RISES, RISING = 0.45, 2.0  # m/s; m/s²
+FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
+TIRING, TIRING_FAST = 7.3e-4, 1.25e-5  # per metre run; and less of it per m/s: fast metres tire less
+TIRED_OUT = 0.99
+
+
+@kernel
+def plan_motion(match, i):
+    """Set player i's velocity for this step, and where he looks."""
+    player = match.players[i]
+    speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
+    if player.down > 0.0:
+        vx, vy = slowed(player, speed)
+    elif match.saver == i:
+        vx, vy = thrown(player)
+    elif match.carrier == i and match.holder != i:
+        vx, vy = run_with_ball(match, i, speed)
+    else:
+        vx, vy = run_free(player, speed)
+    player.vx, player.vy = vx, vy
+    player.tired = min(player.tired + max(TIRING - TIRING_FAST * speed, 0.0) * speed * STEP, TIRED_OUT)
+    new_speed = math.sqrt(vx * vx + vy * vy)
+    if new_speed > AT_REST and player.kick_wait <= 0.0:
+        player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
+    elif match.carrier == i and player.kick == 0:
+        turn_to_goal(player)
+
+
+@kernel
+def turn_to_goal(player):
+    """Turn the body of a player who stands with the ball some way towards the goal that he attacks."""
+    goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
+    ux, uy = toward(goal_x - player.x, -player.y)
+    if player.facing_x * ux + player.facing_y * uy >= TURN_COS:
+        player.facing_x, player.facing_y = ux, uy
+        return
+    sine = TURN_SIN if player.facing_x * uy - player.facing_y * ux >= 0.0 else -TURN_SIN
+    x, y = player.facing_x, player.facing_y
+    player.facing_x, player.facing_y = x * TURN_COS - y * sine, x * sine + y * TURN_COS
+
+
+@kernel
+def slowed(player, speed):
+    """Velocity after a step on the ground, in a slide or after a dive."""
+    player.turning = 0
+    if player.sliding:
+        new = slid(player.down, speed)
+        return new * player.facing_x, new * player.facing_y
+    if speed < 1e-6:
+        return 0.0, 0.0
+    keep = max(speed - FALL_FRICTION * STEP, 0.0) / speed
+    return player.vx * keep, player.vy * keep
+
+
+@kernel
+def slid(left, speed):
+    """Speed after a step of a slide of which `left` s are left."""
+    if left > SLIDE_GLIDE:
+        return max(speed, min(SLIDE_OFF + SLIDE_GAINS * speed, SLIDE_JUMP))
+    if left > SLIDE_STOPS:
+        return speed * max(1.0 - STEP / (left - SLIDE_STOPS), 0.0)
+    return min(speed + RISING * STEP, RISES) if left < SLIDE_RISES else 0.0
+
+
+@kernel
+def thrown(player):
+    """Velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
+    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    size = math.sqrt(dx * dx + dy * dy)
+    keep = min(1.0, 2.0 * BRAKING * STEP / size) if size > 0.0 else 1.0
+    return player.vx + keep * dx, player.vy + keep * dy

@@ -1,0 +1,159 @@
+"""Who has the ball, and who can be first at it.
+
+Read next: `control.keys`, which turns actions into wanted velocities and kicks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
+from envs.football.physics.ball import AIR_DRAG, GRAVITY, rolled
+from envs.football.physics.vectors import apart, length
+from scenic_lite.kernels.jit import kernel
+
+OWNED_WITHIN = 1.0  # m from the player's place a moment ahead to the ball
+OWNED_LEAD, OWNED_AHEAD = 0.05, 0.1  # s, m: that place
+OWNED_BELOW = 0.5  # m
+OWNED_SPEED = 6.0  # m/s, relative
+CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
+CHASE_SPEED = 7.5  # m/s, for estimates
+OVER_HEADS, CAUGHT_AT = 1.3, 0.9  # m, of a ball that nobody reaches in its flight; height at which he then does
+LANDED = 0.6  # share of its speed that a ball keeps when it comes down
+
+
+@kernel
+def ball_speed(ball):
+    """Speed of the ball in m/s in the plane."""
+    return length(ball.vx, ball.vy)
+
+
+@kernel
+def fall_time(ball):
+    """Time in s until a ball that flies over the players comes down to them; 0 for one that stays low."""
+    if ball.vz * ball.vz + 2.0 * GRAVITY * ball.z < 2.0 * GRAVITY * OVER_HEADS:
+        return 0.0
+    return (ball.vz + math.sqrt(max(ball.vz * ball.vz + 2.0 * GRAVITY * (ball.z - CAUGHT_AT), 0.0))) / GRAVITY
+
+
+@kernel
+def travelled(speed, flight, time):
+    """Estimate in m how far a ball goes in `time` s: through the air for `flight` s, then over the ground."""
+    if flight == 0.0:
+        return rolled(speed, time)
+    drag = 1.0 + AIR_DRAG * speed * min(time, flight)
+    way = math.log(drag) / AIR_DRAG
+    return way if time <= flight else way + rolled(LANDED * speed / drag, time - flight)
+
+
+@kernel
+def meeting_time(match, player, speed):
+    """Estimate in s how soon a player can be at the ball, which goes on at `speed` m/s meanwhile."""
+    ball = match.ball
+    time = length(ball.x - player.x, ball.y - player.y) / CHASE_SPEED
+    if speed < 1.0:
+        return time
+    flight = fall_time(ball)
+    time = max(time, flight)
+    for _ in range(3):
+        share = travelled(speed, flight, time) / speed
+        reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
+        time = max(0.5 * (time + reach / CHASE_SPEED), flight)
+    return time
+
+
+@kernel
+def find_chasers(match):
+    """Find for each team the player who can be first at the ball: the carrier, or by meeting time."""
+    match.chaser[LEFT] = NOBODY
+    match.chaser[RIGHT] = NOBODY
+    speed = ball_speed(match.ball)
+    soonest_left, soonest_right = math.inf, math.inf
+    for i in range(match.num_players):
+        player = match.players[i]
+        time = -1.0
+        if match.carrier != i:
+            soonest = soonest_left if player.team == LEFT else soonest_right
+            if apart(match.ball, player) > (CHASE_SPEED + speed) * soonest:
+                continue  # too far away even if the ball rolled towards him
+            time = meeting_time(match, player, speed) + player.down
+        if player.team == LEFT and time < soonest_left:
+            soonest_left = time
+            match.chaser[LEFT] = i
+        elif player.team == RIGHT and time < soonest_right:
+            soonest_right = time
+            match.chaser[RIGHT] = i
+
+
+@kernel
+def update_possession(match):
+    """Decide who owns the ball after a step, as the original reports it, and whether possession changed."""
+    if match.carrier != NOBODY and match.holder == NOBODY:
+        carrier = match.players[match.carrier]
+        if apart(match.ball, carrier) > CARRIED_WITHIN:
+            match.carrier = NOBODY
+    match.owner = NOBODY
+    if match.holder != NOBODY:
+        match.owner = match.holder
+    elif match.last_touch != NOBODY and owns(match.ball, match.players[match.last_touch]):
+        match.owner = match.last_touch
+    compare_owner(match)
+
+
+@kernel
+def own_at_restart(match):
+    """While play is stopped nobody owns the ball but who holds it for a throw-in."""
+    match.owner = match.taker if match.game_mode == THROW_IN else NOBODY
+    compare_owner(match)
+
+
+@kernel
+def compare_owner(match):
+    """Find out whether another team owns the ball than the last that did; without an owner nothing changes."""
+    match.possession_changed = False
+    if match.owner != NOBODY:
+        team = match.players[match.owner].team
+        match.possession_changed = match.last_owned_team != NOBODY and match.last_owned_team != team
+        match.last_owned_team = team
+
+
+@kernel
+def owns(ball, player):
+    """Tell whether the last player at the ball possesses it: near, low and hardly faster than he is."""
+    dx = ball.x - player.x - OWNED_LEAD * player.vx - OWNED_AHEAD * player.facing_x
+    dy = ball.y - player.y - OWNED_LEAD * player.vy - OWNED_AHEAD * player.facing_y
+    slip_x, slip_y = ball.vx - player.vx, ball.vy - player.vy
+    return (
+        ball.z < OWNED_BELOW
+        and dx * dx + dy * dy < OWNED_WITHIN * OWNED_WITHIN
+        and slip_x * slip_x + slip_y * slip_y < OWNED_SPEED * OWNED_SPEED
+    )
+
+
+@kernel
+def lose_ball(match):
+    """Make the ball free; who was about to kick it no longer is."""
+    if match.kicker != NOBODY:
+        forget_kick(match.players[match.kicker])
+    match.carrier = NOBODY
+    match.holder = NOBODY
+    match.kicker = NOBODY
+
+
+@kernel
+def forget_kick(player):
+    """Clear a player's kick."""
+    player.kick, player.kick_held, player.kick_wait = 0, 0, 0.0
+    player.kick_ready, player.aimed, player.kick_mate = False, False, NOBODY
+
+
+@kernel
+def tick(match):
+    """Let the clocks of the players and of the last kick run by one step."""
+    match.kick_age += STEP
+    for i in range(match.num_players):
+        player = match.players[i]
+        player.touch_wait = max(player.touch_wait - STEP, 0.0)
+        player.down = max(player.down - STEP, 0.0)
+        if player.down == 0.0:
+            player.sliding, player.met = False, False

@@ -1,0 +1,27 @@
+"""What a touch does to the ball: it is taken.
+
+Read next: `physics.hands`, for keepers; `physics.contacts`, where it is decided who touches it how.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import BALL_RADIUS, NOBODY
+from envs.football.physics.possession import lose_ball
+from envs.football.rules.offside import whistled
+from scenic_lite.kernels.jit import kernel
+
+
+@kernel
+def take(match, i):
+    """Give player i the ball at his feet, moving with him, unless he is offside."""
+    if whistled(match, i):
+        return
+    player, ball = match.players[i], match.ball
+    lose_ball(match)
+    ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
+    ball.spin_x, ball.spin_y, ball.curl = ball.vx, ball.vy, 0.0
+    ball.z = BALL_RADIUS
+    match.saver = NOBODY
+    match.carrier = i
+    match.last_touch = i
+    match.kicked = False

@@ -1,0 +1,1 @@
+"""The laws of the game: the whistle, restarts, fouls, offside."""

@@ -1,0 +1,128 @@
+"""Fouls: what a tackle reports, and what the referee makes of it: advantage, free kick or penalty, cards.
+
+The rules are Google Research Football's. `contacts` decides whether a tackle is a foul and how severe, and calls
+`report_foul`; `rules` calls the rest at the end of a step. Read next: `rules.whistle`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import (
+    BOX_DEPTH,
+    BOX_HALF_WIDTH,
+    FREE_KICK,
+    HALF_LENGTH,
+    LEFT,
+    NOBODY,
+    NORMAL,
+    PENALTY,
+    STEP,
+)
+from envs.football.physics.possession import lose_ball
+from envs.football.rules.whistle import stand_still, stop_play
+from scenic_lite.kernels.jit import kernel
+
+SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which it is a foul, a yellow and a red card
+CAUTIONED, SENT_OFF = 1, 2  # `cards`
+PLAYED_ON, FORGIVEN = 0.6, 3.0  # s for which a trip is played on at least; after which it is forgotten
+LEAVES_AFTER = 6.0  # s from a red card until the player has left the pitch
+FAR_BEHIND = 200.0  # m behind his own goal, where he is kept
+PENALTY_SPOT = HALF_LENGTH - 11.0  # m
+
+
+@kernel
+def report_foul(match, player, victim, severity, slid):
+    """Tell the referee that `player` fouled `victim`; play goes on until the step ends, or longer for an advantage.
+
+    `severity` grows to about 2: a slide that never met the ball counts 1, coming from behind up to 1 more; at most 1
+    is no foul. A trip (not `slid`) is never a card and gets an advantage. A slide goes before a trip that is being
+    played on, otherwise the first foul counts.
+    """
+    if match.game_mode != NORMAL or (slid and severity <= SEVERE):
+        return
+    if match.foul_player != NOBODY and not (slid and match.advantage):
+        return
+    match.foul_player, match.foul_victim = player, victim
+    match.foul_severity = severity if slid else 0.0
+    match.foul_x, match.foul_y = match.players[victim].x, match.players[victim].y
+    match.foul_age, match.advantage = 0.0, not slid
+
+
+@kernel
+def judge_foul(match, over):
+    """Give the free kick or the penalty for a foul that is due, and the card; `over`: play stops anyway.
+
+    A trip outside the box is played on for as long as the victim's team keeps the ball.
+    """
+    if match.foul_player == NOBODY:
+        return
+    match.foul_age += STEP
+    team = match.players[match.foul_victim].team
+    in_box = in_box_of(1 - team, match.foul_x, match.foul_y)
+    if match.advantage and not in_box and not over:
+        if match.foul_age > FORGIVEN:
+            match.foul_player = NOBODY
+            return
+        if match.foul_age <= PLAYED_ON or keeps_ball(match, team):
+            return
+    show_card(match)
+    if in_box:
+        stop_play(match, PENALTY, team, PENALTY_SPOT if team == LEFT else -PENALTY_SPOT, 0.0)
+    else:
+        stop_play(match, FREE_KICK, team, match.foul_x, match.foul_y)
+
+
+@kernel
+def in_box_of(team, x, y):
+    """Tell whether (x, y) lies in the penalty box of `team`."""
+    goal_x = -HALF_LENGTH if team == LEFT else HALF_LENGTH
+    return abs(goal_x - x) < BOX_DEPTH and abs(y) < BOX_HALF_WIDTH
+
+
+@kernel
+def keeps_ball(match, team):
+    """Tell whether `team` still has the ball, as its last touch says."""
+    return match.last_touch != NOBODY and match.players[match.last_touch].team == team
+
+
+@kernel
+def show_card(match):
+    """Show the card that the foul is worth; a second yellow is a red."""
+    player = match.players[match.foul_player]
+    if match.foul_severity <= YELLOW_FROM or player.cards == SENT_OFF:
+        return
+    if match.foul_severity > RED_FROM or player.cards == CAUTIONED:
+        player.cards, player.leave_wait = SENT_OFF, LEAVES_AFTER
+    else:
+        player.cards = CAUTIONED
+
+
+@kernel
+def send_off(match):
+    """Let the players who have been sent off leave when their time is up and play is on."""
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.cards != SENT_OFF or player.off:
+            continue
+        player.leave_wait -= STEP
+        if player.leave_wait <= 0.5 * STEP and match.game_mode == NORMAL:
+            leave(match, i)
+
+
+@kernel
+def leave(match, i):
+    """Take player i off the pitch: he lies far behind his own goal, for good, where nothing concerns him."""
+    player = match.players[i]
+    if match.carrier == i or match.kicker == i or match.holder == i:
+        lose_ball(match)
+    if match.saver == i:
+        match.saver = NOBODY
+    if match.receiver == i:
+        match.receiver = NOBODY
+    if match.last_touch == i:
+        match.last_touch, match.owner = NOBODY, NOBODY
+    stand_still(player)
+    player.off = True
+    player.down, player.touch_wait = math.inf, math.inf
+    player.x, player.y = (-1.0 if player.team == LEFT else 1.0) * FAR_BEHIND, 0.0

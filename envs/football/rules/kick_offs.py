@@ -1,0 +1,60 @@
+"""Kick-offs after a goal and at half time: everybody at his start position, the ball in its place, play on at once.
+
+As in Google Research Football, the game never shows the mode of a kick-off. Read next: `rules.referee`.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import NOBODY
+from envs.football.rules.whistle import move_to, put_ball
+from scenic_lite.kernels.jit import kernel
+
+
+@kernel
+def kick_off_again(match, team, x, y):
+    """Let `team` kick off with the ball at (x, y).
+
+    If the other team began the match with the ball and the teams are equally many, each takes the other's start
+    positions, turned by 180°, so that the ball lies before the team that kicks off.
+    """
+    put_ball(match, x, y)
+    swapped = swaps(match, team)
+    for i in range(match.num_players):
+        player = match.players[i]
+        if not swapped:
+            move_to(match, i, player.start_x, player.start_y)
+            continue
+        j = counterpart(match, i)
+        move_to(match, i, -match.players[j].start_x, -match.players[j].start_y)
+    match.last_touch = NOBODY
+    match.foul_player = NOBODY
+    match.offside_bits = 0
+    match.line_wait = 0.0
+
+
+@kernel
+def second_half(match):
+    """Begin the second half: the team kicks off that did not begin the match; nobody changes sides."""
+    match.half = 1
+    team = 1 - match.starter
+    turn = -1.0 if swaps(match, team) else 1.0
+    kick_off_again(match, team, turn * match.ball_start_x, turn * match.ball_start_y)
+
+
+@kernel
+def swaps(match, team):
+    """Tell whether the teams take each other's start positions when `team` kicks off."""
+    left = 0
+    for i in range(match.num_players):
+        left += match.players[i].team == 0
+    return team != match.starter and 2 * left == match.num_players
+
+
+@kernel
+def counterpart(match, i):
+    """Return the opponent with player i's number."""
+    player = match.players[i]
+    for j in range(match.num_players):
+        if match.players[j].team != player.team and match.players[j].shirt == player.shirt:
+            return j
+    return i

@@ -1,0 +1,63 @@
+"""Offside: who is marked at a touch, and the whistle when one of them is the next to touch the ball.
+
+Read next: `rules.whistle`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import FREE_KICK, LEFT
+from envs.football.rules.whistle import stop_play
+from scenic_lite.kernels.jit import kernel
+
+
+@kernel
+def mark_offside(match, toucher):
+    """Mark, as bits, the mates of who touches the ball who are beyond the second-last opponent, ball and halfway.
+
+    As in Google Research Football there is no offside against a team of fewer than two.
+    """
+    match.offside_bits = 0
+    if not match.offsides:
+        return
+    team = match.players[toucher].team
+    forward = 1.0 if team == LEFT else -1.0
+    second = second_last(match, 1 - team, forward)
+    if second == -math.inf:
+        return
+    line = max(second, forward * match.ball.x, 0.0)
+    for i in range(match.num_players):
+        player = match.players[i]
+        if i != toucher and player.team == team and not player.off and forward * player.x > line:
+            match.offside_bits |= 1 << i
+
+
+@kernel
+def second_last(match, team, forward):
+    """How far forward (towards its own goal) the second-last player of `team` stands, in m; -inf without one."""
+    last, second = -math.inf, -math.inf
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.team != team or player.off:
+            continue
+        depth = forward * player.x
+        if depth > last:
+            last, second = depth, last
+        elif depth > second:
+            second = depth
+    return second
+
+
+@kernel
+def whistled(match, i):
+    """Stop play if player i, who is about to touch the ball, was marked; return whether.
+
+    If he may play on, his touch marks his mates anew.
+    """
+    if match.offside_bits >> i & 1 == 1:
+        player = match.players[i]
+        stop_play(match, FREE_KICK, 1 - player.team, player.x, player.y)
+        return True
+    mark_offside(match, i)
+    return False

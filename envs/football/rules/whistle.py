@@ -1,0 +1,76 @@
+"""The whistle: when the ball is out, how play stops for a restart, what puts ball and players to rest.
+
+Read next: `rules.restarts`, which plays on.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import BALL_RADIUS, FREE_KICK, HALF_LENGTH, HALF_WIDTH, NOBODY, OUT_MARGIN
+from envs.football.physics.possession import forget_kick, lose_ball
+from envs.football.physics.vectors import toward
+from scenic_lite.kernels.jit import kernel
+
+KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
+
+
+@kernel
+def off_pitch(match):
+    """Tell whether the ball's centre is beyond a line; just after a set piece side lines do not count."""
+    ball = match.ball
+    beside = abs(ball.y) > HALF_WIDTH + OUT_MARGIN and match.line_wait <= 1e-9
+    return beside or abs(ball.x) > HALF_LENGTH + OUT_MARGIN
+
+
+@kernel
+def stop_play(match, mode, team, x, y):
+    """Stop play for a restart of this mode by `team` from (x, y); `rules` sets it up when the step ends.
+
+    Free kicks are not taken too near a line.
+    """
+    if mode == FREE_KICK:
+        x = min(max(x, -KICK_WITHIN * HALF_LENGTH), KICK_WITHIN * HALF_LENGTH)
+        y = min(max(y, -KICK_WITHIN * HALF_WIDTH), KICK_WITHIN * HALF_WIDTH)
+    match.game_mode = mode
+    match.restart_team = team
+    match.restart_wait = 0
+    match.taker = NOBODY
+    match.offside_bits = 0
+    match.foul_player = NOBODY
+    put_ball(match, x, y)
+
+
+@kernel
+def put_ball(match, x, y):
+    """Lay the ball down still at (x, y), free."""
+    ball = match.ball
+    ball.x, ball.y, ball.z = x, y, BALL_RADIUS
+    ball.vx, ball.vy, ball.vz, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0, 0.0
+    lose_ball(match)
+    match.saver, match.receiver, match.kicked = NOBODY, NOBODY, False
+
+
+@kernel
+def stand_still(player):
+    """Stop a player and clear what he was about to do."""
+    player.vx, player.vy = 0.0, 0.0
+    player.want_x, player.want_y = 0.0, 0.0
+    player.down, player.touch_wait, player.turning, player.sliding = 0.0, 0.0, 0, False
+    forget_kick(player)
+
+
+@kernel
+def move_to(match, i, x, y):
+    """Put player i at (x, y), at rest and looking at the ball; who has left the pitch stays away."""
+    player = match.players[i]
+    if player.off:
+        return
+    stand_still(player)
+    player.x, player.y = x, y
+    look_at(player, match.ball.x, match.ball.y)
+
+
+@kernel
+def look_at(player, x, y):
+    """Turn a player's body to (x, y); where he stands there himself, it stays."""
+    if x != player.x or y != player.y:
+        player.facing_x, player.facing_y = toward(x - player.x, y - player.y)

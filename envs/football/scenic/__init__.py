@@ -1,0 +1,1 @@
+"""Football as Scenic programs see it."""

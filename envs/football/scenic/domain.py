@@ -1,0 +1,44 @@
+"""Football as the language sees it: which `.scenic` file each importable name means.
+
+The names of Scenic4RL (`scenic.simulators.gfootball...`) are aliases, so that programs written for it run unchanged.
+Read next: `library/model.scenic`.
+"""
+
+from pathlib import Path
+
+from envs.football.scenic.world import FOOTBALL_WORLD
+from scenic_lite.core.domain import Domain
+
+LIBRARY = Path(__file__).parent / "library"
+MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator", "constants")}
+PACKAGES = ("football", "scenic.simulators.gfootball")
+ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # what Scenic4RL has in other places
+
+# Parameters of a program that are settings of the match.
+SETTINGS = frozenset(
+    {
+        *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
+        *("left_team_difficulty", "right_team_difficulty"),
+        *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
+    }
+)
+
+# Those with which programs of Scenic4RL set up its engine, its pictures and its log files: understood, and without use.
+ENGINE = frozenset(
+    {
+        *("action_set", "custom_display_stats", "display_game_stats", "dump_frequency", "dump_full_episodes"),
+        *("dump_scores", "game_engine_random_seed", "logdir", "manual_control", "physics_steps_per_frame", "players"),
+        *("real_time", "render_resolution_x", "render_resolution_y", "rewards", "stacked", "tracesdir"),
+        *("video_format", "video_quality_level", "write_full_episode_dumps", "write_goal_dumps", "write_video"),
+    }
+)
+
+FOOTBALL = Domain(
+    name="football",
+    library={f"{package}.{name}": path for package in PACKAGES for name, path in MODULES.items()}
+    | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()}
+    | dict.fromkeys(PACKAGES, LIBRARY / "football.scenic"),
+    default_model="football.model",
+    params=SETTINGS | ENGINE,
+    world=FOOTBALL_WORLD,
+)

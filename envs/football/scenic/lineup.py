@@ -1,0 +1,160 @@
+"""From a Scenic program to matches about to begin: who of its objects is which player, and where everyone stands.
+
+Read next: `vector_env`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
+from envs.football.control.control_modes import count_agents
+from envs.football.scenic.domain import SETTINGS
+from envs.football.scenic.world_table import THE_BALL
+from envs.football.state import Lineup, MatchConfig, kick_off
+from scenic_lite import Place, Program, Scenes
+
+ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
+TEAMS = {"left": LEFT, "right": RIGHT}
+METRES = np.array([METRES_PER_X, METRES_PER_Y])
+
+# What ends an episode of a program that does not say so; academy scenarios, and `MatchConfig`, have it otherwise.
+UNLESS_SAID = {
+    "end_episode_on_score": False,
+    "end_episode_on_out_of_play": False,
+    "end_episode_on_possession_change": False,
+}
+LONGEST = 1_000_000  # steps of an episode
+WANTED = {
+    bool: "True or False",
+    int: f"a whole number of steps, 1 to {LONGEST:,}",
+    float: "a number from 0 to 1",
+}
+
+
+class CastingError(ValueError):
+    """A program that describes no match: the message says where, what is missing or too much, and what would do.
+
+    `place` is that of the culprit in the program, or None if there is none.
+    """
+
+    place: Place | None = None
+
+
+def refusal(program: Program, message: str, place: Place, hint: str = "") -> CastingError:
+    """The error for one place of a program, its line underlined."""
+    error = CastingError(str(program.error("unsupported", message, place, hint)))
+    error.place = place
+    return error
+
+
+class Casting:
+    """How a program's objects become players and the ball.
+
+    Attributes:
+        players: indices `[P]` into the program's objects, in the order of the match: the left team before the right
+            one, keepers first, otherwise as in the program.
+        ball: index of the ball among the objects.
+        cast: for each of the O objects its index in the match, or `THE_BALL`.
+        lineup: teams and roles `[P]`.
+        config: the settings that the program's parameters make.
+        num_agents: how many move players of the left and of the right team.
+
+    Raises CastingError, also for a `control` mode (see `control_modes`) that a team is too small for.
+    """
+
+    def __init__(self, program: Program, control: str = "closest1", right_control: str = "none") -> None:
+        self.program = program
+        kinds = [set(info.classes) for info in program.objects]
+        balls = [index for index, kind in enumerate(kinds) if "Ball" in kind]
+        people = [index for index, kind in enumerate(kinds) if "Player" in kind]
+        if len(balls) > 1:
+            place = program.objects[balls[1]].place
+            raise refusal(program, f"a match needs exactly one Ball, this program has {len(balls)}", place)
+        if not balls:
+            raise CastingError(f"{program.file}: a match needs a Ball; write ball = Ball ahead of ego by 2")
+        for index in set(range(len(kinds))).difference(balls, people):
+            info = program.objects[index]
+            raise refusal(program, f"{info.class_name} is neither a player nor the ball", info.place)
+        scene = program.instantiate(np.zeros((1, program.dim)))
+        who = {index: self._who(scene, index) for index in people}
+        self.ball = balls[0]
+        self.players = np.array(sorted(people, key=lambda index: (who[index][0], who[index][1] != ROLES["GK"])), int)
+        self.lineup = Lineup(
+            np.array([who[index][0] for index in self.players], np.int64),
+            np.array([who[index][1] for index in self.players], np.int64),
+            np.argsort(np.argsort(self.players)),
+        )
+        self.cast = np.full(len(kinds), THE_BALL)
+        self.cast[self.players] = np.arange(len(self.players))
+        self.config = replace(_settings(program), control=control, right_control=right_control)
+        self._check_teams()
+        self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
+
+    @property
+    def num_players(self) -> int:
+        """P, of both teams."""
+        return len(self.players)
+
+    def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""
+        positions = self.program.instantiate(theta).positions * METRES
+        return kick_off(positions[:, self.players], positions[:, self.ball], self.lineup, seeds, self.config)
+
+    def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
+        """Team and role of one object."""
+        name, place = self.program.objects[index].class_name, self.program.objects[index].place
+        team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
+        if not isinstance(team, str) or team not in TEAMS:
+            found = "in a random team" if isinstance(team, np.ndarray) else "in no team"
+            raise refusal(self.program, f"{name} is {found}", place, "use a Left... or Right... class")
+        if not isinstance(role, str) or role not in ROLES:
+            found = "a random role" if isinstance(role, np.ndarray) else f"the role {role!r}"
+            raise refusal(self.program, f"{name} has {found}", place, f"give it one of {', '.join(ROLES)}")
+        return TEAMS[team], ROLES[role]
+
+    def _count(self, mode: str, team: int) -> int:
+        roles = np.asarray(self.lineup.roles)[np.asarray(self.lineup.teams) == team]
+        try:
+            return count_agents(mode, roles, team)
+        except ValueError as error:
+            raise CastingError(f"{self.program.file}: {error}") from error
+
+    def _check_teams(self) -> None:
+        teams = np.asarray(self.lineup.teams)
+        if self.config.control != "none" and not (teams == LEFT).any():
+            raise CastingError(
+                f"{self.program.file}: the learner plays on the left, and this program has no left player"
+            )
+        for name, team in TEAMS.items():
+            count = int((teams == team).sum())
+            if count > MAX_PLAYERS // 2:
+                raise CastingError(
+                    f"{self.program.file}: {count} {name} players; a team has at most {MAX_PLAYERS // 2}"
+                )
+
+
+def _settings(program: Program) -> MatchConfig:
+    """The settings among the parameters of a program; a value that does not fit is refused where it is written."""
+    chosen = {name: place for name, place in program.param_places.items() if name in SETTINGS}
+    for name, place in chosen.items():
+        kind = type(getattr(MatchConfig(), name))
+        if name not in program.params:
+            found = "a random value: every match of a program is played under the same settings"
+        elif not _fits(program.params[name], kind):
+            found = repr(program.params[name])
+        else:
+            continue
+        raise refusal(program, f"param {name} must be {WANTED[kind]}, not {found}", place)
+    return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen})
+
+
+def _fits(value: Any, kind: type) -> bool:
+    if kind is bool or not isinstance(value, int | float) or isinstance(value, bool):
+        return kind is bool and isinstance(value, bool)
+    if kind is int:
+        return 1 <= value <= LONGEST and float(value).is_integer()
+    return 0 <= value <= 1

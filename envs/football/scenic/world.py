@@ -1,0 +1,106 @@
+"""The football world as programs see it: what is live of a player and of the ball, the state of the game, the actions.
+
+Units are those of programs: x from -100 to 100, y from -42 to 42, headings in radians anticlockwise from +y. Light:
+importing it compiles nothing. Read next: `scenic.world_table`, which fills the tables from a match.
+"""
+
+from __future__ import annotations
+
+from envs.football.constants import BUILTIN_AI, NUM_COMMANDS, STEP
+from scenic_lite.core.types import Instance, Namespace, describe_kind
+from scenic_lite.core.world import World
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+
+FIELDS = (
+    "x",
+    "y",
+    "heading",  # where a player looks, where the ball rolls: [0, 2π)
+    "vx",  # units per second
+    "vy",
+    "speed",
+    "owns_ball",
+    "is_controlled",  # the learner moves him in this step
+    "tired_factor",
+    "pressed",  # direction key, 1..8 as the player sees the pitch, 0 none
+    "sprint",
+    "dribble",
+    "owned_team",  # of the ball: 0 left, 1 right, -1 nobody's
+    "owned_player_idx",  # index within the team, -1 nobody
+)
+FACTS = ("time", "steps_left", "score_left", "score_right", "game_mode")
+
+
+def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
+    """The live properties of one object."""
+    live: dict[str, Value] = {
+        "position": Vector(fields["x"], fields["y"]),
+        "velocity": Vector(fields["vx"], fields["vy"]),
+        "speed": fields["speed"],
+        "heading": fields["heading"],
+        "direction": fields["heading"],
+    }
+    if is_ball(instance):
+        return live | {name: fields[name] for name in ("owned_team", "owned_player_idx")}
+    keys = [apply(EQUAL, fields["pressed"], float(key), kind="truth") for key in range(1, 9)]
+    sprint, dribble, owns, controlled = (
+        apply(NOT_EQUAL, fields[name], 0.0, kind="truth")
+        for name in ("sprint", "dribble", "owns_ball", "is_controlled")
+    )
+    return live | {
+        "tired_factor": fields["tired_factor"],
+        "owns_ball": owns,
+        "is_controlled": controlled,
+        "sticky_actions": [*keys, sprint, dribble],
+    }
+
+
+def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
+    """What `simulation()` gives: the state of the game under the names that Scenic4RL's programs use."""
+    players = [each for each in objects if not is_ball(each)]
+    left = [each for each in players if each.properties["team"] == "left"]
+    right = [each for each in players if each.properties["team"] == "right"]
+    game = {
+        "frame": facts["time"],
+        "steps_left": facts["steps_left"],
+        "score": [facts["score_left"], facts["score_right"]],
+        "score_left": facts["score_left"],
+        "score_right": facts["score_right"],
+        "game_mode": facts["game_mode"],
+    }
+    seen = game | {"players": players, "left_players": left, "right_players": right}
+    seen |= {"my_players": left, "op_players": right, "game_state": Namespace("game_state", game)}
+    seen["ball"] = next((each for each in objects if is_ball(each)), None)
+    return Namespace(
+        "simulation()",
+        {
+            "currentTime": facts["time"],
+            "timestep": STEP,
+            "objects": objects,
+            "game_ds": Namespace("game_ds", seen),
+            "scenic_reward": 0.0,
+        },
+    )
+
+
+def command(value: Value, instance: Instance) -> Value:
+    """Check an action: its number, 0 to 19. Raises ScenicError for what is none, and for an action of the ball."""
+    if is_ball(instance):
+        raise ScenicError("type", f"{instance.title()} is a ball; only players take actions")
+    if isinstance(value, Random) and value.kind == "number":
+        return value
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        hint = "write its brackets, as in take Shoot()"
+        kind = describe_kind(value).replace("a random", "a")
+        raise ScenicError("type", f"an action of football is a number, not {kind}", hint=hint)
+    if not 0 <= value <= BUILTIN_AI or value != int(value):
+        raise ScenicError("value", FOOTBALL_WORLD.no_action(f"{value:g}"))
+    return value
+
+
+def is_ball(instance: Instance) -> bool:
+    return any(each.name == "Ball" for each in instance.cls.lineage())
+
+
+FOOTBALL_WORLD = World("football", FIELDS, FACTS, STEP, properties, simulation, command, NUM_COMMANDS)

@@ -1,0 +1,1 @@
+"""Matches as pictures, films and records."""

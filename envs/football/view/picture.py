@@ -1,0 +1,234 @@
+"""A match as a picture: `draw_match` gives one moment as pixels, `write_video` many as a film.
+
+Drawn with Pillow at twice the size and shrunk, so that edges are smooth. Pixels count from the upper left, metres from
+the middle of the pitch with +y up. Read next: `view.render`, which knows the lines of the pitch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
+from envs.football.view.render import (
+    GOAL_DEPTH,
+    LEFT_COLOUR,
+    LEFT_KEEPER_COLOUR,
+    PENALTY_SPOT,
+    RIGHT_COLOUR,
+    RIGHT_KEEPER_COLOUR,
+    Colour,
+    pitch_lines,
+)
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+    from PIL.ImageDraw import ImageDraw
+
+MODES = ("", "kick-off", "goal kick", "free kick", "corner", "throw-in", "penalty")
+FRAMES_PER_SECOND = round(1 / STEP)
+
+SHARPER = 2  # drawn at so many times the size
+SCALE = 7 * SHARPER  # pixels per metre
+BORDER = 4.0  # m of grass around the pitch
+BAR = 34 * SHARPER  # pixels, the bar with the score above the pitch
+WIDTH = round(2 * (HALF_LENGTH + BORDER) * SCALE)
+HEIGHT = round(2 * (HALF_WIDTH + BORDER) * SCALE) + BAR
+STRIPE = 5.5  # m of grass that are mown in one direction
+
+BODY = 1.3  # m, radius of a player, larger than life
+BALL = 0.55  # m, likewise
+RISE = 0.55  # m that the ball is drawn higher per metre of its height
+GROWTH = 0.12  # that it is drawn larger per metre
+GRASS: tuple[Colour, Colour] = ((46, 125, 66), (54, 137, 74))
+CHALK: Colour = (232, 240, 232)
+DARK: Colour = (18, 24, 20)
+MARKED: Colour = (255, 235, 59)  # whom an agent moves
+CARD: Colour = (255, 214, 0)
+
+
+def draw_match(match: Any) -> np.ndarray:
+    """Give a moment of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
+
+    Keepers wear other colours, whom agents move has a yellow ring, a nose shows where a player looks, the ball's shadow
+    lies where it is above the ground. The bar tells score, time, and what is to be taken.
+    """
+    from PIL import Image
+    from PIL.ImageDraw import Draw
+
+    image = _pitch().copy()
+    draw = Draw(image)
+    players = [player for player in match["players"][: match["num_players"]] if not player["off"]]
+    for player in sorted(players, key=lambda each: -each["y"]):
+        _draw_player(draw, player)
+    _draw_ball(draw, match["ball"])
+    _draw_bar(draw, match)
+    return np.asarray(image.resize((WIDTH // SHARPER, HEIGHT // SHARPER), Image.Resampling.BOX))
+
+
+def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1.0) -> None:
+    """Write pictures uint8 `[height, width, 3]`, one per step, as a film that runs at `speed` times life.
+
+    `.gif` and `.webp` need nothing more; `.mp4` needs imageio-ffmpeg, `pip install regista[video]`. Raises ValueError
+    for another suffix or without a frame, ImportError where the package is missing.
+    """
+    path = Path(path)
+    check_film(path)
+    rate = FRAMES_PER_SECOND * speed
+    rest = iter(frames)
+    first = next(rest, None)
+    if first is None:
+        raise ValueError(f"{path.name}: there is no frame to write")
+    (_write_mp4 if path.suffix == ".mp4" else _write_animation)(path, first, rest, rate)
+
+
+def check_film(path: Path) -> None:
+    """Raise what `write_video` would raise for this file, before there is anything to write."""
+    if path.suffix not in (".gif", ".webp", ".mp4"):
+        raise ValueError(f"{path.name}: a film ends in .gif, .webp or .mp4")
+    if not path.absolute().parent.is_dir():
+        raise ValueError(f"{path}: there is no folder {path.parent}")
+    if path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
+        raise ImportError("writing .mp4 needs imageio-ffmpeg: pip install 'regista[video]'; or choose .gif")
+
+
+def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
+    from PIL import Image
+
+    first_image = Image.fromarray(first)
+    # One palette for all, for the pitch must not flicker, with a place for rare colours such as the keepers'.
+    palette = first_image.quantize(256, Image.Quantize.MAXCOVERAGE)
+
+    def paged(frame: np.ndarray) -> Image.Image:
+        image = Image.fromarray(frame)
+        return image.quantize(palette=palette, dither=Image.Dither.NONE) if path.suffix == ".gif" else image
+
+    more = (paged(frame) for frame in rest)
+    paged(first).save(path, save_all=True, append_images=more, duration=round(1000 / rate), loop=0)
+
+
+def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
+    import imageio_ffmpeg
+
+    height, width = first.shape[:2]
+    writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2)
+    writer.send(None)
+    try:
+        writer.send(np.ascontiguousarray(first))
+        for frame in rest:
+            writer.send(np.ascontiguousarray(frame))
+    finally:
+        writer.close()
+
+
+# ---------------------------------------------------------------- the pitch
+
+
+def _at(x: float, y: float) -> tuple[float, float]:
+    """Pixel of a place in metres."""
+    return (x + HALF_LENGTH + BORDER) * SCALE, (HALF_WIDTH + BORDER - y) * SCALE + BAR
+
+
+def _disc(draw: ImageDraw, centre: tuple[float, float], radius: float, **colours: Any) -> None:
+    """A disc with its centre and radius in pixels."""
+    x, y = centre
+    draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colours)
+
+
+@cache
+def _pitch() -> Image:
+    """The empty pitch."""
+    from PIL import Image
+    from PIL.ImageDraw import Draw
+
+    image = Image.new("RGB", (WIDTH, HEIGHT), GRASS[0])
+    draw = Draw(image)
+    for stripe in range(0, round(2 * HALF_LENGTH / STRIPE), 2):
+        left = -HALF_LENGTH + stripe * STRIPE
+        draw.rectangle((*_at(left, HALF_WIDTH + BORDER), *_at(left + STRIPE, -HALF_WIDTH - BORDER)), fill=GRASS[1])
+    for side in (-1, 1):
+        _draw_net(draw, side)
+    for strip in pitch_lines():
+        draw.line([_at(x, y) for x, y in strip], fill=CHALK, width=2 * SHARPER)
+    for x in (0.0, HALF_LENGTH - PENALTY_SPOT, PENALTY_SPOT - HALF_LENGTH):
+        _disc(draw, _at(x, 0.0), 0.3 * SCALE, fill=CHALK)
+    for x, y, start in ((1, 1, 90), (-1, 1, 0), (-1, -1, 270), (1, -1, 180)):
+        middle, radius = _at(x * HALF_LENGTH, y * HALF_WIDTH), 1.0 * SCALE
+        box = (middle[0] - radius, middle[1] - radius, middle[0] + radius, middle[1] + radius)
+        draw.arc(box, start, start + 90, fill=CHALK, width=2 * SHARPER)
+    return image
+
+
+def _draw_net(draw: ImageDraw, side: int) -> None:
+    """The net behind one goal line."""
+    inner, outer = side * HALF_LENGTH, side * (HALF_LENGTH + GOAL_DEPTH)
+    for step in range(9):
+        y = -GOAL_HALF_WIDTH + step * GOAL_HALF_WIDTH / 4
+        draw.line([_at(inner, y), _at(outer, y)], fill=(150, 180, 150), width=1)
+    for step in range(1, 5):
+        x = inner + (outer - inner) * step / 5
+        draw.line([_at(x, -GOAL_HALF_WIDTH), _at(x, GOAL_HALF_WIDTH)], fill=(150, 180, 150), width=1)
+
+
+# ---------------------------------------------------------------- what moves
+
+
+def _draw_player(draw: ImageDraw, player: Any) -> None:
+    x, y = _at(player["x"], player["y"])
+    radius = BODY * SCALE
+    shirts = (LEFT_COLOUR, RIGHT_COLOUR), (LEFT_KEEPER_COLOUR, RIGHT_KEEPER_COLOUR)
+    shirt = shirts[int(player["role"] == GK)][0 if player["team"] == LEFT else 1]
+    _disc(draw, (x + 0.25 * SCALE, y + 0.3 * SCALE), radius, fill=(36, 98, 52))  # shadow
+    if player["agent"] != NOBODY:
+        _disc(draw, (x, y), radius + 0.45 * SCALE, fill=MARKED)
+    ahead = (x + 1.45 * radius * player["facing_x"], y - 1.45 * radius * player["facing_y"])
+    draw.line([(x, y), ahead], fill=DARK, width=round(0.45 * SCALE))
+    down = player["down"] > 0.0
+    _disc(draw, (x, y), radius, fill=_faded(shirt) if down else shirt, outline=DARK, width=SHARPER)
+    number = str(int(player["shirt"]) + 1)
+    draw.text((x, y), number, fill=DARK, font=_font(round(1.45 * SCALE)), anchor="mm", stroke_width=0)
+    if player["cards"]:
+        draw.rectangle((x + 0.7 * radius, y - 1.5 * radius, x + 1.2 * radius, y - 0.7 * radius), fill=CARD)
+
+
+def _draw_ball(draw: ImageDraw, ball: Any) -> None:
+    ground = _at(ball["x"], ball["y"])
+    height = max(float(ball["z"]) - 0.11, 0.0)
+    radius = BALL * SCALE * (1.0 + GROWTH * min(height, 8.0))
+    shadow = 0.9 * BALL * SCALE
+    lie = (ground[0] - 1.2 * shadow, ground[1] - 0.3 * shadow, ground[0] + 1.2 * shadow, ground[1] + 1.1 * shadow)
+    draw.ellipse(lie, fill=(20, 62, 34))
+    _disc(
+        draw, (ground[0], ground[1] - RISE * height * SCALE), radius, fill=(255, 255, 255), outline=DARK, width=SHARPER
+    )
+
+
+def _draw_bar(draw: ImageDraw, match: Any) -> None:
+    """Score and time in the middle; what happens, to the right of it."""
+    draw.rectangle((0, 0, WIDTH, BAR), fill=DARK)
+    font, middle = _font(round(0.6 * BAR)), BAR / 2
+    seconds = int(match["step"] * STEP)
+    draw.text((WIDTH / 2, middle), f"{match['score'][0]} : {match['score'][1]}", fill=CHALK, font=font, anchor="mm")
+    for side, colour in ((-1, LEFT_COLOUR), (1, RIGHT_COLOUR)):
+        _disc(draw, (WIDTH / 2 + side * 1.6 * BAR, middle), 0.25 * BAR, fill=colour)
+    clock = f"{seconds // 60}:{seconds % 60:02d}"
+    draw.text((0.4 * BAR, middle), clock, fill=CHALK, font=font, anchor="lm")
+    event = {1: "goal, left", -1: "goal, right"}.get(int(match["goal"]), MODES[int(match["game_mode"])])
+    draw.text((WIDTH - 0.4 * BAR, middle), event, fill=MARKED, font=font, anchor="rm")
+
+
+def _faded(colour: Colour) -> Colour:
+    """A player on the ground."""
+    return tuple(round(0.55 * part + 0.45 * grass) for part, grass in zip(colour, GRASS[0], strict=True))  # type: ignore[return-value]
+
+
+@cache
+def _font(size: int) -> Any:
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size)

@@ -1,0 +1,1 @@
+"""What `regista benchmark` measures."""

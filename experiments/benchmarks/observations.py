@@ -1,0 +1,67 @@
+"""How fast matches are played and observed: by number of players, representation and threads, side by side.
+
+Read next: `commands.benchmark`, which prints the rows.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.benchmarks.timing import Measurement, rate
+from experiments.run import build
+
+PROGRAMS = Path(__file__).parents[1] / "programs"
+SCENES = (("6 players", PROGRAMS / "football_6.scenic"), ("22 players", PROGRAMS / "football_22.scenic"))
+SEEN = ("features", "simple115", "smm", "smm_stacked")
+MATCHES = 256
+
+
+def observation_rows(seconds: float) -> list[Measurement]:
+    """Measure each scene with each representation on one thread, `features` also on two, and drawing planes alone."""
+    rows = []
+    for name, program in SCENES:
+        for representation in SEEN:
+            speed = _speed(program, representation, 1, seconds)
+            rows.append(Measurement(f"{name}, {representation}, 1 thread", speed))
+            if representation == "features" and (os.cpu_count() or 1) > 1:
+                twice = _speed(program, representation, 2, seconds)
+                rows.append(Measurement(f"{name}, features, 2 threads", twice, f"{twice / speed:.2f} x 1 thread"))
+        rows.append(Measurement(f"{name}, smm_stacked drawn alone", _frames(program, seconds), "frames, not steps"))
+    return rows
+
+
+def _speed(program: Path, representation: str, threads: int, seconds: float) -> float:
+    """Env steps per second with random actions, drawn beforehand."""
+    env = _make_env(program, representation, threads)
+    actions = np.random.default_rng(0).integers(0, 19, (64, MATCHES))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 64])
+
+    step(2)
+    return MATCHES * rate(step, seconds)
+
+
+def _frames(program: Path, seconds: float) -> float:
+    """Stacked planes drawn per second, of matches under way, on one thread."""
+    env = _make_env(program, "smm_stacked", 1)
+    for _ in range(20):
+        env.step(np.full(MATCHES, 5))
+
+    def draw(count: int) -> None:
+        for _ in range(count):
+            env.observe()
+
+    draw(1)
+    return MATCHES * rate(draw, seconds)
+
+
+def _make_env(program: Path, representation: str, threads: int) -> Any:
+    from envs.football.config import FootballConfig
+
+    return build.make_upomdp(program, MATCHES, FootballConfig(representation), 0, threads)

@@ -1,0 +1,248 @@
+"""`regista benchmark`: the speed of the simulator, of training and of the language, side by side in one run.
+
+    regista benchmark --suite sim
+    regista benchmark --suite language
+    regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
+    regista benchmark --json > today.json
+
+Read next: `envs.football.batch`, the loop that is measured.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
+from experiments.benchmarks.language import language_suite, render_language
+from experiments.benchmarks.observations import observation_rows
+from experiments.benchmarks.timing import STRETCHES, Measurement, rate
+from experiments.grf.report import FAMILIES, compare, draw, render_family
+from experiments.run import arguments, build
+from experiments.run.config import TrainConfig
+from experiments.run.results import align
+from ued.config import check_at_least_1, check_positive, setting
+
+DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
+
+# Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
+# over scenarios and observations. Measured with its own `create_environment(render=False)`.
+REFERENCE = (310, 570)
+WARM_UPDATES = 10  # of a method before it is measured
+
+
+@dataclass(frozen=True)
+class BenchmarkConfig:
+    """What is typed after `regista benchmark`."""
+
+    suite: Literal["sim", "train", "language", "all", "grf"] = setting(
+        "all",
+        "sim: the simulator alone; train: domain randomisation; language: programs, scenes, behaviors; all of these; "
+        "grf: likeness to Google Research Football",
+    )
+    minigame: str = setting("1v1Free", "what is played")
+    num_envs: int = setting(256, "environments of the simulator's batch")
+    seconds: float = setting(1.0, "about how long each measurement takes")
+    json: bool = setting(False, "print JSON instead of a table")
+    family: tuple[str, ...] = setting((), f"of suite grf, among {', '.join(FAMILIES)}; none given: all")
+    figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
+    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "num_envs")
+        check_positive(self, "seconds", "effort")
+        for name in self.family:
+            if name not in FAMILIES:
+                raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
+    if config.suite == "grf":
+        return likeness(config)
+    build.find_minigame(config.minigame)
+    found: dict[str, Sequence[Any]] = {}
+    if config.suite in ("sim", "all"):
+        found["simulator"] = simulator_suite(config)
+    if config.suite in ("train", "all"):
+        found["training"] = training_suite(config)
+    if config.suite in ("language", "all"):
+        found["language"] = language_suite(config.seconds)
+        found["behaviors"] = behaviors_suite(config.seconds)
+    if config.json:
+        results = {suite: [row._asdict() for row in rows] for suite, rows in found.items()}
+        print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
+    else:
+        print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in found.items())]))
+    return 0
+
+
+def likeness(config: BenchmarkConfig) -> int:
+    """Compare with the measurements of the original, family by family, and print each as soon as it is there."""
+    results = {}
+    for family in config.family or FAMILIES:
+        rows = compare(family, config.effort)
+        results[family] = [asdict(row) | {"ok": row.ok} for row in rows]
+        if config.figures is not None:
+            draw(family, config.figures, config.effort)
+        if not config.json:
+            print(render_family(family, rows), end="\n\n", flush=True)
+    if config.json:
+        print(json.dumps({"machine": machine(), "results": results}, indent=2))
+    return 0
+
+
+# ---------------------------------------------------------------- the simulator
+
+
+def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
+    """Measure the vector environment with its observations, and a batch of one beside it."""
+    cores = os.cpu_count() or 1
+    rows = [first_step(config)]
+    baseline = _steps_per_second(config, config.num_envs, 1)
+    rows.append(Measurement(f"{config.num_envs} matches, 1 thread", baseline, _times_reference(baseline)))
+    for threads in sorted({2, cores} - {1}):
+        if threads <= cores:
+            speed = _steps_per_second(config, config.num_envs, threads)
+            rows.append(
+                Measurement(
+                    f"{config.num_envs} matches, {threads} threads", speed, f"{speed / baseline:.2f} x 1 thread"
+                )
+            )
+    single = _steps_per_second(config, 1, 1)
+    rows.append(
+        Measurement("1 match, through the same interface", single, f"{single / baseline:.2f} x {config.num_envs}")
+    )
+    rows.append(Measurement("levels drawn, checked and set up", _levels_per_second(config), "levels, not steps"))
+    return rows + observation_rows(config.seconds)
+
+
+def first_step(config: BenchmarkConfig) -> Measurement:
+    """Say how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
+    from envs.football.batch import step_batch
+    from scenic_lite.kernels.jit import compiled
+
+    state = "from the cache" if compiled(step_batch) else "compiled now, once"
+    began = time.perf_counter()
+    env = _make_env(config, 1, 1)
+    env.step(np.zeros(1, np.int64))
+    seconds = time.perf_counter() - began
+    return Measurement("kernels, until the first step", float("nan"), f"{seconds:.1f} s, {state}")
+
+
+def _steps_per_second(config: BenchmarkConfig, num_envs: int, threads: int) -> float:
+    """Step with random actions, drawn beforehand; episodes restart as they end."""
+    env = _make_env(config, num_envs, threads)
+    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, num_envs))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 64])
+
+    step(8)
+    return num_envs * rate(step, config.seconds)
+
+
+def _levels_per_second(config: BenchmarkConfig) -> float:
+    env = _make_env(config, config.num_envs, 1)
+
+    def renew(count: int) -> None:
+        for _ in range(count):
+            env.reset_to_levels(env.sample_levels(config.num_envs))
+
+    return config.num_envs * rate(renew, config.seconds / 2)
+
+
+def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
+    program = build.find_minigame(config.minigame).program
+    return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+
+
+# ---------------------------------------------------------------- training
+
+
+def training_suite(config: BenchmarkConfig) -> list[Measurement]:
+    """Measure every method with default settings on one thread, and domain randomisation on all cores, too.
+
+    What a curriculum costs beside simulation and networks is the share of `levels`: choosing them and keeping book.
+    """
+    runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
+    rows = []
+    for name, threads in runs:
+        wanted = replace(TrainConfig(), minigame=config.minigame, method=name, threads=threads)
+        program = build.find_minigame(wanted.minigame).program
+        method = build.make_method(wanted, build.make_upomdp(program, wanted.num_envs, wanted.env, 0, threads))
+        for _ in range(WARM_UPDATES):  # replay has begun, and the buffer is in use
+            method.update()
+        rows.append(_train(f"{name}, {threads} thread{'s' * (threads > 1)}", method, config.seconds * STRETCHES))
+    return rows
+
+
+def _train(label: str, method: Any, seconds: float) -> Measurement:
+    names = ("sim", "forward", "learn", "levels", "curriculum")
+    steps, began, shares = method.env_steps, time.perf_counter(), dict.fromkeys(names, 0.0)
+    while time.perf_counter() - began < seconds:
+        metrics = method.update()
+        for name in shares:
+            shares[name] += metrics.get(f"time/{name}", 0.0)
+    elapsed = time.perf_counter() - began
+    shares["levels"] += shares.pop("curriculum")
+    words = {"sim": "simulation", "forward": "network forward", "learn": "network update", "levels": "levels"}
+    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
+    parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
+    return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))
+
+
+# ---------------------------------------------------------------- what is printed
+
+
+def machine() -> dict[str, Any]:
+    """Say on what was measured."""
+    packages = {name: version(name) for name in ("numpy", "numba", "torch")}
+    return {"processor": _processor(), "cores": os.cpu_count(), "python": platform.python_version(), **packages}
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo") as file:
+            return next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def _machine_line() -> str:
+    facts = machine()
+    versions = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch"))
+    return f"{facts['processor']}, {facts['cores']} cores; {versions}"
+
+
+def render(suite: str, rows: Sequence[Any]) -> str:
+    """Give one suite as a table."""
+    if suite == "language":
+        return render_language(rows)
+    lines = [[suite, "env steps/s", ""]]
+    for row in rows:
+        speed = "" if np.isnan(row.steps_per_second) else f"{row.steps_per_second:,.0f}"
+        lines.append([row.what, speed.rjust(11), row.note])
+    if suite == "simulator":
+        low, high = REFERENCE
+        lines.append(["for comparison: Google Research Football", f"{low}–{high}".rjust(11), "academies, one core"])
+    if suite == "behaviors":
+        low, high = ORIGINAL
+        lines.append(["for comparison: Scenic alone, without a simulator", f"{low}–{high}".rjust(11), "one core"])
+    return align(lines)
+
+
+def _times_reference(speed: float) -> str:
+    low, high = REFERENCE
+    return f"{speed / high:.0f} to {speed / low:.0f} x Google Research Football"

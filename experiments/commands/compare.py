@@ -1,0 +1,139 @@
+"""`regista compare`: train methods on a minigame over seeds, test them all, tabulate and draw.
+
+    regista compare 1v1Restricted --methods dr paired --seeds 4 --total-env-steps 3_000_000 --out demo
+
+Every run is a folder beneath `--out`; a second call skips what is finished and continues what is not. Read next:
+`run.workers`, which trains; `commands.evaluate`, which tests; `run.report`, the tables; `pictures.overview`, which
+draws.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from experiments.commands.evaluate import Tests, check_levels
+from experiments.pictures import level_plots, plots, results_page
+from experiments.pictures.overview import Comparison, overview
+from experiments.run import arguments, build
+from experiments.run.arguments import group, positional
+from experiments.run.config import TrainConfig, presets
+from experiments.run.evaluator import TestScenes
+from experiments.run.folder import RunFolder
+from experiments.run.report import Report
+from experiments.run.results import unique
+from experiments.run.signals import StopRequest
+from experiments.run.workers import train_all
+from ued.config import check_at_least_1, check_not_negative, setting
+
+DESCRIPTION = (
+    "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
+    "write a table and pictures. Can be stopped at any time; called again, it continues."
+)
+OWN = ("minigame", "method", "seed")  # settings of a run that the comparison chooses
+
+
+@dataclass(frozen=True)
+class CompareConfig:
+    """What is typed after `regista compare`."""
+
+    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
+    methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
+    seeds: int = setting(4, "runs of each method, with seeds 0, 1, ...")
+    episodes: int = setting(500, "whole episodes on each test scene after training")
+    levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
+    level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    processes: int = setting(0, "runs at a time; 0: one per core")
+    out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
+    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    train: TrainConfig = group(TrainConfig, "each run", without=OWN)
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "seeds", "episodes")
+        check_not_negative(self, "processes")
+        check_levels(self.levels, self.level_episodes)
+        if not self.methods or len(set(self.methods)) < len(self.methods):
+            raise ValueError(f"methods must be one or more, each named once, got {' '.join(self.methods) or 'none'}")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = _read(argv)
+    folder = config.out or Path("runs") / f"compare-{build.find_minigame(config.minigame).name}"
+    runs = prepare(config, folder)
+    scenes = TestScenes(runs[0].config, config.episodes)  # compiles the kernels before there are several processes
+    unfinished = [run for run in runs if not run.finished()]
+    cores = os.cpu_count() or 1
+    with StopRequest() as stop:
+        if unfinished:
+            processes = config.processes or max(1, cores // config.train.threads)
+            print(
+                f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {min(processes, len(unfinished))} at a time"
+            )
+            train_all(unfinished, processes, stop)
+    if stop:
+        print("continue with the same command: finished runs are kept")
+        return stop.exit_code
+    print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
+    found = Tests(scenes, config.levels, config.level_episodes).report(runs)
+    show(found, runs, build.make_painter(scenes.scenes[build.TRAINING_SCENE].program), folder)
+    page(found, runs, ["compare", *argv], folder)
+    return 0
+
+
+def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
+    """Create the run folders that are not there yet, and open the others; they must agree with the settings."""
+    runs, minigame = [], build.settled_name(config.minigame)
+    for seed in range(config.seeds):
+        for method in config.methods:
+            wanted = replace(config.train, minigame=minigame, method=method, seed=seed)
+            path = folder / f"{method}-{seed}"
+            if (path / "config.json").exists():
+                run = RunFolder.open(path)
+                run.extend(wanted)
+            else:
+                run = RunFolder.create(path, wanted)
+            runs.append(run)
+    return runs
+
+
+def show(found: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) -> None:
+    """Print the tables; write them, all numbers and pictures."""
+    found.save(folder)
+    by_method: dict[str, list[Path]] = {}
+    for run in runs:
+        by_method.setdefault(run.config.method, []).append(run.path)
+    name = build.find_minigame(runs[0].config.minigame).name
+    draw(Comparison(name, by_method, found.results, painter), folder)
+    print(f"\n{found.text()}\n")
+    print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
+    print(f"pictures: {folder}/overview.png, learning_curves.png, levels.png")
+    print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
+
+
+def page(found: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
+    """Write what a page of results shows of the comparison."""
+    name = build.find_minigame(runs[0].config.minigame).name
+    trained = unique([run.config.method for run in runs])
+    pictures = {f"Learning curves on {name}": "learning_curves.png", f"Goals and levels on {name}": "overview.png"}
+    heading = f"{name}: {plots.listed(trained)}"
+    results_page.write_page(folder, heading, command, found.markdown(), pictures)
+
+
+def draw(found: Comparison, folder: Path) -> None:
+    """Draw the three pictures of a comparison."""
+    plots.learning_curves(found.runs, folder / "learning_curves.png")
+    level_plots.levels(found.runs, found.painter, folder / "levels.png")
+    overview(found, folder / "overview.png")
+
+
+def _read(argv: Sequence[str]) -> CompareConfig:
+    typed = arguments.typed_settings(CompareConfig(), argv, "compare", DESCRIPTION)
+    base = CompareConfig(train=presets()[typed.get("preset", "fast")])
+    config = arguments.replace_paths(base, typed)
+    for method in config.methods:
+        build.find_method(method)
+    return config

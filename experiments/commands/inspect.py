@@ -1,0 +1,273 @@
+"""`regista inspect`: look into a program: its free parameters, rules and scenes, its text as tokens, nodes or code.
+
+    regista inspect 1v1Free
+    regista inspect mine.scenic --show nodes
+    regista inspect 1v1Free --png scenes.png --n 12 --seed 3
+    regista inspect mine.scenic --rrd scenes.rrd
+
+Read next: `scenic_lite.scene.program`, which is what is shown; `pictures.scene_view`, how scenes are drawn.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from experiments.run import arguments, build
+from experiments.run.arguments import positional
+from experiments.run.errors import UsageError
+from experiments.run.results import align
+from ued.config import check_at_least_1, setting
+
+if TYPE_CHECKING:
+    from scenic_lite import Program
+
+DESCRIPTION = "Show what a program describes: its free parameters θ, its objects, how many draws are valid, scenes."
+DRAWS = 4096  # for the report of acceptance
+INDENT = "  "
+
+
+@dataclass(frozen=True)
+class InspectConfig:
+    """What is typed after `regista inspect`."""
+
+    program: str = positional("a minigame's name, or the path of a .scenic program", default="")
+    show: Literal["theta", "scenes", "tokens", "nodes", "code"] = setting(
+        "theta",
+        "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text; "
+        "code: what its behaviors are compiled to",
+    )
+    png: Path | None = setting(None, "draw --n scenes to this picture")
+    rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
+    n: int = setting(6, "scenes to draw, to record or to print")
+    seed: int = setting(0, "seed of the scenes")
+    theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
+    dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "n")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
+    if not config.program:
+        raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
+    if config.dialect not in (None, 2, 3):
+        raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
+    path = build.find_minigame(config.program).program
+    if config.show in ("tokens", "nodes"):
+        print_text(path, config)
+        return 0
+    program, football = build.load_any_program(path, config.dialect)
+    if football and config.show != "code":
+        build.warn_of_play(program)
+    if config.show == "code":
+        print(render_code(program, football))
+    elif config.show == "scenes":
+        print(render_scenes(program, choose_theta(program, config)))
+    else:
+        print(render_theta(program, choose_theta(program, config) if config.theta else None))
+    if config.png is not None or config.rrd is not None:
+        theta = choose_theta(program, config)
+        plural = "s" * (len(theta) > 1)
+        if config.png is not None:
+            draw_scenes(program, theta, config.png, football)
+            print(f"\n{len(theta)} scene{plural} drawn to {config.png}")
+        if config.rrd is not None:
+            write_recording(program, theta, config.rrd, football)
+            print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
+    return 0
+
+
+def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
+    """Give the θ that was typed, or valid random ones: `[n, D]`."""
+    if not config.theta:
+        return program.sample(config.n, np.random.default_rng(config.seed))[0]
+    theta = np.array(config.theta)
+    if len(theta) != program.dim or np.abs(theta).max() > 1:
+        raise UsageError(
+            f"--theta takes {program.dim} numbers in [-1, 1] for {program.file}, got {_join(config.theta)}"
+        )
+    return theta[None]
+
+
+# ---------------------------------------------------------------- θ, objects, acceptance
+
+
+def render_theta(program: Program, theta: np.ndarray | None) -> str:
+    """Give the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
+    parts = [f"{program.file}: D = {program.dim} free parameter{'s' * (program.dim != 1)}"]
+    if program.draws:
+        parts.append(_draws_table(program, theta))
+    parts += [_objects_table(program), str(program.report(DRAWS, np.random.default_rng(0)))]
+    if theta is not None:
+        parts.append("this θ describes " + ("a valid scene" if program.valid(theta)[0] else "no valid scene"))
+    return "\n\n".join(parts)
+
+
+def _draws_table(program: Program, theta: np.ndarray | None) -> str:
+    rows = [["θ", "name", "kind", "from", "to", "line"]]
+    values = None if theta is None else program.describe(theta[0])
+    if values is not None:
+        rows[0] += ["θ value", "means"]
+    for column, draw in enumerate(program.draws):
+        row = [str(column), draw.name, draw.kind, _number(draw.low), _number(draw.high), _line(program, draw.place)]
+        if theta is not None and values is not None:
+            row += [f"{theta[0, column]:+.2f}", _number(values[draw.name])]
+        rows.append(row)
+    return align(rows)
+
+
+def _objects_table(program: Program) -> str:
+    rows = [["object", "class", "behavior", "line"]]
+    for index, info in enumerate(program.objects):
+        name = info.name or ("ego" if index == 0 else "")
+        rows.append([name, info.class_name, info.behavior or "", _line(program, info.place)])
+    return align(rows)
+
+
+def _line(program: Program, place: Any) -> str:
+    return str(place.line) if place.file == program.file else f"{Path(place.file).name}:{place.line}"
+
+
+def _number(value: Any) -> str:
+    if not isinstance(value, int | float):
+        return str(value)
+    return "varies" if np.isnan(value) else f"{value:g}"
+
+
+def _join(values: Sequence[float]) -> str:
+    return " ".join(f"{value:g}" for value in values)
+
+
+# ---------------------------------------------------------------- scenes
+
+
+def render_scenes(program: Program, theta: np.ndarray) -> str:
+    """Give the places of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
+    scenes = program.instantiate(theta)
+    parts = []
+    for index in range(len(theta)):
+        rows = [["object", "class", "x", "y", "heading"]]
+        for k, info in enumerate(program.objects):
+            x, y = scenes.positions[index, k]
+            rows.append(
+                [info.name, info.class_name, f"{x:.2f}", f"{y:.2f}", f"{np.degrees(scenes.headings[index, k]):.0f}°"]
+            )
+        validity = "" if scenes.ok[index] else "   (not valid)"
+        parts.append(f"scene {index}: θ = {_join(theta[index])}{validity}\n{align(rows)}")
+    return "\n\n".join(parts)
+
+
+def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
+    """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
+    from envs.football.scenic.lineup import CastingError
+    from experiments.pictures.scene_pictures import draw_matches, draw_pictures
+    from experiments.pictures.scene_view import stage_of
+
+    if football:
+        try:
+            return draw_matches(build.make_painter(program), theta, path)
+        except CastingError:  # football without a ball, or with something else on the pitch
+            pass
+    stage = stage_of(program, probes(program, theta), football)
+    draw_pictures(stage, program.instantiate(theta), path)
+
+
+def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
+    """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
+    from experiments.pictures.scene_view import arrows, corners, stage_of
+    from experiments.run.table import cannot_write
+    from ued.recorder.scenes import SceneRecord, record_scenes
+
+    stage = stage_of(program, probes(program, theta), football)
+    boxes = stage.boxes(program.instantiate(theta))
+    cards = [card(program, theta[index], index) for index in range(len(theta))]
+    scenes = [SceneRecord(*parts) for parts in zip(corners(boxes), arrows(boxes), cards, strict=True)]
+    try:
+        record_scenes(path, program.file, stage, scenes)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def probes(program: Program, theta: np.ndarray) -> np.ndarray:
+    """Give θ and random rows beside it, which say how far objects get."""
+    from experiments.pictures.scene_view import PROBES
+
+    return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
+
+
+def card(program: Program, theta: np.ndarray, index: int) -> str:
+    """Give what one row of θ means, in Markdown."""
+    from ued.recorder.scenes import card_of
+
+    values = program.describe(theta)
+    rows = [(name, f"{at:+.3f}", _number(value)) for at, (name, value) in zip(theta, values.items(), strict=True)]
+    scene = program.instantiate(theta[None])
+    broken = [rule.label for rule, failed in zip(program.requirements, scene.failed[0], strict=True) if failed]
+    notes = [f"not valid: {', '.join(broken) or 'a place that is no number'}"] if not scene.ok[0] else []
+    return card_of(f"{program.file}, scene {index}", rows, notes)
+
+
+# ---------------------------------------------------------------- code
+
+
+def render_code(program: Program, football: bool) -> str:
+    """Give the rows that the behaviors, monitors and conditions of a program become, below the lines they come from."""
+    from envs.football.scenic.world import FOOTBALL_WORLD
+    from scenic_lite.dynamics.compiler.compile import compile_program
+    from scenic_lite.dynamics.toy import toy_world
+
+    compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
+    for warning in compiled.warnings:
+        build.warn(f"warning: {warning}")
+    counts = f"{len(compiled.code.rows)} rows, {compiled.code.register_count} numbers for each match"
+    return f"{program.file}: {counts}\n\n{compiled.disassembly()}"
+
+
+# ---------------------------------------------------------------- text
+
+
+def print_text(path: Path, config: InspectConfig) -> None:
+    """Print the tokens or the tree of a program's text."""
+    from scenic_lite.syntax.dialect import dialect_of
+    from scenic_lite.syntax.lexer import tokens
+    from scenic_lite.syntax.parser import parse
+
+    text = path.read_text()
+    if config.show == "tokens":
+        for token in tokens(text, str(path)):
+            place = f"{token.line}:{token.column + 1}"
+            print(f"{place:<8}{token.kind:<10}{token.text!r}")
+        return
+    for line in render_node(parse(text, str(path), dialect_of(text, str(path), config.dialect)), 0):
+        print(line)
+
+
+def render_node(node: Any, depth: int, label: str = "") -> Iterator[str]:
+    """Give a tree as indented lines: the class of each node, its plain fields, its line."""
+    simple, nested = [], []
+    for name, value in ast.iter_fields(node):
+        if isinstance(value, ast.AST) or (isinstance(value, list) and any(isinstance(v, ast.AST) for v in value)):
+            nested.append((name, value))
+        elif value not in (None, []):
+            simple.append(f"{name}={value!r}")
+    place = f"   line {node.lineno}" if isinstance(node, ast.stmt) else ""
+    prefix = f"{label}: " if label else ""
+    yield f"{INDENT * depth}{prefix}{type(node).__name__} {' '.join(simple)}".rstrip() + place
+    for name, value in nested:
+        if isinstance(value, ast.AST):
+            if not isinstance(value, ast.expr_context):
+                yield from render_node(value, depth + 1, name)
+            continue
+        for item in value:
+            if isinstance(item, ast.AST):
+                yield from render_node(item, depth + 1, name)
+            else:
+                yield f"{INDENT * (depth + 1)}{name}: {item!r}"

@@ -1,0 +1,110 @@
+"""`regista play`: play one match of a program, and keep it as a film or as a record that can be replayed.
+
+    regista play 3v2FourBehaviors --video match.gif
+    regista play mine.scenic --player random --record match.npz
+
+Read next: `commands.replay`; `envs.football.view.bot`, who plays unless told otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from experiments.run import arguments, build
+from experiments.run.arguments import positional
+from experiments.run.errors import UsageError
+from ued.config import check_at_least_1, check_not_negative, check_positive, setting
+
+DESCRIPTION = "Play one match of a program, and write a film or a record of it."
+
+
+@dataclass(frozen=True)
+class PlayConfig:
+    """What is typed after `regista play`."""
+
+    program: str = positional("a minigame's name, or the path of a .scenic program", default="")
+    player: Literal["bot", "random", "idle"] = setting("bot", "who moves the agents' players")
+    control: str = setting("active", "left players that agents move: active, closest1 to closest3, all, a number, ...")
+    steps: int = setting(600, "tenths of a second at most; the match may end sooner")
+    seed: int = setting(0, "seed of the level and of chance")
+    video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
+    speed: float = setting(1.0, "of the film, times life")
+    record: Path | None = setting(None, "write a record, .npz, for regista replay")
+
+    def __post_init__(self) -> None:
+        check_at_least_1(self, "steps")
+        check_not_negative(self, "seed")
+        check_positive(self, "speed")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(PlayConfig(), argv, "play", DESCRIPTION)
+    if not config.program:
+        raise UsageError("play needs a program: a minigame's name or the path of a .scenic file")
+    check_film_of(config.video)
+    from envs.football.config import FootballConfig
+    from envs.football.gym_env import ENDINGS
+    from envs.football.view.replay import Recorder, after_step
+
+    path = build.find_minigame(config.program).program
+    settings = FootballConfig(representation="raw", control=config.control)
+    env = build.make_upomdp(path, 1, settings, config.seed, 1)
+    env.keep_endings()
+    recorder, choose = Recorder(env), _player(config)
+    observations, ended = env.observe(), 0
+    moments = [env.matches[0]]
+    while len(moments) <= config.steps and not ended:
+        observations, rewards, _, _, info = recorder.step(np.array([choose(observations)]))
+        ended = int(info["ended"][0])
+        moments.append(after_step(env, info["ended"] > 0)[0])
+    left, right = moments[-1]["score"]
+    end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
+    print(f"{len(moments) - 1} steps, {left} : {right}{end}")
+    if config.record:
+        recorder.save(config.record)
+    if config.video:
+        film(config.video, moments, config.speed)
+    return 0
+
+
+def check_film_of(path: Path | None) -> None:
+    """Raise `UsageError` if a film is wanted that cannot be written."""
+    if path is None:
+        return
+    from envs.football.view.picture import check_film
+
+    try:
+        check_film(path)
+    except (ValueError, ImportError) as error:
+        raise UsageError(str(error)) from error
+
+
+def film(path: Path, moments: Sequence[Any], speed: float) -> None:
+    """Draw moments of a match and write them as a film; `check_film_of` has passed."""
+    from envs.football.view.picture import draw_match, write_video
+
+    write_video(path, (draw_match(moment) for moment in moments), speed)
+
+
+def _player(config: PlayConfig) -> Callable[[Any], Any]:
+    """What chooses the actions of the agents: `[A]`, or one number if there is one agent."""
+    from envs.football.observation.raw import row
+    from envs.football.view.bot import act
+
+    rng = np.random.default_rng(config.seed)
+
+    def move(observation: dict[str, np.ndarray]) -> int:
+        if config.player == "bot":
+            return act(row(observation, 0))
+        return int(rng.integers(19)) if config.player == "random" else 0
+
+    def choose(observations: Any) -> Any:
+        return [move(each) for each in observations] if isinstance(observations, tuple) else move(observations)
+
+    return choose

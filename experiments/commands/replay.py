@@ -1,0 +1,56 @@
+"""`regista replay`: play a recorded match again, bit for bit, and make a film of it if wanted.
+
+    regista replay match.npz
+    regista replay match.npz --video match.gif
+
+Read next: `envs.football.view.replay`, what a record is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from experiments.commands.play import check_film_of, film
+from experiments.run import arguments
+from experiments.run.arguments import positional
+from experiments.run.errors import CommandError, UsageError
+from ued.config import check_positive, setting
+
+DESCRIPTION = "Play a recorded match again, and check that it comes out as it did."
+
+
+@dataclass(frozen=True)
+class ReplayConfig:
+    """What is typed after `regista replay`."""
+
+    record: str = positional(
+        "a record: a .npz file of regista play, or of envs.football.view.replay.Recorder", default=""
+    )
+    video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
+    speed: float = setting(1.0, "of the film, times life")
+
+    def __post_init__(self) -> None:
+        check_positive(self, "speed")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    config = arguments.parse(ReplayConfig(), argv, "replay", DESCRIPTION)
+    if not config.record:
+        raise UsageError("replay needs a record: a .npz file")
+    check_film_of(config.video)
+    from envs.football.view.replay import RecordError, load_record, replay
+
+    try:
+        record = load_record(config.record)
+        moments = [matches[0] for matches in replay(record, endings=True)]
+    except RecordError as error:
+        raise CommandError(str(error)) from error
+    left, right = moments[-1]["score"]
+    matches = f", the first of {len(record.last)}" if len(record.last) > 1 else ""
+    print(f"{len(moments) - 1} steps came out as they were recorded{matches}; {left} : {right} in the end")
+    if config.video:
+        film(config.video, moments, config.speed)
+    return 0

@@ -1,0 +1,92 @@
+"""Where a method put its levels: the starting places of both teams, early and late in training.
+
+Read next: `pictures.overview`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
+from experiments.pictures import plots
+from experiments.run.table import read_columns
+from ued.recorder.recorder import smooth
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+CELL = 1.0  # m
+PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}
+
+
+def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
+    """Give θ `[L, D]` of the levels trained on within this share of the run's updates."""
+    table = read_columns(run / "levels.csv")
+    columns = [column for name, column in table.items() if name.startswith("theta/")]
+    if not columns:
+        return np.zeros((0, 0))
+    update, count = table["update"], max(table["update"].max(), 1.0)
+    inside = (update > period[0] * count) & (update - 1 < period[1] * count)  # some part of the update
+    return np.stack(columns, 1)[inside]
+
+
+def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path) -> None:
+    """Draw methods x periods: the density of where the players of both teams began."""
+    import matplotlib.pyplot as plt
+
+    width = painter.bounds[1] - painter.bounds[0]
+    height = painter.bounds[3] - painter.bounds[2]
+    with plots.style():
+        size = (3.3 * len(PERIODS), 3.3 * len(runs) * height / width + 0.6)
+        figure, grid = plt.subplots(len(runs), len(PERIODS), figsize=size, squeeze=False)
+        for line, (method, paths) in zip(grid, runs.items(), strict=True):
+            for axes, (period, span) in zip(line, PERIODS.items(), strict=True):
+                draw_levels(axes, painter, [read_theta(run, span) for run in paths])
+                axes.set_title(f"{plots.title(method)}: {period}")
+        team_legend(figure)
+        figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))
+        plots.save(figure, path)
+
+
+def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
+    """Draw one pitch with the density of both teams' starting places in these levels; the own keeper is left out."""
+    draw_pitch(axes, painter.bounds)
+    known = [theta for theta in thetas if len(theta)]
+    if not known:
+        return
+    places = painter.positions(np.concatenate(known))  # [L, K, 2]
+    left = places[:, painter.classes < LEFT_KEEPER].reshape(-1, 2)
+    right = places[:, (painter.classes >= RIGHT_PLAYER) & (painter.classes < BALL)].reshape(-1, 2)
+    for points, shade in ((left, PAPER_COLOURS[0]), (right, PAPER_COLOURS[RIGHT_PLAYER])):
+        _draw_density(axes, painter.bounds, points, shade)
+
+
+def team_legend(figure: Any) -> None:
+    """Say which colour is which team."""
+    from matplotlib.patches import Patch
+
+    patches = [
+        Patch(color=PAPER_COLOURS[0], alpha=0.75, label="starting places of the learner's team"),
+        Patch(color=PAPER_COLOURS[RIGHT_PLAYER], alpha=0.75, label="of its opponents"),
+    ]
+    figure.legend(handles=patches, loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.0))
+
+
+def _draw_density(axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: str) -> None:
+    """Draw the density of `points` `[n, 2]` as a veil of one colour, opaque where it is highest."""
+    from matplotlib.colors import to_rgb
+
+    if not len(points):
+        return
+    x_low, x_high, y_low, y_high = bounds
+    bins = (int((y_high - y_low) / CELL), int((x_high - x_low) / CELL))
+    counts, _, _ = np.histogram2d(points[:, 1], points[:, 0], bins, ((y_low, y_high), (x_low, x_high)))
+    density = smooth(counts, width=5.0 / CELL * len(points) ** (-1 / 6))  # Scott's rule for a spread of 5 m
+    veil = np.zeros((*density.shape, 4))
+    veil[..., :3] = to_rgb(shade)
+    veil[..., 3] = 0.88 * (density / max(density.max(), 1e-9)) ** 0.6
+    axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic", zorder=2)

@@ -1,0 +1,126 @@
+"""One picture of a comparison: how the methods learnt, how they do on the tests, where the levels went.
+
+Read next: `commands.compare`.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from experiments.pictures import plots
+from experiments.pictures.level_plots import PERIODS, draw_levels, read_theta, team_legend
+from experiments.run import build
+from experiments.run.results import Result, goal_rate, select, unique
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+WIDTH = 11.5  # inches
+CURVES_HEIGHT = 2.4  # inches
+TITLE_HEIGHT = 0.35  # inches, of a pitch's title
+COLUMNS = 4  # pitches in a row
+HEADING_LENGTH = 105  # characters in a line of the heading
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What a comparison has brought: run folders by method, all results, and how to draw levels."""
+
+    minigame: str
+    runs: Mapping[str, Sequence[Path]]
+    results: Sequence[Result]
+    painter: Any
+
+
+def overview(found: Comparison, path: Path) -> None:
+    """Draw the picture: curves and goals above, a row of pitches for each method beneath."""
+    import matplotlib.pyplot as plt
+
+    x_low, x_high, y_low, y_high = found.painter.bounds
+    rows = _level_rows(found.runs)
+    heading, methods = _heading(found), unique([row.method for row in found.results])
+    head = 0.55 + 0.2 * heading.count("\n")  # inches, as all that follows
+    legend = 0.65 + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
+    above_height = head + CURVES_HEIGHT + legend
+    pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
+    below_height = len(rows) * pitch_height + TITLE_HEIGHT
+    with plots.style():
+        figure = plt.figure(figsize=(WIDTH, above_height + below_height))
+        halves: Any = figure.subfigures(2, 1, height_ratios=[above_height, below_height])
+        above, below = halves
+        left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
+        _draw_learning(left, found)
+        _draw_goals(right, found)
+        above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
+        top, bottom = 1 - head / above_height, legend / above_height
+        above.subplots_adjust(left=0.06, right=0.99, top=top, bottom=bottom, wspace=0.16)
+        columns = min(plots.LEGEND_COLUMNS, len(methods))
+        handles, labels = right.get_legend_handles_labels()
+        above.legend(handles, labels, loc="lower center", ncols=columns, columnspacing=1.2)
+        grid = below.subplots(len(rows), COLUMNS, squeeze=False)
+        for line, panels in zip(grid, rows, strict=True):
+            for axes, (title, paths, span) in zip(line, panels, strict=True):
+                draw_levels(axes, found.painter, [read_theta(run, span) for run in paths])
+                axes.set_title(title)
+        team_legend(below)
+        top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
+        below.subplots_adjust(left=0.01, right=0.99, top=top, bottom=bottom, wspace=0.05, hspace=0.16)
+        plots.save(figure, path)
+
+
+def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
+    """Give rows of panels (heading, runs, share of the training): for each curriculum, what it is compared with first.
+
+    Domain randomisation is the same at all times, so one panel shows it whole.
+    """
+    uniform = [("Levels: domain randomisation", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
+    others = [method for method in runs if method != "dr"] or list(runs)
+    rows = []
+    for method in others:
+        panels = [(f"{plots.title(method)}, {period}", runs[method], span) for period, span in PERIODS.items()]
+        rows.append(([*uniform, *panels] + panels)[:COLUMNS] if uniform else [panels[0], *panels])
+    return rows
+
+
+def _heading(found: Comparison) -> str:
+    seeds = max(len(paths) for paths in found.runs.values())
+    whole = f"{found.minigame}: {plots.listed(list(found.runs))}, {seeds} seed{'s' * (seeds > 1)} each"
+    return textwrap.fill(whole, HEADING_LENGTH)
+
+
+def _draw_learning(axes: Axes, found: Comparison) -> None:
+    for method, paths in found.runs.items():
+        curve = plots.read_curve(paths, f"eval/{build.TRAINING_SCENE}")
+        if curve is not None:
+            plots.draw_curve(axes, curve, method)
+    axes.set_title("Return on the training distribution (uniform θ)")
+    axes.set_xlabel("simulated steps, all students (millions)")
+
+
+def _draw_goals(axes: Axes, found: Comparison) -> None:
+    """Draw the goal rate of every method on every scene, with its interval."""
+    scenes = unique([row.scene for row in found.results])
+    methods = unique([row.method for row in found.results])
+    reach = 0.8
+    for place, method in enumerate(methods):
+        offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
+        for index, scene in enumerate(scenes):
+            rows = select(found.results, method, scene)
+            if not rows:
+                continue
+            interval = goal_rate(rows)
+            shade, label = plots.colour(method), plots.title(method) if index == 0 else None
+            axes.bar(index + offset, 100 * interval.estimate, 0.9 * reach / len(methods), color=shade, label=label)
+            low, high = interval.estimate - interval.low, interval.high - interval.estimate
+            span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
+            axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
+    axes.set_xticks(range(len(scenes)), [scene.replace(" distribution", "\ndistribution") for scene in scenes])
+    axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
+    axes.grid(axis="x", visible=False)
+    axes.set_ylim(0, 105)
+    axes.set_title("Goals scored after training (% of episodes)")

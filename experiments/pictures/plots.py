@@ -1,0 +1,251 @@
+"""The look of all pictures, and learning curves. Matplotlib is imported when a picture is drawn.
+
+Colours: one per method everywhere; blue and red are the teams. Read next: `pictures.level_plots`, then
+`pictures.overview`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from experiments.run.table import cannot_write, read_columns, read_header
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK = "#22262b"
+FAINT = "#8a9199"
+METHOD_COLOURS = {  # neighbours in a usual comparison differ in hue and in lightness
+    "dr": "#4a6fa5",
+    "minimax": "#7a5c48",
+    "paired": "#e4572e",
+    "paired_literal": "#f0a202",
+    "self_regret": "#d81e8c",
+    "repaired": "#8c1c2e",
+    "plr": "#7cc6a4",
+    "robust_plr": "#00798c",
+    "accel": "#2e8b3d",
+    "sfl": "#7b4bb3",
+    "alp_gmm": "#1f2a44",
+    "shoot": "#9aa3ab",
+    "random": "#cfd5da",
+}
+OTHER_COLOUR = "#5f6670"
+METHOD_NAMES = {
+    "dr": "domain randomisation",
+    "minimax": "minimax",
+    "paired": "PAIRED",
+    "paired_literal": "literal PAIRED",
+    "self_regret": "self-regret",
+    "repaired": "REPAIRED",
+    "plr": "PLR",
+    "robust_plr": "PLR⊥",
+    "accel": "ACCEL",
+    "sfl": "SFL",
+    "alp_gmm": "ALP-GMM",
+    "shoot": "shoot at once",
+    "random": "random",
+}
+LEGEND_COLUMNS = 6  # at most, of names beside each other
+WINDOW = 0.04  # of a curve's length: its running mean
+
+STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": "#c6ccd2",
+    "axes.titlesize": 10.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#eceff1",
+    "grid.linewidth": 0.8,
+    "xtick.color": FAINT,
+    "ytick.color": FAINT,
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.dpi": 160,
+}
+
+
+class Curve(NamedTuple):
+    """One metric of several runs on a common axis: `steps` [X], `values` [R, X] (NaN before a run's first value)."""
+
+    steps: np.ndarray
+    values: np.ndarray
+
+
+def style() -> AbstractContextManager:
+    """Give the context in which pictures are drawn."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    return matplotlib.rc_context(STYLE)
+
+
+def colour(method: str) -> str:
+    """Give the colour of a method."""
+    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+
+
+def title(method: str) -> str:
+    """Give the name of a method as a picture shows it."""
+    return METHOD_NAMES.get(method, method)
+
+
+def listed(methods: Sequence[str]) -> str:
+    """Give the names of methods as a sentence lists them."""
+    *others, last = map(title, methods)
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a picture and free it. Raises `CommandError` if the disk refuses."""
+    import matplotlib.pyplot as plt
+
+    try:
+        figure.savefig(path, bbox_inches="tight", pad_inches=0.15)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    finally:
+        plt.close(figure)
+
+
+def marker_legend(figure: Figure, painter: Any) -> None:
+    """Say beneath a figure which colour stands for whom, for those who are there."""
+    from matplotlib.lines import Line2D
+
+    from envs.football.view.render import PAPER_COLOURS
+
+    handles = [
+        Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
+        for kind in sorted(set(painter.classes.tolist()))
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))
+
+
+# ---------------------------------------------------------------- learning curves
+
+
+def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | None:
+    """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it."""
+    found = []
+    for run in runs:
+        table = read_columns(run / "metrics.csv")
+        if column in table:
+            known = np.isfinite(table[column])
+            if known.any():
+                found.append((table["env_steps"][known], table[column][known]))
+    if not found:
+        return None
+    steps = np.linspace(min(x[0] for x, _ in found), max(x[-1] for x, _ in found), points)
+    values = np.stack([np.interp(steps, x, _running_mean(y), left=np.nan, right=np.nan) for x, y in found])
+    return Curve(steps, values)
+
+
+def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
+    """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band."""
+    shade = colour(method)
+    steps, values = curve.steps / 1e6, curve.values
+    known = np.isfinite(values).any(0)
+    steps, values = steps[known], values[:, known]
+    if len(values) > 1:
+        axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
+        for row in values:
+            axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
+    axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, label=label or title(method))
+
+
+def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
+    """Draw the return on every test scene, and of the levels trained on: return, success, regret and spread of θ.
+
+    `runs` gives the run folders of each method. All is drawn over env_steps.
+    """
+    import matplotlib.pyplot as plt
+
+    panels = _panels(runs)
+    columns = min(3, len(panels))
+    rows = -(-len(panels) // columns)
+    legend = 0.1 + 0.18 * -(-len(runs) // LEGEND_COLUMNS)  # inches
+    with style():
+        figure, grid = plt.subplots(rows, columns, figsize=(3.9 * columns, 2.75 * rows + legend), squeeze=False)
+        for axes, (heading, panel) in zip(grid.flat, panels.items(), strict=False):
+            for method, curve in panel.curves:
+                draw_curve(axes, curve, method)
+            axes.set_title(heading)
+            axes.set_ylabel(panel.unit)
+            axes.margins(x=0.01)
+        for axes in grid.flat[len(panels) :]:
+            axes.set_visible(False)
+        for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
+            axes.set_xlabel("simulated steps, all students (millions)")
+        _legend(figure, runs)
+        figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
+        save(figure, path)
+
+
+class Panel(NamedTuple):
+    """What is drawn in one panel: its unit, and the curve of each method that has one."""
+
+    unit: str
+    curves: list[tuple[str, Curve]]
+
+
+def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
+    """Give heading to panel: the test scenes, then what the levels trained on were like."""
+    headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
+    scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
+    wanted = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
+    wanted["return on the levels played"] = ("return/", "mean return")
+    wanted["success on the levels played"] = ("success", "share of episodes")
+    wanted["regret of the levels played"] = ("regret", "regret")
+    wanted["spread of the levels played"] = ("theta_std", "deviation of θ; uniform: 0.58")
+    panels = {}
+    for heading, (name, unit) in wanted.items():
+        curves = []
+        for method, paths in runs.items():
+            column = next((each for each in headers[method] if _is_column(each, name)), None)
+            curve = read_curve(paths, column) if column else None
+            if curve is not None:
+                curves.append((method, curve))
+        if curves:
+            panels[heading] = Panel(unit, curves)
+    return panels
+
+
+def _is_column(column: str, name: str) -> bool:
+    """Say whether this is the column of that name. The first of the returns is that of the student to evaluate."""
+    return column.startswith(name) if name.endswith("/") else column == name
+
+
+def _scene_heading(scene: str) -> str:
+    return f"return on the {scene}" if "distribution" in scene else f"return on test scene “{scene}”"
+
+
+def _running_mean(values: np.ndarray) -> np.ndarray:
+    """Average over a window of WINDOW of the curve; its ends use what there is."""
+    width = max(1, int(WINDOW * len(values)))
+    if len(values) < 40 or width < 2:
+        return values
+    kernel = np.ones(width)
+    return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")
+
+
+def _legend(figure: Figure, methods: Iterable[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [Line2D([], [], color=colour(method), linewidth=2.0, label=title(method)) for method in methods]
+    columns = min(LEGEND_COLUMNS, len(handles))
+    figure.legend(handles=handles, loc="upper left", ncols=columns, bbox_to_anchor=(0.01, 1.0))

@@ -1,0 +1,105 @@
+"""Scenes of any program as a picture: a panel for each, the ground in chalk, the objects as boxes that show a heading.
+
+Read next: `pictures.scene_view`, which says what there is to draw.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from experiments.pictures.scene_view import Stage, arrows, corners
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from scenic_lite import Scenes
+
+CHALK, AREA = "#aab6ac", "#d7dfd8"
+LABELLED = 12  # objects at most: more labels than that would hide the scene
+
+
+def draw_pictures(stage: Stage, scenes: Scenes, path: Path) -> None:
+    """Draw each scene on a panel of its own, and save the picture. Raises `CommandError` if the disk refuses."""
+    import matplotlib.pyplot as plt
+
+    from experiments.pictures import plots
+
+    count = len(scenes.positions)
+    columns = min(3, count)
+    rows = -(-count // columns)
+    share = (stage.bounds[3] - stage.bounds[2]) / (stage.bounds[1] - stage.bounds[0])
+    size = (3.6 * columns, 3.6 * rows * min(max(share, 0.3), 2.0) + 0.5)
+    boxes = stage.boxes(scenes)
+    with plots.style():
+        figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
+        for axes in grid.flat[count:]:
+            axes.set_visible(False)
+        for index, axes in enumerate(grid.flat[:count]):
+            draw_ground(axes, stage)
+            draw_objects(axes, stage, boxes[index])
+            validity = "" if scenes.ok[index] else " (not valid)"
+            axes.set_title(f"scene {index}{validity}", fontweight="normal", color=plots.FAINT)
+        legend(figure, stage)
+        figure.tight_layout(rect=(0, 0.03, 1, 1))
+        plots.save(figure, path)
+
+
+def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
+    """Draw the matches that begin at θ `[N, D]`, each on its own pitch. Raises `CommandError` if the disk refuses."""
+    import matplotlib.pyplot as plt
+
+    from experiments.pictures import plots
+
+    columns = min(3, len(theta))
+    rows = -(-len(theta) // columns)
+    width, height = painter.bounds[1] - painter.bounds[0], painter.bounds[3] - painter.bounds[2]
+    size = (3.4 * columns, 3.4 * rows * height / width + 0.5)
+    with plots.style():
+        figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
+        for axes in grid.flat[len(theta) :]:
+            axes.set_visible(False)
+        for index, (axes, row) in enumerate(zip(grid.flat, theta, strict=False)):
+            painter.draw(axes, row[None])
+            axes.set_title(f"scene {index}", fontweight="normal", color=plots.FAINT)
+        plots.marker_legend(figure, painter)
+        figure.tight_layout(rect=(0, 0.03, 1, 1))
+        plots.save(figure, path)
+
+
+def draw_ground(axes: Axes, stage: Stage) -> None:
+    for strips, colour, width in ((stage.areas, AREA, 0.8), (stage.ground, CHALK, 1.1)):
+        for strip in strips:
+            axes.plot(strip[:, 0], strip[:, 1], color=colour, linewidth=width, zorder=1)
+    axes.set_xlim(stage.bounds[0], stage.bounds[1])
+    axes.set_ylim(stage.bounds[2], stage.bounds[3])
+    axes.set_aspect("equal")
+    axes.tick_params(labelsize=6)
+
+
+def draw_objects(axes: Axes, stage: Stage, boxes: np.ndarray) -> None:
+    """Draw the objects of one scene, boxes `[O, 5]`."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    colours: Any = np.array(stage.colours)[stage.kinds] / 255
+    known = np.isfinite(boxes).all(1)
+    axes.add_collection(
+        PolyCollection(corners(boxes)[known], facecolors=colours[known], edgecolors="white", linewidths=0.6, zorder=3)
+    )
+    axes.add_collection(LineCollection(arrows(boxes)[known], colors=colours[known], linewidths=1.0, zorder=2))
+    if len(boxes) <= LABELLED:
+        for box, label in zip(boxes, stage.labels, strict=True):
+            axes.annotate(label, box[:2], (4, 4), textcoords="offset points", fontsize=6, zorder=4)
+
+
+def legend(figure: Any, stage: Stage) -> None:
+    """Say beneath the panels which colour stands for which class."""
+    from matplotlib.patches import Patch
+
+    handles = [
+        Patch(color=np.array(colour) / 255, label=name)
+        for name, colour in zip(stage.classes, stage.colours, strict=True)
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles) or 1), bbox_to_anchor=(0.5, 0.0))

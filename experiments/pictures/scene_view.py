@@ -1,0 +1,110 @@
+"""What the scenes of any program look like: the ground, and every object as a box with a heading, a class and a label.
+
+A stage speaks the program's own units; a football program gets the lines of its pitch. Read next:
+`pictures.scene_pictures`, and `ued.recorder.scenes`, which draw it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from scenic_lite import Program, Scenes
+
+Colour = tuple[int, int, int]
+
+MARGIN = 0.06  # of the width and height, around everything
+PROBES = 256  # scenes that say how far the objects get
+SMALLEST = 0.018  # of the width: no object is drawn smaller, so that it can be seen
+PALETTE: tuple[Colour, ...] = (
+    (31, 119, 208),
+    (217, 65, 61),
+    (42, 157, 143),
+    (229, 165, 10),
+    (142, 107, 191),
+    (120, 129, 137),
+    (181, 68, 110),
+    (96, 140, 40),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What does not change from scene to scene.
+
+    Attributes:
+        bounds: x low, x high, y low, y high.
+        ground: strips [n, 2] of the workspace, or of the pitch.
+        areas: strips of the regions from which points are drawn.
+        classes: names of the objects' classes; `kinds` [O] index them, `colours` has one for each.
+        labels: one for each of the O objects.
+    """
+
+    bounds: tuple[float, float, float, float]
+    ground: list[np.ndarray]
+    areas: list[np.ndarray]
+    classes: tuple[str, ...]
+    kinds: np.ndarray
+    labels: tuple[str, ...]
+
+    @property
+    def colours(self) -> list[Colour]:
+        return [PALETTE[k % len(PALETTE)] for k in range(len(self.classes))]
+
+    def boxes(self, scenes: Scenes) -> np.ndarray:
+        """The objects as they are drawn, [N, O, 5]: x, y, heading, width, length; small ones enlarged."""
+        least = SMALLEST * (self.bounds[1] - self.bounds[0])
+        sizes = [np.maximum(sizes_of(scenes, name), least) for name in ("width", "length")]
+        return np.stack([scenes.positions[..., 0], scenes.positions[..., 1], scenes.headings, *sizes], axis=2)
+
+
+def stage_of(program: Program, theta: np.ndarray, football: bool) -> Stage:
+    """Make the stage for a program; it shows all of its areas, and wherever objects get in the scenes of θ `[N, D]`."""
+    ground = [strip for area in program.areas if area.what == "workspace" for strip in area.strips]
+    areas = [strip for area in program.areas if area.what == "drawn" for strip in area.strips]
+    classes = tuple(dict.fromkeys(info.class_name for info in program.objects))
+    kinds = np.array([classes.index(info.class_name) for info in program.objects], int)
+    labels = tuple(info.name or ("ego" if k == 0 else info.class_name) for k, info in enumerate(program.objects))
+    places = program.instantiate(theta).positions.reshape(-1, 2)
+    if football:
+        from envs.football.scenic.lineup import METRES
+        from envs.football.view.render import pitch_lines
+
+        ground = [strip / METRES for strip in pitch_lines()]
+    return Stage(bounds_of([*ground, *areas, places]), ground, areas, classes, kinds, labels)
+
+
+def bounds_of(parts: list[np.ndarray]) -> tuple[float, float, float, float]:
+    """What holds all points, with a margin and at least a unit wide."""
+    points = np.concatenate([part.reshape(-1, 2) for part in parts])
+    points = points[np.isfinite(points).all(1)]
+    low, high = (points.min(0), points.max(0)) if len(points) else (np.zeros(2), np.zeros(2))
+    margin = MARGIN * max(1.0, *(high - low)) + 0.5
+    return float(low[0] - margin), float(high[0] + margin), float(low[1] - margin), float(high[1] + margin)
+
+
+def sizes_of(scenes: Scenes, name: str) -> np.ndarray:
+    """A numeric property of all objects, [N, O]."""
+    count = len(scenes.positions)
+    if not scenes.positions.shape[1]:
+        return np.zeros((count, 0))
+    return np.stack([np.broadcast_to(np.asarray(each, float), count) for each in scenes.properties[name]], axis=1)
+
+
+def corners(boxes: np.ndarray) -> np.ndarray:
+    """The corners of boxes [..., 5] anticlockwise from the front right, [..., 4, 2]."""
+    x, y, heading, width, length = np.moveaxis(boxes, -1, 0)
+    c, s = np.cos(heading), np.sin(heading)
+    signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
+    points = [(x + a * width * c - b * length * s, y + a * width * s + b * length * c) for a, b in signs]
+    return np.stack([np.stack(point, -1) for point in points], axis=-2)
+
+
+def arrows(boxes: np.ndarray) -> np.ndarray:
+    """From the centre of each box to a little beyond its front, [..., 2, 2]."""
+    x, y, heading, _, length = np.moveaxis(boxes, -1, 0)
+    centre = np.stack([x, y], -1)
+    return np.stack([centre, centre + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)

@@ -1,0 +1,212 @@
+"""The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
+
+A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
+fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only what
+was typed changes the base configuration, so a preset or a resumed run can serve as base. Read next: `run.config`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import shutil
+import typing
+from collections.abc import Callable, Sequence
+from dataclasses import field, fields, is_dataclass
+from types import NoneType, UnionType
+from typing import Any, Literal, NamedTuple, NoReturn, TypeVar
+
+from experiments.run.errors import UsageError, nearest
+
+Config = TypeVar("Config")
+
+
+def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
+    """Give a dataclass field that is typed without a flag: `regista train 1v1Free`."""
+    return field(default=default, metadata={"help": help, "positional": True})
+
+
+def group(factory: Callable[[], Any], help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
+    """Give a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
+
+    The fields `without` get no flag.
+    """
+    return field(default_factory=factory, metadata={"help": help, "prefix": prefix, "without": without})
+
+
+def parse(base: Config, argv: Sequence[str], command: str, description: str) -> Config:
+    """Give `base` with what `argv` says changed. Raises `UsageError` for anything unknown or of the wrong type."""
+    typed = typed_settings(base, argv, command, description)
+    return replace_paths(base, typed)
+
+
+def typed_settings(base: Any, argv: Sequence[str], command: str, description: str) -> dict[str, Any]:
+    """Give what was typed, by path of the field (`ppo.learning_rate`)."""
+    parser = _Parser(
+        prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
+    )
+    parser.add_argument("--help", "-h", action="help", help="show this and exit")
+    _add(parser, parser, base, _Place("", ""))
+    typed, unknown = parser.parse_known_args(list(argv))
+    if unknown:
+        raise UsageError(_unknown(unknown[0], [flag for flag in parser._option_string_actions if flag[:2] == "--"]))
+    return vars(typed)
+
+
+def replace_paths(config: Config, values: dict[str, Any]) -> Config:
+    """Give `config` with the values at these dotted paths replaced."""
+    changes: dict[str, Any] = {}
+    for path, value in values.items():
+        head, _, rest = path.partition(".")
+        if rest:
+            changes[head] = replace_paths(changes.get(head, getattr(config, head)), {rest: value})
+        else:
+            changes[head] = value
+    try:
+        return dataclasses.replace(config, **changes)  # type: ignore[type-var]
+    except ValueError as error:  # a configuration that checks itself
+        raise UsageError(str(error)) from error
+
+
+def flag_name(name: str, prefix: str = "") -> str:
+    """Give the flag of a field: `num_envs` is `--num-envs`."""
+    return f"--{prefix}{name}".replace("_", "-")
+
+
+# ---------------------------------------------------------------- one flag per field
+
+
+class _Place(NamedTuple):
+    """Where in the nesting of configurations: dotted path of fields, prefix of flags, fields that get no flag."""
+
+    path: str
+    prefix: str
+    without: tuple[str, ...] = ()
+
+
+def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _Place) -> None:
+    """Add a flag for every field of `config` to `container`, and a group for every nested configuration."""
+    hints = typing.get_type_hints(type(config))
+    for item in fields(config):
+        value, about = getattr(config, item.name), item.metadata
+        path, help_text = place.path + item.name, about.get("help", "")
+        if item.name in place.without:
+            continue
+        if is_dataclass(value):
+            nested = parser.add_argument_group(help_text or item.name)
+            prefix = place.prefix + about.get("prefix", f"{item.name}.")
+            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())))
+        elif about.get("positional"):
+            _add_positional(container, item, hints[item.name], path)
+        else:
+            help_text += "" if value is None else f" (default {_spell(value)})"
+            flag, options = flag_name(item.name, place.prefix), _options(hints[item.name])
+            container.add_argument(flag, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options)
+
+
+def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: str) -> None:
+    many = typing.get_origin(hint) is tuple
+    convert, _ = _converter(typing.get_args(hint)[0] if many else hint)
+    container.add_argument(
+        path,
+        metavar=item.name.upper(),
+        type=convert,
+        nargs="*" if many else "?",
+        action=_Collect if many else "store",
+        default=argparse.SUPPRESS,
+        help=item.metadata["help"],
+    )
+
+
+def _options(hint: Any) -> dict[str, Any]:
+    """Give argparse's options for a field of this type."""
+    hint = _without_none(hint)
+    if hint is bool:
+        return {"action": argparse.BooleanOptionalAction}
+    if typing.get_origin(hint) is Literal:
+        return {"choices": typing.get_args(hint)}
+    if typing.get_origin(hint) is tuple:
+        convert, name = _converter(typing.get_args(hint)[0])
+        return {"type": convert, "metavar": name, "nargs": "+", "action": _Collect}
+    convert, name = _converter(hint)
+    return {"type": convert, "metavar": name}
+
+
+class _Collect(argparse.Action):
+    """Keep several values as a tuple, as frozen configurations hold them."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if values or option_string:
+            setattr(namespace, self.dest, tuple(values))
+
+
+def _converter(hint: Any) -> tuple[Callable[[str], Any], str]:
+    """Give the function that reads a value of this type, and the word that stands for it in the help."""
+    known: dict[Any, tuple[Callable[[str], Any], str]]
+    known = {int: (_whole, "N"), float: (_number, "X"), str: (str, "NAME")}
+    return known.get(_without_none(hint), (_without_none(hint), "PATH"))
+
+
+def _without_none(hint: Any) -> Any:
+    if typing.get_origin(hint) in (typing.Union, UnionType):
+        return next(part for part in typing.get_args(hint) if part is not NoneType)
+    return hint
+
+
+def _whole(text: str) -> int:
+    """Read 5000000, 5_000_000 or 5e6."""
+    number = _number(text)
+    if number != int(number):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number")
+    return int(text.replace("_", "")) if text.replace("_", "").lstrip("+-").isdigit() else int(number)
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+    if number != number or number in (float("inf"), float("-inf")):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
+    return number
+
+
+def _spell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, tuple):
+        return " ".join(map(str, value)) or "none"
+    return f"{value:_}" if isinstance(value, int) and value >= 100_000 else str(value)
+
+
+# ---------------------------------------------------------------- argparse, made to speak in one sentence
+
+
+def _unknown(word: str, flags: list[str]) -> str:
+    if not word.startswith("-"):
+        return f"unexpected argument '{word}'"
+    return f"unknown flag {word.partition('=')[0]}{nearest(word.partition('=')[0], flags)}"
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(message.removeprefix("argument ") + f"; see {self.prog} --help")
+
+    def format_usage(self) -> str:
+        names = [action.metavar for action in self._actions if not action.option_strings]
+        return f"usage: {' '.join([self.prog, *map(str, names)])} [flags]\n"
+
+    def format_help(self) -> str:
+        body = super().format_help()
+        return self.format_usage() + body[body.index("\n\n") + 1 :]
+
+
+class _Help(argparse.HelpFormatter):
+    """A narrow column of flags, each shown once."""
+
+    def __init__(self, prog: str) -> None:
+        width = min(shutil.get_terminal_size().columns, 110)
+        super().__init__(prog, max_help_position=34, width=width)
+
+    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
+        super().add_usage("regista", (), (), prefix)  # `_Parser.format_help` puts the true line in its place

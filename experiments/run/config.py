@@ -1,0 +1,200 @@
+"""`TrainConfig`: everything that a training run depends on, saved with it as `config.json`.
+
+The nested parts belong to the packages that use them; this file only puts them together, names the presets and turns
+configurations into JSON and back. Read next: `run.build`, which makes objects of it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import typing
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, TypeVar
+
+from envs.football.config import FootballConfig
+from experiments.run.arguments import group, positional
+from experiments.run.errors import CommandError, nearest
+from ued.config import (
+    ACCELConfig,
+    ALPGMMConfig,
+    DRConfig,
+    MinimaxConfig,
+    PairedConfig,
+    PLRConfig,
+    PPOConfig,
+    RepairedConfig,
+    SelfRegretConfig,
+    SFLConfig,
+    check_at_least_1,
+    check_not_negative,
+    setting,
+)
+
+Config = TypeVar("Config")
+
+
+class ConfigError(CommandError):
+    """A `config.json` that is none: the message names the file, the key, and what would have been right."""
+
+
+def football_ppo() -> PPOConfig:
+    """Give the settings of students of football: bolder steps and a longer view than `PPOConfig`'s own.
+
+    On 1v1 Restricted shooting at once is easily learned and then hard to leave; with these settings students learn
+    to go round the keeper within a few million steps.
+    """
+    return PPOConfig(
+        learning_rate=3e-3,
+        gamma=0.995,
+        gae_lambda=0.98,
+        num_minibatches=8,
+        update_epochs=3,
+        clip_coef=0.3,
+        ent_coef=0.001,
+        hidden_size=64,
+        shared_torso=True,
+    )
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """One training run. Two runs with equal configurations on one machine give equal numbers."""
+
+    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
+    method: str = setting("paired", "how levels are chosen: dr, paired, plr, accel ... (see ued/methods)")
+    seed: int = setting(0, "seed of every random stream of the run")
+    total_env_steps: int = setting(3_000_000, "stop when training has simulated this many steps, the antagonist's too")
+    num_envs: int = setting(128, "environments that each student plays at a time")
+    threads: int = setting(1, "threads for the simulator and for the networks")
+    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none")
+    eval_episodes: int = setting(64, "episodes on each scene in these evaluations, whose steps are counted apart")
+    checkpoint_seconds: float = setting(60.0, "seconds between checkpoints")
+    record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
+    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none")
+    env: FootballConfig = group(FootballConfig, "environment")
+    ppo: PPOConfig = group(football_ppo, "PPO")
+    dr: DRConfig = group(DRConfig, "domain randomisation", prefix="dr.")
+    minimax: MinimaxConfig = group(MinimaxConfig, "minimax adversary", prefix="minimax.")
+    paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
+    paired_literal: PairedConfig = group(PairedConfig.literal, "PAIRED to the letter", prefix="paired-literal.")
+    self_regret: SelfRegretConfig = group(SelfRegretConfig, "self-regret", prefix="self-regret.")
+    repaired: RepairedConfig = group(RepairedConfig, "REPAIRED", prefix="repaired.")
+    plr: PLRConfig = group(PLRConfig, "prioritised level replay", prefix="plr.")
+    accel: ACCELConfig = group(ACCELConfig, "ACCEL", prefix="accel.")
+    sfl: SFLConfig = group(SFLConfig, "sampling for learnability", prefix="sfl.")
+    alp_gmm: ALPGMMConfig = group(ALPGMMConfig, "ALP-GMM", prefix="alp-gmm.")
+
+    def __post_init__(self) -> None:
+        if self.env.representation == "raw":
+            raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
+        check_at_least_1(self, "total_env_steps", "num_envs", "threads", "eval_episodes")
+        check_not_negative(self, "seed", "eval_every", "record_rollouts", "checkpoint_seconds")
+
+
+# ---------------------------------------------------------------- JSON
+
+
+def to_dict(config: Any) -> dict[str, Any]:
+    """Give a configuration as what JSON can hold: paths as strings, tuples as lists."""
+    return {item.name: _plain(getattr(config, item.name)) for item in fields(config)}
+
+
+def from_dict(kind: type[Config], data: Any, where: str) -> Config:
+    """Give the configuration of class `kind` that `to_dict` gave `data` for.
+
+    Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
+    """
+    return _read(kind, data, where, path="")
+
+
+def save(config: Any, path: Path) -> None:
+    """Write a configuration as JSON."""
+    path.write_text(json.dumps(to_dict(config), indent=2) + "\n")
+
+
+def load(kind: type[Config], path: Path) -> Config:
+    """Read a configuration from JSON. Raises `ConfigError` as `from_dict`, and for text that is not JSON."""
+    try:
+        data = json.loads(path.read_text())
+    except ValueError as error:
+        raise ConfigError(f"{path} is not JSON: {error}") from error
+    return from_dict(kind, data, str(path))
+
+
+def differences(old: Any, new: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
+    """Give the settings in which two configurations of one class differ: dotted path to (old, new)."""
+    found: dict[str, tuple[Any, Any]] = {}
+    for item in fields(old):
+        before, after = getattr(old, item.name), getattr(new, item.name)
+        if is_dataclass(before):
+            found |= differences(before, after, f"{path}{item.name}.")
+        elif before != after:
+            found[path + item.name] = (before, after)
+    return found
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        return to_dict(value)
+    if isinstance(value, Path):
+        return str(value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(kind: Any, data: Any, where: str, path: str) -> Any:
+    if not isinstance(data, dict):
+        raise ConfigError(f"{where}: {path.rstrip('.') or 'the whole'} must be an object, got {json.dumps(data)}")
+    hints = typing.get_type_hints(kind)
+    names = [item.name for item in fields(kind)]
+    for key in data:
+        if key not in names:
+            raise ConfigError(f"{where}: unknown key '{path}{key}'{nearest(key, names)}")
+    values = {}
+    for name in names:
+        if name not in data:
+            raise ConfigError(f"{where}: key '{path}{name}' is missing")
+        values[name] = _value(hints[name], data[name], where, path + name)
+    try:
+        return kind(**values)
+    except ValueError as error:
+        raise ConfigError(f"{where}: {error}") from error
+
+
+def _value(hint: Any, value: Any, where: str, path: str) -> Any:
+    """Give `value` as the type that the field has, or raise."""
+    origin, parts = typing.get_origin(hint), typing.get_args(hint)
+    if is_dataclass(hint):
+        return _read(hint, value, where, f"{path}.")
+    if origin in (typing.Union, UnionType):
+        return None if value is None else _value(next(p for p in parts if p is not NoneType), value, where, path)
+    if origin is typing.Literal and value in parts:
+        return value
+    if origin is tuple and isinstance(value, list):
+        return tuple(_value(parts[0], item, where, path) for item in value)
+    if hint is Path and isinstance(value, str):
+        return Path(value)
+    if hint is float and type(value) is int:
+        return float(value)
+    if type(value) is hint:
+        return value
+    wanted = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
+    raise ConfigError(f"{where}: '{path}' must be {wanted}, got {json.dumps(value)}")
+
+
+# ---------------------------------------------------------------- presets
+
+
+def presets() -> dict[str, TrainConfig]:
+    """Give the named starting points of `--preset`.
+
+    `fast` is the default: features for a small network, minutes on two cores. `thesis` is Table 4.2 of the thesis:
+    its coefficients and 5M steps, on our observations and network.
+    """
+    fast = TrainConfig()
+    thesis = dataclasses.replace(
+        fast, total_env_steps=5_000_000, num_envs=16, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis()
+    )
+    return {"fast": fast, "thesis": thesis}

@@ -1,0 +1,153 @@
+"""The run folder: what a training run leaves behind, and how it continues after a kill.
+
+    config.json       the TrainConfig; enough to start the run over
+    program.scenic    the text of the program, as it was when the run began
+    metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
+    levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
+    checkpoint.pt     everything that `train` needs to continue; replaced in one step
+    curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
+    learning_curve.png
+
+The tables may be ahead of the checkpoint when a run is killed; resuming cuts them back to it, so that a killed and
+resumed run ends with the table of one that was left alone. Wall-clock columns (`time/...`) differ, of course.
+Read next: `commands.train`.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from experiments.run import build
+from experiments.run import config as configs
+from experiments.run.config import ConfigError, TrainConfig
+from experiments.run.errors import CommandError
+from experiments.run.table import Table, cannot_write, read_rows
+
+
+class RunFolder:
+    """One run on disk. `RunFolder.create` starts one, `RunFolder.open` continues one."""
+
+    def __init__(self, path: Path, config: TrainConfig) -> None:
+        self.path = path
+        self.config = config
+        self.metrics = Table(path / "metrics.csv")
+        self.levels = Table(path / "levels.csv")
+        self.saved_update = 0
+        self._saved_at = time.monotonic()
+
+    @classmethod
+    def create(cls, path: Path, config: TrainConfig) -> RunFolder:
+        """Make the folder and write its configuration. Raises `CommandError` if there is a run already."""
+        run = cls(path, config)
+        if run.begun():
+            raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
+        foreign = any(entry.name not in UNTRAINED for entry in path.iterdir()) if path.is_dir() else path.exists()
+        if foreign:
+            raise CommandError(f"{path} exists and is no run folder; choose another --out")
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            (path / "config.json").touch()
+            with run.locked():
+                configs.save(config, path / "config.json")
+        except OSError as error:
+            raise cannot_write(path, error) from error
+        return run
+
+    @classmethod
+    def open(cls, path: Path) -> RunFolder:
+        """Open an existing run. Raises `CommandError` for a folder that holds none."""
+        if not (path / "config.json").exists():
+            raise CommandError(f"{path} is no run folder: it has no config.json")
+        return cls(path, configs.load(TrainConfig, path / "config.json"))
+
+    def extend(self, config: TrainConfig) -> None:
+        """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
+        of_methods = {build.config_name(method) for method in build.METHODS}
+        others = of_methods - {build.config_name(self.config.method)}
+        for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
+            of_others = name.partition(".")[0] in others
+            if name not in MAY_CHANGE and not of_others:
+                raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
+        self.config = config
+        configs.save(config, self.path / "config.json")
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other processes from training this run meanwhile. Raises `CommandError` if one does already."""
+        with open(self.path / "config.json") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise CommandError(f"{self.path} is being trained by another process") from None
+            yield
+
+    def keep_program(self, program: Path) -> None:
+        """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with."""
+        kept, text = self.path / "program.scenic", program.read_text()
+        if not kept.exists() or not self.begun():
+            try:
+                kept.write_text(text)
+            except OSError as error:
+                raise cannot_write(kept, error) from error
+        elif kept.read_text() != text:
+            raise CommandError(f"{program} has changed since {self.path} began with what is now in {kept}")
+
+    # ------------------------------------------------------------ the checkpoint
+
+    @property
+    def checkpoint(self) -> Path:
+        return self.path / "checkpoint.pt"
+
+    def load(self) -> dict[str, Any] | None:
+        """Give the checkpoint, with the tables cut back to its update; None if the run has none yet."""
+        from ued import checkpoint
+
+        state = checkpoint.load(self.checkpoint) if self.checkpoint.exists() else None
+        self.saved_update = state["update"] if state else 0
+        self.metrics.keep_until(self.saved_update)
+        self.levels.keep_until(self.saved_update)
+        return state
+
+    def save(self, state: dict[str, Any]) -> None:
+        """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
+        from ued import checkpoint
+
+        checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
+        self.saved_update = state["update"]
+        self._saved_at = time.monotonic()
+
+    def checkpoint_due(self) -> bool:
+        """Say whether the last checkpoint is older than `checkpoint_seconds`."""
+        return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
+
+    def finished(self) -> bool:
+        """Say whether the checkpoint is at the end of the budget."""
+        if not self.checkpoint.exists():
+            return False
+        from ued import checkpoint
+
+        return checkpoint.load(self.checkpoint)["env_steps"] >= self.config.total_env_steps
+
+    def begun(self) -> bool:
+        """Say whether anything was trained here: a run that failed before its first update leaves the name free."""
+        return self.metrics.path.exists() or self.checkpoint.exists()
+
+    def env_steps(self) -> int:
+        """Give the env_steps of the last row of metrics.csv, 0 if there is none."""
+        rows = read_rows(self.metrics.path)
+        return int(rows[-1]["env_steps"]) if rows else 0
+
+    def next_recording(self) -> Path:
+        """Give the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
+        first = self.path / "curriculum.rrd"
+        parts = len(list(self.path.glob("curriculum*.rrd")))
+        return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
+
+
+UNTRAINED = ("config.json", "program.scenic", "train.log")  # what a folder may hold before its run has begun
+MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

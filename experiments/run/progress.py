@@ -1,0 +1,78 @@
+"""How far a run is: one line that rewrites itself on a terminal, an occasional line elsewhere.
+
+Read next: `commands.train`.
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import time
+from typing import TextIO
+
+PLAIN_SECONDS = 15.0  # between lines where there is no terminal
+REDRAW_SECONDS = 0.1
+BAR = 24  # characters
+
+
+class Progress:
+    """Show the share done, the speed, what remains and a few numbers. `begun` steps were done before."""
+
+    def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None) -> None:
+        self.total = total
+        self.stream = sys.stdout if stream is None else stream
+        self.tty = self.stream.isatty()
+        self._begun = begun
+        self._start = time.monotonic()
+        self._shown = -PLAIN_SECONDS
+
+    def show(self, steps: int, facts: dict[str, float] | None = None) -> None:
+        """Show that `steps` of the total are done, with named numbers. Cheap: most calls draw nothing."""
+        now = time.monotonic()
+        if now - self._shown < (REDRAW_SECONDS if self.tty else PLAIN_SECONDS):
+            return
+        self._shown = now
+        self._write(self._line(steps, facts or {}, now - self._start))
+
+    def finish(self, text: str) -> None:
+        """Leave a last line."""
+        if self.tty:
+            self.stream.write("\r\x1b[K")
+        print(text, file=self.stream, flush=True)
+
+    def _line(self, steps: int, facts: dict[str, float], seconds: float) -> str:
+        speed = (steps - self._begun) / max(seconds, 1e-9)
+        share = min(steps / self.total, 1.0)
+        parts = [f"{share:4.0%}  {count(steps)} steps  {count(speed)}/s"]
+        parts += [f"{name} {value:+.2f}" for name, value in facts.items() if value == value]
+        if speed > 0:
+            parts.append(f"{duration((self.total - steps) / speed)} left")
+        done = round(share * BAR)
+        bar = "━" * done + "╌" * (BAR - done) + " " if self.tty else ""
+        return bar + "  ".join(parts)
+
+    def _write(self, line: str) -> None:
+        if self.tty:
+            width = shutil.get_terminal_size().columns
+            self.stream.write(f"\r\x1b[K{line[: width - 1]}")
+        else:
+            self.stream.write(line + "\n")
+        self.stream.flush()
+
+
+def count(number: float) -> str:
+    """Write a number short: 950, 12.3k, 4.56M."""
+    for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
+        if number >= size:
+            return f"{number / size:.3g}{letter}"
+    return f"{number:.0f}"
+
+
+def duration(seconds: float) -> str:
+    """Write a time short: 42 s, 3 min, 1 h 05."""
+    seconds = max(seconds, 0.0)
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds // 3600:.0f} h {seconds % 3600 // 60:02.0f}"

@@ -1,0 +1,104 @@
+"""The recording of one run, which never stops the run: if it fails it says so once and is over.
+
+Read next: `ued.recorder.recorder`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from experiments.run import build
+from experiments.run import config as configs
+from experiments.run.folder import RunFolder
+from experiments.run.table import read_columns
+from ued.recorder.recorder import CurriculumRecorder, Episode, Recording
+
+MAX_STEPS = 400  # of a recorded episode
+STEP_SECONDS = 0.1
+
+
+class RunRecorder:
+    """Feed a `CurriculumRecorder` from a method, and play the episodes that it shows."""
+
+    def __init__(self, run: RunFolder, upomdp: Any, updates: int) -> None:
+        self.run = run
+        self.recorder: CurriculumRecorder | None = None
+        if run.config.record:
+            self._try(self._open, upomdp, updates)
+
+    def update(self, method: Any, metrics: dict[str, float]) -> None:
+        """Record what `method.update()` brought."""
+        self._try(self._update, method, metrics)
+
+    def flush(self) -> None:
+        """Bring everything to the disk."""
+        if self.recorder is not None:
+            self._try(self.recorder.flush)
+
+    def close(self) -> None:
+        """Finish the file."""
+        if self.recorder is not None:
+            self._try(self.recorder.close)
+
+    def _try(self, action: Callable[..., None], *args: Any) -> None:
+        try:
+            action(*args)
+        except Exception as error:
+            self.recorder = None
+            print(f"regista: nothing more is recorded: {type(error).__name__}: {error}", file=sys.stderr)
+
+    def _open(self, upomdp: Any, updates: int) -> None:
+        config = self.run.config
+        self.painter = build.make_painter(upomdp.program)
+        self.stage = build.make_upomdp(
+            build.find_minigame(config.minigame).program, 1, config.env, config.seed, config.threads
+        )
+        name = f"{config.minigame} {config.method} seed {config.seed}"
+        flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
+        recording = Recording(self.run.next_recording(), name, config.total_env_steps, flat)
+        self.recorder = CurriculumRecorder(recording, self.painter, upomdp.draws)
+        if updates:
+            self._recall()
+
+    def _recall(self) -> None:
+        """Give the recorder the levels of the updates that an earlier part of the recording holds."""
+        levels, metrics = read_columns(self.run.levels.path), read_columns(self.run.metrics.path)
+        if not levels or self.recorder is None:
+            return
+        theta = np.stack([column for name, column in levels.items() if name.startswith("theta/")], 1)
+        starts = np.flatnonzero(np.diff(levels["update"], prepend=-1.0))
+        for rows in np.split(np.arange(len(theta)), starts[1:]):
+            update = int(levels["update"][rows[0]])
+            self.recorder.recall(update, int(metrics["env_steps"][update - 1]), theta[rows])
+
+    def _update(self, method: Any, metrics: dict[str, float]) -> None:
+        if self.recorder is None or method.last is None:
+            return
+        self.recorder.record(method.updates, method.env_steps, method.last, metrics)
+        every = self.run.config.record_rollouts
+        if every and len(method.last.theta) and (method.updates == 1 or method.updates % every == 0):
+            score = np.nan_to_num(method.last.score, nan=-np.inf)
+            theta = method.last.theta[int(np.argmax(score))]
+            for name, student in method.students.items():
+                self.recorder.episode(
+                    name, method.updates, method.env_steps, self._play(student, theta, method.updates)
+                )
+
+    def _play(self, student: Any, theta: np.ndarray, seed: int) -> Episode:
+        """Play one episode; both students of an update get the same level and the same luck."""
+        import torch
+
+        generator = torch.Generator().manual_seed(seed)
+        observation, _ = self.stage.reset(seed=seed, options={"theta": theta[None]})
+        places, total = [self.painter.frame(self.stage)], 0.0
+        for _ in range(MAX_STEPS):
+            observation, reward, terminated, truncated, _ = self.stage.step(student.play(observation, generator))
+            total += float(reward[0])
+            if terminated[0] or truncated[0]:
+                break
+            places.append(self.painter.frame(self.stage))
+        return Episode(np.stack(places), STEP_SECONDS, f"return {total:+.2f} after {len(places)} steps")

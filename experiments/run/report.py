@@ -1,0 +1,245 @@
+"""What a comparison says, as tables: in text for a terminal, in Markdown, in CSV.
+
+The first table has a row for each method and a column for each scene. The second has one number for all scenes: their
+mean and IQM, and how a student does on the worst of the levels that are drawn at random. Methods with several runs are
+compared with the first of them. Read next: `run.results`, where the numbers come from; `pictures.results_page`.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from experiments.run import results as estimate
+from experiments.run.results import LevelResult, Result, align, select, unique
+from experiments.run.table import cannot_write, spell
+
+if TYPE_CHECKING:
+    from ued.statistics import Interval
+
+    Write = Callable[[Interval | None], str]  # how a cell is written
+
+INTERVALS = (
+    "95 % intervals: over runs and their episodes, wide where runs are few; "
+    "for a single run or a baseline, over its episodes alone"
+)
+OF_SCENES = (
+    "goals; mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
+)
+OF_PAIRS = "P(better): that the mean of a run is above that of a run of {first}"
+OF_LEVELS = (
+    "CVaR10: on the worst tenth of {levels} levels drawn at random, found by other episodes than those that count"
+)
+
+
+class Entry(NamedTuple):
+    """One number of a table: `measure` of a method on a scene, "" for all; nan where there is no interval."""
+
+    method: str
+    measure: str
+    scene: str
+    estimate: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that was measured of some methods; every method on every scene.
+
+    Attributes:
+        results: rows of all policies on all scenes.
+        levels: rows of all policies on levels drawn at random; none where nobody asked for them.
+    """
+
+    results: Sequence[Result]
+    levels: Sequence[LevelResult] = ()
+
+    @cached_property
+    def methods(self) -> list[str]:
+        return unique([row.method for row in self.results])
+
+    @cached_property
+    def scenes(self) -> list[str]:
+        return unique([row.scene for row in self.results])
+
+    @cached_property
+    def several(self) -> list[str]:
+        """Methods with several runs; the others are compared with the first."""
+        return [name for name in self.methods if len(select(self.results, name, self.scenes[0])) > 1]
+
+    @property
+    def first(self) -> str:
+        return self.several[0] if self.several else ""
+
+    def others(self) -> list[str]:
+        """Give the methods that are compared with the first."""
+        return self.several[1:]
+
+    @cached_property
+    def entries(self) -> list[Entry]:
+        """All numbers of both tables."""
+        return [*self._of_scenes(), *self._of_all_scenes(), *self._of_levels()]
+
+    def _of_scenes(self) -> Iterable[Entry]:
+        for scene in self.scenes:
+            for name in self.methods:
+                rows = select(self.results, name, scene)
+                yield Entry(name, "return", scene, *estimate.mean_return(rows))
+                yield Entry(name, "goals", scene, *estimate.goal_rate(rows))
+                if name in self.others():
+                    gain = estimate.advantage(rows, select(self.results, self.first, scene))
+                    yield Entry(name, "return minus first", scene, *gain)
+
+    def _of_all_scenes(self) -> Iterable[Entry]:
+        scores = {name: estimate.scores(self.results, name) for name in self.methods}
+        for name, found in scores.items():
+            yield Entry(name, "mean", "", *estimate.mean_score(found))
+            yield Entry(name, "IQM", "", *estimate.iqm_score(found))
+            yield Entry(name, "IQM, stratified", "", *estimate.iqm_stratified(found))
+            if name in self.others():
+                yield Entry(name, "mean minus first", "", *estimate.score_advantage(found, scores[self.first]))
+                yield Entry(name, "P(better)", "", *estimate.chance_of_better(found, scores[self.first]))
+
+    def _of_levels(self) -> Iterable[Entry]:
+        for name in self.methods if self.levels else ():
+            rows = [row for row in self.levels if row.method == name]
+            yield Entry(name, "random levels", "", *estimate.level_rate(rows))
+            yield Entry(name, "CVaR10", "", *estimate.level_cvar(rows))
+
+    # ------------------------------------------------------------ tables
+
+    def by_scene(self) -> list[list[str]]:
+        """Give methods x scenes: mean return, goal rate, and the difference of returns to the first method."""
+        table = [["method", "", *self.scenes, "runs", "env_steps", "updates"]]
+        for name in self.methods:
+            table.append([name, "return", *self._cells(name, "return", _signed), *self._training(name)])
+            table.append(["", "goals", *self._cells(name, "goals", _percent), "", "", ""])
+            if name in self.others():
+                table.append(["", f"− {self.first}", *self._cells(name, "return minus first", _signed), "", "", ""])
+        return table
+
+    def by_method(self) -> list[list[str]]:
+        """Give methods x what is said of all scenes, and of the worst levels."""
+        columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
+        if self.others():
+            columns |= {"mean minus first": _points, "P(better)": _plain}
+        if self.levels:
+            columns |= {"random levels": _percent, "CVaR10": _percent}
+        names = {"mean minus first": f"mean − {self.first}", "P(better)": f"P(better than {self.first})"}
+        table = [["method", *(names.get(measure, measure) for measure in columns)]]
+        for name in self.methods:
+            table.append([name, *(write(self._at(name, measure)) for measure, write in columns.items())])
+        return table
+
+    def _cells(self, method: str, measure: str, write: Write) -> list[str]:
+        return [write(self._at(method, measure, scene)) for scene in self.scenes]
+
+    def _at(self, method: str, measure: str, scene: str = "") -> Interval | None:
+        from ued.statistics import Interval
+
+        for entry in self.entries:
+            if entry[:3] == (method, measure, scene):
+                return Interval(*entry[3:])
+        return None
+
+    def _training(self, method: str) -> list[str]:
+        rows = select(self.results, method, self.scenes[0])
+        steps, updates = ([getattr(row, name) for row in rows] for name in ("env_steps", "updates"))
+        return [str(len(rows)), *(f"{round(np.mean(counts)):_}" if any(counts) else "–" for counts in (steps, updates))]
+
+    def _notes(self) -> list[str]:
+        """Give what is to be said beneath the second table."""
+        notes = [OF_SCENES]
+        if self.others():
+            notes.append(OF_PAIRS.format(first=self.first))
+        if self.levels:
+            notes.append(OF_LEVELS.format(levels=self.levels[0].levels))
+        return notes
+
+    # ------------------------------------------------------------ forms
+
+    def text(self) -> str:
+        """Give both tables for a terminal."""
+        notes = ";\n ".join(self._notes())
+        return f"{align(self.by_scene())}\n[{INTERVALS}]\n\n{align(self.by_method())}\n[{notes}]"
+
+    def markdown(self) -> str:
+        """Give both tables in Markdown."""
+        notes = "; ".join(self._notes())
+        return f"{as_markdown(self.by_scene())}\n\n{INTERVALS}.\n\n{as_markdown(self.by_method())}\n\n{notes}."
+
+    def save(self, folder: Path) -> None:
+        """Write table.txt, table.md, table.csv (all numbers of the tables), results.csv and levels.csv (by run)."""
+        write_text(folder / "table.txt", self.text() + "\n")
+        write_text(folder / "table.md", self.markdown() + "\n")
+        save_rows([entry._asdict() for entry in self.entries], list(Entry._fields), folder / "table.csv")
+        save_csv(self.results, folder / "results.csv")
+        if self.levels:
+            save_rows(
+                list(map(asdict, self.levels)), [item.name for item in fields(LevelResult)], folder / "levels.csv"
+            )
+
+
+def as_markdown(rows: list[list[str]]) -> str:
+    """Give a table in Markdown; the first row is its head."""
+    lines = [f"| {' | '.join(row)} |" for row in rows]
+    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
+
+
+def _signed(interval: Interval | None) -> str:
+    return _spelled(interval, lambda value: f"{value:+.2f}")
+
+
+def _percent(interval: Interval | None) -> str:
+    return _spelled(interval, lambda value: f"{value:.0%}")
+
+
+def _points(interval: Interval | None) -> str:
+    return _spelled(interval, lambda value: f"{100 * value:+.0f}%")
+
+
+def _plain(interval: Interval | None) -> str:
+    return _spelled(interval, lambda value: f"{value:.2f}")
+
+
+def _spelled(interval: Interval | None, write: Callable[[float], str]) -> str:
+    if interval is None:
+        return ""
+    low, high = interval.low, interval.high
+    return write(interval.estimate) + ("" if math.isnan(low) else f" [{write(low)}, {write(high)}]")
+
+
+# ---------------------------------------------------------------- files
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file. Raises `CommandError` if the disk refuses."""
+    try:
+        path.write_text(text)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def save_csv(results: Sequence[Result], path: Path) -> None:
+    """Write the rows as CSV, with the goal rate."""
+    rows = [asdict(row) | {"goal_rate": round(row.goal_rate, 6)} for row in results]
+    save_rows(rows, [item.name for item in fields(Result)] + ["goal_rate"], path)
+
+
+def save_rows(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], path: Path) -> None:
+    """Write rows as CSV. Raises `CommandError` if the disk refuses."""
+    try:
+        with open(path, "w", newline="") as file:
+            writer = csv.DictWriter(file, columns)
+            writer.writeheader()
+            writer.writerows({name: spell(value) for name, value in row.items()} for row in rows)
+    except OSError as error:
+        raise cannot_write(path, error) from error

@@ -1,0 +1,252 @@
+"""Results of evaluations as rows, and what can be said of them: means with intervals, differences, robustness.
+
+A `Result` is one policy on one scene, a `LevelResult` one policy on levels drawn at random. Several runs of a method
+are several rows; their interval resamples whole runs, since one trained policy is tested on all scenes, and within them
+the luck of their episodes. A single run's interval is over its episodes alone: it says nothing of the next run.
+Read next: `run.report`, which makes tables of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ued.evaluation import Evaluation
+    from ued.statistics import Interval
+
+BOOTSTRAP_SEED = 0  # a table of the same results is the same table
+WORST = 0.1  # of the levels drawn at random, in CVaR10
+
+
+@dataclass(frozen=True)
+class Result:
+    """One policy on one scene. A goal is an episode with a positive return."""
+
+    method: str
+    seed: int
+    scene: str
+    episodes: int
+    mean_return: float
+    return_std: float  # between episodes
+    goals: int
+    mean_length: float  # steps
+    env_steps: int  # of the training, 0 for a baseline
+    updates: int
+
+    @property
+    def goal_rate(self) -> float:
+        return self.goals / self.episodes
+
+
+@dataclass(frozen=True)
+class LevelResult:
+    """One policy on levels drawn at random from the training distribution, the same ones for every policy."""
+
+    method: str
+    seed: int
+    levels: int
+    episodes: int  # on each level
+    goal_rate: float
+    cvar10: float  # goal rate on the worst tenth of the levels
+    cvar10_error: float  # its standard error: luck of the episodes and of the draw of levels
+
+
+def summarise(found: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
+    """Make a row of an evaluation; `trained` is (env_steps, updates)."""
+    returns = found.returns
+    return Result(
+        method=method,
+        seed=seed,
+        scene=scene,
+        episodes=len(returns),
+        mean_return=float(returns.mean()),
+        return_std=float(returns.std()),
+        goals=int((returns > 0).sum()),
+        mean_length=float(found.lengths.mean()),
+        env_steps=trained[0],
+        updates=trained[1],
+    )
+
+
+def summarise_levels(found: Evaluation, method: str, seed: int) -> LevelResult:
+    """Make a row of an evaluation that played each of its L levels k times, k even.
+
+    Which levels are worst is said by one half of the episodes, how bad they are by the other; then the halves change
+    parts, and the mean of both is given. Levels called worst by the episodes that rate them would be so by bad luck,
+    too.
+    """
+    from ued.statistics import cvar
+
+    count = len(found.levels)
+    goals = (found.returns > 0).reshape(-1, count).T  # [L, k]
+    halves = goals[:, ::2].mean(1), goals[:, 1::2].mean(1)
+    one, other = (cvar(halves[i], WORST, by=halves[1 - i]) for i in (0, 1))
+    spread = [cvar((halves[i] - each) ** 2, WORST, by=halves[1 - i]) for i, each in enumerate((one, other))]
+    return LevelResult(
+        method=method,
+        seed=seed,
+        levels=count,
+        episodes=goals.shape[1],
+        goal_rate=float(goals.mean()),
+        cvar10=(one + other) / 2,
+        cvar10_error=float(np.sqrt(np.mean(spread) / (WORST * count))),
+    )
+
+
+def select(results: Sequence[Result], method: str, scene: str) -> list[Result]:
+    """Give the rows of one method on one scene."""
+    return [row for row in results if row.method == method and row.scene == scene]
+
+
+def unique(values: Sequence[str]) -> list[str]:
+    """Give each value once, in order."""
+    return list(dict.fromkeys(values))
+
+
+# ---------------------------------------------------------------- one method on one scene
+
+
+def goal_rate(rows: Sequence[Result]) -> Interval:
+    """Estimate the goal rate of a method on a scene: bootstrap over runs, or Wilson's interval for a single one."""
+    from ued.statistics import bootstrap, wilson
+
+    if len(rows) == 1:
+        return wilson(rows[0].goals, rows[0].episodes)
+    rates, errors = _goal_rates(rows)
+    return _as_share(bootstrap(rates, _rng(), errors=errors).interval())
+
+
+def mean_return(rows: Sequence[Result]) -> Interval:
+    """Estimate the mean return of a method on a scene: bootstrap over runs, or normal for a single run."""
+    from ued.statistics import Interval, bootstrap
+
+    values, errors = _returns(rows)
+    if len(rows) == 1:
+        return Interval(values[0], values[0] - 1.96 * errors[0], values[0] + 1.96 * errors[0])
+    return bootstrap(values, _rng(), errors=errors).interval()
+
+
+def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
+    """Estimate by how much one method's mean return on a scene exceeds another's, resampling whole runs of both."""
+    return _difference(_returns(rows), _returns(reference))
+
+
+# ---------------------------------------------------------------- one method on all scenes
+
+
+class Scores(NamedTuple):
+    """Goal rates of R runs on S scenes `[R, S]`, and their standard errors `[R, S]`."""
+
+    rates: np.ndarray
+    errors: np.ndarray
+
+
+def scores(results: Sequence[Result], method: str) -> Scores:
+    """Give the goal rates of a method's runs on all scenes."""
+    scenes = unique([row.scene for row in results])
+    found = [_goal_rates(select(results, method, scene)) for scene in scenes]
+    return Scores(np.stack([rates for rates, _ in found], 1), np.stack([errors for _, errors in found], 1))
+
+
+def mean_score(found: Scores) -> Interval:
+    """Estimate the mean over the scenes, resampling whole runs."""
+    from ued.statistics import bootstrap, mean
+
+    return _as_share(bootstrap(found.rates, _rng(), mean, found.errors).interval())
+
+
+def iqm_score(found: Scores) -> Interval:
+    """Estimate the interquartile mean over runs and scenes, resampling whole runs."""
+    from ued.statistics import bootstrap, iqm
+
+    return _as_share(bootstrap(found.rates, _rng(), iqm, found.errors).interval())
+
+
+def iqm_stratified(found: Scores) -> Interval:
+    """Estimate the same with rliable's interval, which takes a run's scenes for independent; nan for a single run."""
+    from ued.statistics import stratified
+
+    interval = stratified(found.rates, _rng())
+    return interval if len(found.rates) > 1 else interval._replace(low=np.nan, high=np.nan)
+
+
+def score_advantage(found: Scores, reference: Scores) -> Interval:
+    """Estimate by how much one method's mean over the scenes exceeds another's, resampling whole runs of both."""
+    return _difference(found, reference)
+
+
+def chance_of_better(found: Scores, reference: Scores) -> Interval:
+    """Estimate the probability that a run's mean over the scenes is above that of a run of the other method."""
+    from ued.statistics import probability_of_improvement
+
+    return probability_of_improvement(found.rates.mean(1), reference.rates.mean(1))
+
+
+# ---------------------------------------------------------------- levels drawn at random
+
+
+def level_rate(rows: Sequence[LevelResult]) -> Interval:
+    """Estimate the goal rate on levels drawn at random, resampling runs; the levels are the same for all."""
+    from ued.statistics import bootstrap, wilson
+
+    if len(rows) == 1:
+        count = rows[0].levels * rows[0].episodes
+        return wilson(round(rows[0].goal_rate * count), count)
+    return _as_share(bootstrap(np.array([row.goal_rate for row in rows]), _rng()).interval())
+
+
+def level_cvar(rows: Sequence[LevelResult]) -> Interval:
+    """Estimate the goal rate on the worst tenth of levels drawn at random, resampling runs."""
+    from ued.statistics import Interval, bootstrap
+
+    values, errors = np.array([[row.cvar10, row.cvar10_error] for row in rows]).T
+    if len(rows) == 1:
+        return _as_share(Interval(values[0], values[0] - 1.96 * errors[0], values[0] + 1.96 * errors[0]))
+    return _as_share(bootstrap(values, _rng(), errors=errors).interval())
+
+
+# ---------------------------------------------------------------- shared
+
+
+def _goal_rates(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
+    """Give each run's goal rate `[R]` and its standard error `[R]`."""
+    episodes = np.array([row.episodes for row in rows])
+    rates = np.array([row.goals for row in rows]) / episodes
+    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): no goal at all is not certainty
+    return rates, np.sqrt(likely * (1 - likely) / (episodes + 4))
+
+
+def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
+    """Give each run's mean return `[R]` and its standard error `[R]`."""
+    values = np.array([row.mean_return for row in rows])
+    return values, np.array([row.return_std / np.sqrt(row.episodes) for row in rows])
+
+
+def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Interval:
+    """Estimate the difference of the means of two sets of runs, each (values, standard errors)."""
+    from ued.statistics import bootstrap
+
+    rng = _rng()
+    mine, theirs = (bootstrap(values, rng, errors=errors) for values, errors in (one, other))
+    return (mine - theirs).interval()
+
+
+def _as_share(found: Interval) -> Interval:
+    """Cut an interval to what a share can be; nan stays."""
+    low, high = np.clip((found.low, found.high), 0.0, 1.0)
+    return found._replace(low=float(low), high=float(high))
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(BOOTSTRAP_SEED)
+
+
+def align(rows: list[list[str]]) -> str:
+    """Give rows as columns of text, with a rule beneath the first."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join([lines[0], "─" * max(map(len, lines)), *lines[1:]])

@@ -1,0 +1,115 @@
+"""An append-only CSV table that survives a kill: whole rows, flushed, cut back to the checkpoint on resume.
+
+Read next: `run.folder`, whose metrics and levels are such tables.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.run.errors import CommandError
+
+
+class Table:
+    """Rows that belong to updates: the first column is `update`. Numbers are written so that they read back equal.
+
+    The columns are those of the first row. A later row may leave some out; one with a column more widens the table,
+    which rewrites the file once.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.columns: list[str] = read_header(path)
+
+    def append(self, rows: Iterable[Mapping[str, Any]]) -> None:
+        """Add rows and flush them. Raises `CommandError` if the disk refuses; what was there stays."""
+        rows = list(rows)
+        new = [name for row in rows for name in row if name not in self.columns]
+        if new:
+            self._widen(list(dict.fromkeys(new)))
+        text = "".join(self._line(row) for row in rows)
+        try:
+            with open(self.path, "a", newline="") as file:
+                file.write(text)
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    def keep_until(self, update: int) -> None:
+        """Drop the rows of later updates, and a last one that was cut off in the middle."""
+        if not self.path.exists():
+            return
+        with open(self.path, newline="") as file:
+            lines = file.readlines()
+        kept = lines[:1] + [line for line in lines[1:] if line.endswith("\n") and int(line.split(",", 1)[0]) <= update]
+        self._rewrite(kept)
+
+    def _widen(self, names: list[str]) -> None:
+        old = read_rows(self.path) if self.columns else []
+        self.columns += names
+        header = ",".join(map(_quote, self.columns)) + "\n"
+        self._rewrite([header, *(self._line(row) for row in old)])
+
+    def _line(self, row: Mapping[str, Any]) -> str:
+        return ",".join(_quote(spell(row.get(name))) for name in self.columns) + "\n"
+
+    def _rewrite(self, lines: list[str]) -> None:
+        """Replace the file in one step, so that a kill leaves either the old or the new one."""
+        beside = self.path.with_name(self.path.name + ".part")
+        try:
+            beside.write_text("".join(lines))
+            os.replace(beside, self.path)
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+
+def read_header(path: Path) -> list[str]:
+    """Give the names of the columns, none if there is no table yet."""
+    if not path.exists():
+        return []
+    with open(path, newline="") as file:
+        return next(csv.reader(file), [])
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Give the whole rows as text by column; a last row without its newline is left out."""
+    if not path.exists():
+        return []
+    with open(path, newline="") as file:
+        lines = [line for line in file if line.endswith("\n")]
+    return list(csv.DictReader(lines))
+
+
+def read_columns(path: Path) -> dict[str, np.ndarray]:
+    """Give the columns as float64 arrays, NaN where a cell is empty."""
+    rows = read_rows(path)
+    return {name: np.array([_number(row[name]) for row in rows]) for name in read_header(path)}
+
+
+def cannot_write(path: Path, error: Exception) -> CommandError:
+    """Give the error of a file that cannot be written."""
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error).partition("\n")[0]
+    return CommandError(f"cannot write {path}: {reason}")
+
+
+def spell(value: Any) -> str:
+    """Write a number so that it reads back equal; nothing for None and NaN."""
+    if value is None or (isinstance(value, float | np.floating) and math.isnan(value)):
+        return ""
+    if isinstance(value, float | np.floating):
+        return repr(float(value)).removesuffix(".0")
+    return str(value)
+
+
+def _number(text: str) -> float:
+    return float(text) if text else math.nan
+
+
+def _quote(text: str) -> str:
+    return f'"{text}"' if "," in text or '"' in text else text

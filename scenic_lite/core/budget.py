@@ -1,0 +1,126 @@
+"""What a program may spend while it is loaded and sampled, so that a file from a stranger can waste time and no more.
+
+Every limit has one sentence for the user. Read next: `core.scope`, which spends the steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sized
+from dataclasses import dataclass, field, replace
+
+from scenic_lite.errors import ScenicError
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The most that one program may use."""
+
+    steps: int = 200_000  # nodes of the tree evaluated, loops and calls counted each time
+    calls: int = 40  # functions called inside each other; Python's own stack ends soon after
+    elements: int = 100_000  # of one list, tuple, dict, set or range
+    memory: int = 10_000_000  # elements and characters created in all
+    characters: int = 1_000_000  # of one text
+    bits: int = 4096  # of one integer
+    objects: int = 400  # every pair of them is tested for overlap
+    draws: int = 2000  # random values
+    operations: int = 20_000  # on random values; each costs an array operation per batch
+    scene: int = 20_000  # steps of a condition that is decided scene by scene, in one of them
+    scenes: int = 2_000_000  # and in all scenes of one call of Program: some seconds
+
+
+@dataclass
+class Budget:
+    """Counts what a load has spent; each method raises ScenicError of kind `budget` when a limit is passed."""
+
+    limits: Limits = field(default_factory=Limits)
+    steps: int = 0
+    memory: int = 0
+    calls: int = 0
+    scenes: int = 0  # steps in single scenes since `new_call`
+    task: str = "to load"
+
+    def step(self) -> None:
+        self.steps += 1
+        if self.steps > self.limits.steps:
+            raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
+
+    def round(self) -> None:
+        """A loop that may go on for ever goes round."""
+        self.step()
+
+    def new_call(self, wanted: int = 0) -> None:
+        """Scenes are asked for, some of them to be found among many: what is decided scene by scene starts anew."""
+        self.scenes = -wanted * self.limits.scene // 4
+
+    def scene(self) -> Budget:
+        """The budget of what is decided in one scene."""
+        return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
+
+    def charge(self, scene: Budget) -> None:
+        """Count what one scene has spent."""
+        self.scenes += scene.steps
+        if self.scenes > self.limits.scenes:
+            raise exceeded(f"what is decided scene by scene takes more than {self.limits.scenes:,} steps in all scenes")
+
+    def enter(self) -> None:
+        self.calls += 1
+        if self.calls > self.limits.calls:
+            raise exceeded(f"functions call each other more than {self.limits.calls} deep")
+
+    def leave(self) -> None:
+        self.calls -= 1
+
+    def keep(self, value: object) -> None:
+        """Count a freshly made value against the limits."""
+        if isinstance(value, str):
+            self.text(len(value))
+        elif isinstance(value, int):
+            self.integer(value.bit_length())
+        elif isinstance(value, list | tuple | dict | set):
+            self.container(len(value))
+
+    def container(self, length: int) -> None:
+        if length > self.limits.elements:
+            raise exceeded(f"a collection of {length:,} elements; at most {self.limits.elements:,} are allowed")
+        self.spend(length)
+
+    def whole(self, value: object) -> None:
+        """Count what Python visits to compare or to hash a value: a part that is shared is visited each time."""
+        if not isinstance(value, list | tuple | set | dict):
+            return
+        count, pending = 0, [value]
+        while pending:
+            each = pending.pop()
+            count += len(each)
+            if count > self.limits.elements:
+                raise exceeded(f"a collection whose parts hold more than {self.limits.elements:,} elements in all")
+            parts = each.values() if isinstance(each, dict) else each
+            pending += [part for part in parts if isinstance(part, list | tuple | set | dict)]
+        self.spend(count)
+
+    def text(self, length: int) -> None:
+        if length > self.limits.characters:
+            raise exceeded(f"a text of {length:,} characters; at most {self.limits.characters:,} are allowed")
+        self.spend(length)
+
+    def integer(self, bits: int) -> None:
+        if bits > self.limits.bits:
+            raise exceeded(f"an integer of more than {self.limits.bits:,} bits")
+
+    def repeated(self, value: Sized, count: int) -> None:
+        """Check `value * count` before it is made."""
+        length = len(value) * max(0, count)
+        if isinstance(value, str | bytes):
+            self.text(length)
+        else:
+            self.container(length)
+
+    def spend(self, amount: int) -> None:
+        self.memory += amount
+        if self.memory > self.limits.memory:
+            raise exceeded(f"more than {self.limits.memory:,} elements and characters are made in all")
+
+
+def exceeded(what: str) -> ScenicError:
+    """The error for a limit that was passed; whoever knows the place adds it."""
+    return ScenicError("budget", f"evaluation budget exceeded: {what}")

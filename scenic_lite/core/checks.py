@@ -1,0 +1,221 @@
+"""Faults of arithmetic that arrays pass over in silence: where a program may divide by zero, and in which scenes.
+
+The walk notes every random value whose operation can fail (`note`), with its place and the conditions under which the
+program gets there; `Faults` finds the scenes of a batch in which one does. Read next: `scene.program`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.exceptions import from_python
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.values.graph import DIVIDE, FLOOR_DIVIDE, MODULO, POWER, SQUARE_ROOT, Operation, Random, Tape, Value
+
+DIVISIONS = (DIVIDE.array, FLOOR_DIVIDE.array, MODULO.array)
+FAILING: dict[Callable[..., Any], Callable[..., Any]] = {  # on arrays -> on numbers, where Python raises
+    operation.array: operation.scalar for operation in (DIVIDE, FLOOR_DIVIDE, MODULO, POWER, SQUARE_ROOT)
+}
+PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
+
+
+class Picky:
+    """An operation on arrays [N] that knows itself in which rows it fails."""
+
+    def fails(self, *inputs: Any) -> Any:
+        """[N]: the rows in which it fails."""
+        raise NotImplementedError
+
+    def error(self, row: int) -> ScenicError:
+        """What is wrong in a row that fails."""
+        raise NotImplementedError
+
+
+@dataclass(eq=False)
+class Watch:
+    """A random value that may fail: where it stands, and when the program gets there.
+
+    `guards` are conditions and what they must be; `requirement` is the one that evaluates it, by its number, or None
+    for what every scene computes before any rule is tested.
+    """
+
+    node: Random
+    guards: tuple[tuple[Value, bool], ...]
+    requirement: int | None
+    place: Place | None = None
+    line: str = ""
+
+
+@dataclass
+class Watching:
+    """What a session has noted so far, and where it stands."""
+
+    watches: dict[int, Watch] = field(default_factory=dict)
+    unplaced: list[Watch] = field(default_factory=list)  # until the expression that made them is left
+    guards: list[tuple[Value, bool]] = field(default_factory=list)
+    requirement: int | None = None
+
+    @contextmanager
+    def within(self, requirement: int) -> Iterator[None]:
+        """Inside, what is noted belongs to a requirement."""
+        before, self.requirement = self.requirement, requirement
+        try:
+            yield
+        finally:
+            self.requirement = before
+
+    @contextmanager
+    def given(self, *guards: tuple[Value, bool]) -> Iterator[None]:
+        """Inside, what is noted counts only where these conditions are as said."""
+        self.guards += guards
+        try:
+            yield
+        finally:
+            del self.guards[len(self.guards) - len(guards) :]
+
+    def note(self, result: Value, ways: Iterable[tuple[Value, bool]] = ()) -> None:
+        """Watch a result, if its operation, or that of a part or an input of it, can fail."""
+        if isinstance(result, Random):
+            nodes = [result, *result.inputs]
+        else:
+            pair = (result.x, result.y) if hasattr(result, "rotated") else result
+            nodes = list(pair[:PARTS]) if isinstance(pair, tuple) else []
+        for node in nodes:
+            if isinstance(node, Random) and can_fail(node.operation) and id(node) not in self.watches:
+                watch = Watch(node, (*self.guards, *ways), self.requirement)
+                self.watches[id(node)] = watch
+                self.unplaced.append(watch)
+
+    def place(self, place: Place, line: str) -> None:
+        """Give what was noted since its place."""
+        for watch in self.unplaced:
+            watch.place, watch.line = place, line
+        self.unplaced.clear()
+
+
+def can_fail(operation: Callable[..., Any] | None) -> bool:
+    return isinstance(operation, Picky) or (operation in FAILING)
+
+
+def failing(operation: Operation) -> Operation:
+    """The same operation, among those that are watched."""
+    FAILING[operation.array] = operation.scalar
+    return operation
+
+
+class Faults:
+    """The watches of one program that its scenes depend on, over the registers of its tape."""
+
+    def __init__(self, watches: Iterable[Watch], tape: Tape, rules: list[int | None]) -> None:
+        """`rules` gives the rule of each requirement, None for one that always holds."""
+        self.watches = [watch for watch in watches if watch.place is not None and reaches(tape, watch)]
+        self._tape = tape
+        self._rules = rules
+
+    def found(self, registers: list[Any], failed: np.ndarray) -> Found:
+        """What fails in the scenes of a batch; a rule [R, N] whose condition does counts as failed there."""
+        masks = []
+        for watch in self.watches:
+            mask = np.broadcast_to(self._mask(watch, registers), failed.shape[1:])
+            rule = self.rule(watch)
+            if rule is not None and mask.any():
+                failed[rule] |= mask
+            masks.append(mask)
+        return Found(self, registers, masks)
+
+    def rule(self, watch: Watch) -> int | None:
+        return None if watch.requirement is None else self._rules[watch.requirement]
+
+    def _inputs(self, watch: Watch, registers: list[Any]) -> list[Any]:
+        return [self._of(each, registers) for each in watch.node.inputs]
+
+    def _of(self, value: Value, registers: list[Any]) -> Any:
+        slot = self._tape.find(value) if isinstance(value, Random) else None
+        return value if slot is None else registers[slot]
+
+    def _mask(self, watch: Watch, registers: list[Any]) -> Any:
+        inputs = self._inputs(watch, registers)
+        operation = watch.node.operation
+        if isinstance(operation, Picky):
+            mask = operation.fails(*inputs)
+        elif operation in DIVISIONS:
+            mask = np.asarray(inputs[1]) == 0
+        else:
+            mask = is_infinite(self._of(watch.node, registers))
+            for each in inputs:
+                mask = mask & ~is_infinite(each)
+        for condition, wanted in watch.guards if np.any(mask) else ():
+            mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == wanted)
+        return mask
+
+    def error(self, watch: Watch, registers: list[Any], row: int) -> ScenicError:
+        operation = watch.node.operation
+        if isinstance(operation, Picky):
+            error = operation.error(row)
+        else:
+            inputs = [np.atleast_1d(each) for each in self._inputs(watch, registers)]
+            error = error_of(operation, [each[min(row, len(each) - 1)].item() for each in inputs])
+        if error.place is None:
+            error.place, error.source_line = watch.place, watch.line
+        return error
+
+
+class Found:
+    """What fails in one batch of scenes."""
+
+    def __init__(self, faults: Faults, registers: list[Any], masks: list[np.ndarray]) -> None:
+        self.faults, self.registers, self.masks = faults, registers, masks
+        self.any = any(mask.any() for mask in masks)
+
+    @property
+    def in_values(self) -> np.ndarray | np.bool_:
+        """[N]: the scenes with a value that cannot be computed."""
+        pairs = zip(self.faults.watches, self.masks, strict=True)
+        own = [mask for watch, mask in pairs if watch.requirement is None]
+        return np.logical_or.reduce(own) if own else np.False_
+
+    def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:
+        """Raise the ScenicError of a scene that was `drawn` [N] and in which the program fails before it is rejected.
+
+        `broken` [N, R] are the rules in force that the scenes break. As in Scenic, all values are computed first; a
+        requirement is evaluated where every rule before it holds.
+        """
+        for watch, mask in zip(self.faults.watches, self.masks, strict=True):
+            rows = mask & drawn
+            rule = self.faults.rule(watch)
+            if rule is not None:
+                rows &= broken[:, rule] & ~broken[:, :rule].any(axis=1)
+            if rows.any():
+                raise self.faults.error(watch, self.registers, int(rows.argmax()))
+
+
+def reaches(tape: Tape, watch: Watch) -> bool:
+    """Whether the tape computes the value, and what decides whether the program gets there."""
+    needed = [watch.node, *(condition for condition, _ in watch.guards if isinstance(condition, Random))]
+    return all(tape.find(each) is not None for each in needed)
+
+
+def is_infinite(values: Any) -> Any:
+    """Where numbers are infinite or none; False for what is no number."""
+    array = np.asarray(values)
+    return ~np.isfinite(array) if array.dtype.kind == "f" else np.zeros(array.shape, dtype=bool)
+
+
+def error_of(operation: Any, numbers: list[Any]) -> ScenicError:
+    """What Python says of an operation on these numbers."""
+    try:
+        result = FAILING[operation](*numbers)
+    except (ArithmeticError, ValueError, TypeError) as fault:
+        error = from_python(fault)
+    else:
+        what = "no real number" if isinstance(result, complex) or math.isnan(result) else "infinite"
+        error = ScenicError("value", f"the result is {what}")
+    given = " and ".join(f"{number:g}" for number in numbers)
+    error.hint = f"the random values allow scenes in which this is computed of {given}"
+    return error

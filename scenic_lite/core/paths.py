@@ -1,0 +1,82 @@
+"""Functions of the program that branch on random values, walked once for each way through them.
+
+Each walk decides every branch beforehand; the results are joined by the branches' conditions, so that what the
+function computes stays a node over arrays. Read next: `language.field_rows`, for functions with too many ways.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from scenic_lite.core.scope import Session
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.graph import WHERE, Value, apply
+
+MOST_BRANCHES, MOST_WALKS = 24, 64
+
+
+class Way:
+    """One way: the decisions of its branches in order, then always True; `conditions` are what was asked."""
+
+    def __init__(self, decisions: list[bool]) -> None:
+        self.decisions = decisions
+        self.conditions: list[Value] = []
+
+    def turn(self, condition: Value) -> bool:
+        """Which way to go at the next branch."""
+        at = len(self.conditions)
+        if at >= MOST_BRANCHES:
+            raise too_many()
+        self.conditions.append(condition)
+        if at == len(self.decisions):
+            self.decisions.append(True)
+        return self.decisions[at]
+
+
+class Walks:
+    """All ways through a computation that gives a number; nan where one of them fails."""
+
+    def __init__(self, session: Session, compute: Callable[[], Value]) -> None:
+        self.session, self.compute = session, compute
+        self.count = 0
+        self.fault: ScenicError | None = None
+        self.arrived = False  # by some way
+
+    def result(self) -> Value:
+        """Raises ScenicError if every way fails, or there are too many of them."""
+        value = self._from([])
+        if not self.arrived and self.fault is not None:
+            raise self.fault
+        return value
+
+    def _from(self, decisions: list[bool]) -> Value:
+        """The value of all ways that begin with some decisions."""
+        self.count += 1
+        if self.count > MOST_WALKS:
+            raise too_many()
+        path = Way(list(decisions))
+        value = self._walk(path)
+        for at in reversed(range(len(decisions), len(path.conditions))):
+            other = self._from([*path.decisions[:at], False])
+            value = apply(WHERE, path.conditions[at], value, other)
+        return value
+
+    def _walk(self, path: Way) -> Value:
+        before, self.session.path = self.session.path, path
+        try:
+            with self.session.requiring():
+                value = self.compute()
+        except ScenicError as error:
+            if error.kind not in ("value", "type"):
+                raise
+            self.fault = error
+            return math.nan
+        finally:
+            self.session.path = before
+        self.arrived = True
+        return value
+
+
+def too_many() -> ScenicError:
+    return ScenicError("random-control-flow", "the function has too many ways through its branches")

@@ -1,0 +1,159 @@
+"""Conditions that arrays cannot decide: requirements whose functions branch or loop on random values, row by row.
+
+Slow (each sample walks the tree again), and only for those. Read next: `scene.constraints`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.bindings import Bindings
+from scenic_lite.core.budget import Budget
+from scenic_lite.core.checks import Picky
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Choice, Function, Instance
+from scenic_lite.errors import ScenicError
+from scenic_lite.scene.scenes import randoms_in
+from scenic_lite.values.graph import Column, Random, Value, columns_of
+
+
+def row_by_row(frame: Frame, node: ast.expr) -> Random:
+    """The truth of a condition for each sample, evaluated one after the other."""
+    columns = tuple(columns_of(*(random for value in mentioned(frame, node) for random in randoms_in(value))))
+    return Random(RowByRow(frame, node, columns), columns, "truth")
+
+
+class ByRow(Picky):
+    """What is decided scene by scene: a tree, and the draws that it depends on.
+
+    An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
+    """
+
+    def __init__(self, frame: Frame, node: ast.AST, columns: tuple[Column, ...]) -> None:
+        self.frame, self.node, self.columns = frame, node, columns
+        self.bindings = Bindings(frame)
+        self._faults: list[ScenicError | None] = []  # one for each scene of the last call
+
+    def __call__(self, *arrays: Any) -> Any:
+        """The operation on arrays [N]."""
+        raise NotImplementedError
+
+    def scenes(self, arrays: Iterable[Iterable[Value]]) -> Iterator[tuple[Value, ...]]:
+        """The rows of some arrays [N], one scene after the other."""
+        self._faults = []
+        for row in zip(*arrays, strict=True):
+            self._faults.append(None)
+            yield row
+
+    def fails(self, *_inputs: Any) -> Any:
+        return np.array([fault is not None for fault in self._faults], dtype=bool)
+
+    def error(self, row: int) -> ScenicError:
+        fault = self._faults[min(row, len(self._faults) - 1)]
+        assert fault is not None, "a scene without a fault"
+        return fault
+
+    def in_scene(self, draws: Iterable[Value], decide: Callable[[], Value], otherwise: Value) -> Value:
+        """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
+        session = self.frame.session
+        row, budget = session.row, session.budget
+        session.row, session.budget = dict(zip(self.columns, draws, strict=True)), budget.scene()
+        try:
+            with session.requiring():
+                return decide()
+        except ScenicError as error:
+            if error.kind != "value":
+                raise
+            self._faults[-1] = error
+            return otherwise
+        finally:
+            spent, session.row, session.budget = session.budget, row, budget
+            self._charge(spent)
+
+    def _charge(self, spent: Budget) -> None:
+        try:
+            self.frame.session.budget.charge(spent)
+        except ScenicError as error:
+            error.hint = "write it without branches and loops on random values, or ask for fewer scenes at once"
+            raise self.frame.placed(error, self.node) from None
+
+
+class RowByRow(ByRow):
+    """A condition as an operation: columns [N] -> truth [N]."""
+
+    node: ast.expr
+
+    def __call__(self, *arrays: Any) -> Any:
+        with self.bindings.restored():
+            return np.array([self.in_scene(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
+
+    def _holds(self) -> bool:
+        return bool(self.frame.value(self.node))
+
+
+def mentioned(frame: Frame, node: ast.AST) -> list[Value]:
+    """The values that an expression may read: of its names, of what its functions name, and of the ego."""
+    found = [frame.session.ego] if frame.session.ego is not None else []
+    return found + reached([(frame, node)])
+
+
+def reached(pending: list[tuple[Frame, ast.AST]]) -> list[Value]:
+    """The values of all names in some trees, and in the functions and behaviors that they name."""
+    found: list[Value] = []
+    seen: set[int] = set()
+    while pending:
+        scope, tree = pending.pop()
+        for name in names_in(tree):
+            value = visible(scope, name)
+            if id(value) not in seen:
+                seen.add(id(value))
+                found.append(value)
+                for part in definitions_in(value):
+                    found += [*part.defaults, *part.keyword_defaults.values()]
+                    pending += [(part.frame, each) for each in body_of(part)]
+    return found
+
+
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def names_in(tree: ast.AST) -> frozenset[str]:
+    return frozenset(each.id for each in ast.walk(tree) if isinstance(each, ast.Name))
+
+
+def visible(frame: Frame, name: str) -> Value:
+    """The value of a name, or None: it may be a local of a function not yet called."""
+    at: Frame | None = frame
+    while at is not None:
+        if name in at.locals:
+            return at.locals[name]
+        at = at.outer
+    return frame.module_names.get(name)
+
+
+def definitions_in(value: Value) -> Iterator[Function | Behavior]:
+    """The functions and behaviors that a value is or carries: methods of objects are among them."""
+    if isinstance(value, Function | Behavior):
+        yield value
+    elif isinstance(value, Bound):
+        yield from definitions_in(value.function)
+    elif isinstance(value, BehaviorCall):
+        yield value.behavior
+    elif isinstance(value, Instance):
+        for cls in value.cls.lineage():
+            yield from (member for member in cls.members.values() if isinstance(member, Function))
+    elif isinstance(value, list | tuple):
+        for each in value:
+            yield from definitions_in(each)
+    elif isinstance(value, Choice):
+        for each in value.options:
+            yield from definitions_in(each)
+
+
+def body_of(definition: Function | Behavior) -> list[ast.AST]:
+    if isinstance(definition, Behavior):
+        return [definition.node]
+    return list(definition.body) if isinstance(definition.body, list) else [definition.body]

@@ -1,0 +1,269 @@
+"""What a Scenic expression can be besides a number, a text or a Python container.
+
+Read next: `language.classes`, the built-in classes; `evaluation.attributes`, what `value.name` may read.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from scenic_lite.core.exceptions import ExceptionClass, Fault
+from scenic_lite.errors import Place
+from scenic_lite.syntax import nodes
+from scenic_lite.values.geometry import Located, Vector, as_vector
+from scenic_lite.values.graph import Random, Value, select
+from scenic_lite.values.regions import Region, VectorField
+
+if TYPE_CHECKING:
+    from scenic_lite.core.scope import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class Default:
+    """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it."""
+
+    compute: Callable[[Instance], Value]
+    needs: frozenset[str] = frozenset()
+    attributes: tuple[str, ...] = ()
+
+
+@dataclass(eq=False)
+class ScenicClass:
+    """A class of the language: properties with defaults, methods, attributes."""
+
+    name: str
+    base: ScenicClass | None
+    defaults: dict[str, Default] = field(default_factory=dict)
+    members: dict[str, Value] = field(default_factory=dict)
+
+    def lineage(self) -> Iterator[ScenicClass]:
+        """The class and its bases, most derived first."""
+        at: ScenicClass | None = self
+        while at is not None:
+            yield at
+            at = at.base
+
+    def derives_from(self, other: ScenicClass) -> bool:
+        return any(each is other for each in self.lineage())
+
+    def property_names(self) -> list[str]:
+        """Every property with a default, the base's first."""
+        names: dict[str, None] = {}
+        for each in reversed(list(self.lineage())):
+            names.update(dict.fromkeys(each.defaults))
+        return list(names)
+
+    def defaults_of(self, name: str) -> list[Default]:
+        """The defaults for one property, most derived first."""
+        return [each.defaults[name] for each in self.lineage() if name in each.defaults]
+
+    def member(self, name: str) -> Value:
+        for each in self.lineage():
+            if name in each.members:
+                return each.members[name]
+        return None
+
+
+@dataclass(eq=False)
+class Instance(Located):
+    """A Point, OrientedPoint or Object with its properties."""
+
+    cls: ScenicClass
+    place: Place
+    owner: Any = None  # (Instance, property) in whose specifiers it was made
+    name: str = ""  # the first variable it was bound to
+    properties: dict[str, Value] = field(default_factory=dict)
+    attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, of no property
+    label: str = ""  # unique among the objects of its program
+
+    def position_vector(self) -> Vector | None:
+        return as_vector(self.properties["position"]) if "position" in self.properties else None
+
+    def title(self) -> str:
+        """How a report names it: its variable, or its class."""
+        return self.label or self.name or self.cls.name
+
+
+@dataclass(eq=False)
+class Choice(Located):
+    """A random one of several structured values (objects, regions, tuples); numbers and texts are `Random` instead."""
+
+    index: Random
+    options: tuple
+
+    def merged(self, results: list[Value]) -> Value:
+        """The same choice among `results`, one per option."""
+        return choose(self.index, results)
+
+    def position_vector(self) -> Vector | None:
+        vectors = [as_vector(option) for option in self.options]
+        if any(vector is None for vector in vectors):
+            return None
+        return self.merged(vectors)
+
+
+def choose(index: Random, options: list[Value] | tuple) -> Value:
+    """options[index], as simple a value as the options allow."""
+    if all(isinstance(option, int | float | str | Random) for option in options):
+        return select(index, tuple(options))
+    if all(isinstance(option, Vector) for option in options):
+        return Vector(
+            select(index, tuple(option.x for option in options)), select(index, tuple(option.y for option in options))
+        )
+    return options[0] if all(option is options[0] for option in options) else Choice(index, tuple(options))
+
+
+@dataclass(frozen=True, eq=False)
+class Delayed:
+    """A value that waits for properties of the object being made: `needs` names them."""
+
+    needs: frozenset[str]
+    compute: Callable[[Instance], Value]
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """A `def` or `lambda` of a program."""
+
+    name: str
+    arguments: ast.arguments
+    defaults: tuple[Value, ...]
+    keyword_defaults: dict[str, Value]
+    body: list[ast.stmt] | ast.expr
+    frame: Frame
+    assigned: frozenset[str] = frozenset()  # its local names besides its arguments
+    generates: bool = False  # it has a `yield`
+    owner: ScenicClass | None = None  # whose method it is
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A method with its receiver."""
+
+    function: Function | Builtin
+    receiver: Value
+
+
+@dataclass(frozen=True, eq=False)
+class Descriptor:
+    """A method behind `@staticmethod`, `@classmethod` or `@property`."""
+
+    kind: str
+    function: Value
+
+
+@dataclass(frozen=True, eq=False)
+class Super:
+    """`super()` in a method: what the base of the method's class knows about an instance or a class."""
+
+    base: ScenicClass
+    receiver: Value
+
+
+@dataclass(eq=False)
+class Stream:
+    """An iterator: what `map`, `zip`, `iter` or a generator gives. Its elements are made at once and used up once."""
+
+    items: list
+    at: int = 0
+
+    def rest(self) -> list:
+        """Use up what is left."""
+        left, self.at = self.items[self.at :], len(self.items)
+        return left
+
+
+@dataclass(frozen=True, eq=False)
+class Builtin:
+    """A function of the language itself, from our own tables; `sited`: it also receives the Frame and the call."""
+
+    name: str
+    function: Callable[..., Value]
+    sited: bool = False
+    types: tuple[type, ...] = ()  # for `isinstance`, if the name is also a type
+    lifted: bool = True  # an argument that is a Choice is mapped over its options
+
+
+@dataclass(frozen=True, eq=False)
+class Namespace:
+    """An imported module, `globalParameters`, or the state of a game; `open`: a program may assign its names."""
+
+    name: str
+    names: dict[str, Value]
+    open: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Behavior:
+    """A `behavior`, `monitor` or `scenario` definition, kept as a tree."""
+
+    name: str
+    node: nodes.Behavior | nodes.Scenario
+    defaults: tuple[Value, ...]
+    keyword_defaults: dict[str, Value]
+    frame: Frame
+    assigned: frozenset[str] = frozenset()  # its own variables besides its arguments
+
+    @property
+    def kind(self) -> str:
+        """One of "behavior", "monitor" and "scenario"."""
+        return "scenario" if isinstance(self.node, nodes.Scenario) else self.node.kind
+
+    @property
+    def scenario(self) -> nodes.Scenario:
+        """The tree of a scenario."""
+        assert isinstance(self.node, nodes.Scenario)
+        return self.node
+
+
+@dataclass(frozen=True, eq=False)
+class BehaviorCall:
+    """A behavior with its arguments, bound by name; what `with behavior B(1)` attaches.
+
+    `names`: the variables of a scenario that has been set up in an episode.
+    """
+
+    behavior: Behavior
+    arguments: dict[str, Value]
+    place: Place
+    names: dict[str, Value] = field(default_factory=dict)
+
+
+def describe_kind(value: Value) -> str:
+    """What a value is, for a message: "a number", "a region", ..."""
+    if isinstance(value, Random):
+        return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
+    if isinstance(value, Instance):
+        return f"a {value.cls.name}"
+    for types, words in KINDS:
+        if isinstance(value, types):
+            return words
+    return f"a {type(value).__name__.lower()}"
+
+
+KINDS: tuple[tuple[Any, str], ...] = (
+    (type(None), "None"),
+    (bool, "a truth value"),
+    ((int, float), "a number"),
+    (str, "a text"),
+    (Vector, "a vector"),
+    (Region, "a region"),
+    (VectorField, "a vector field"),
+    (ScenicClass, "a class"),
+    ((Function, Bound, Builtin), "a function"),
+    (Behavior, "a behavior without its arguments"),
+    (BehaviorCall, "a behavior"),
+    (Namespace, "a module"),
+    (Choice, "a random choice"),
+    (Stream, "an iterator"),
+    (Descriptor, "a method of its class"),
+    (ExceptionClass, "a class of exceptions"),
+    (Fault, "an exception"),
+    (range, "a range"),
+    (list, "a list"),
+    (dict, "a dictionary"),
+    (Delayed, "a value that depends on the object being made"),
+)

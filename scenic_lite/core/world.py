@@ -1,0 +1,91 @@
+"""What a simulator shows of itself to behaviors and monitors, and what it takes from them.
+
+A step of the world is seen as two tables of numbers: one row per object of the program, and a row of facts about the
+match as a whole. What a program reads (`ball.position`, `simulation()`) is made from these by functions that never
+look at a number, so that the same functions serve numbers and the compiler's registers. Read next: `dynamics.toy`,
+the smallest world; `dynamics.reference.interpreter`, which runs programs in one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from scenic_lite.core.types import Instance, Namespace
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.graph import ADD, MULTIPLY, Value, apply
+
+
+@dataclass(frozen=True)
+class World:
+    """A kind of simulator, as programs see it.
+
+    Attributes:
+        name: of the simulator, for messages.
+        fields: the F columns of the world table [O, F] (float64), one row per object in the order of the scene.
+        facts: the G numbers of the match as a whole, table [G] (float64), such as "time": steps since the start.
+        timestep: seconds per step.
+        properties: the live properties of an object from its fields, by name: {"position": Vector(...), ...}. The
+            values of the fields may be numbers or registers of the compiler: they may be computed with, not looked at.
+        simulation: what `simulation()` gives, from the objects in the order of the scene and the facts by name. A
+            program may set its attribute `scenic_reward`: the reward of this step, 0 unless set in it.
+        command: checks one action of a `take` by an object, and gives it the form that the simulator wants. Raises
+            ScenicError for what is no action of this world, or none of this object.
+        actions: how many actions there are, if they are the numbers from 0 on; 0 must be the one that changes nothing.
+            What an object does in a step is then one number too (`packed`). None: actions are values of any kind.
+    """
+
+    name: str
+    fields: tuple[str, ...]
+    facts: tuple[str, ...]
+    timestep: float
+    properties: Callable[[Instance, dict[str, Value]], dict[str, Value]]
+    simulation: Callable[[list[Instance], dict[str, Value]], Namespace]
+    command: Callable[[Value, Instance], Value]
+    actions: int | None = None
+
+    def no_action(self, number: str) -> str:
+        """What is said of a number that is none of the actions."""
+        assert self.actions is not None
+        return f"there is no action {number}; actions are 0 to {self.actions - 1}"
+
+
+MOST_AT_ONCE = 8  # actions of one `take`, where they are numbers
+
+
+def packed(actions: Sequence[Value], base: int) -> Value:
+    """Several actions of one `take` as one number, the first its highest digit in this base; one action is itself."""
+    if len(actions) > MOST_AT_ONCE:
+        raise ScenicError("value", f"{len(actions)} actions at once; at most {MOST_AT_ONCE} are possible")
+    number = actions[0]
+    for action in actions[1:]:
+        number = apply(ADD, apply(MULTIPLY, number, base), action)
+    return number
+
+
+class Commands(NamedTuple):
+    """What the behaviors of one step want.
+
+    `actions`: a tuple of actions for each object, in the order of the scene; () for one that waits, whose behavior has
+    ended, or that has none. `agents`: the objects that have a behavior. `terminated`: how the episode has ended, if it
+    has (see `Verdict`); nobody acts then. `rejected`: which requirement is broken, if one is.
+    """
+
+    actions: tuple[tuple[Value, ...], ...]
+    agents: tuple[int, ...]
+    terminated: str | None = None
+    rejected: str | None = None
+
+
+class Verdict(NamedTuple):
+    """What monitors and conditions say of one step.
+
+    `reward`: what the program has set `simulation().scenic_reward` to since the last verdict, or 0. `terminated`: how
+    the episode has ended, in Scenic's words: "scenarioComplete: reason", "terminatedByMonitor: reason",
+    "terminatedByBehavior: reason" or "simulationTerminationCondition: reason". `rejected`: which requirement is broken.
+    """
+
+    reward: float
+    terminated: str | None = None
+    rejected: str | None = None

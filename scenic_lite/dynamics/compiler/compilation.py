@@ -1,0 +1,403 @@
+"""What the compiler knows while it walks a program: the frames of inlined behaviors and functions, and one compilation.
+
+Names are looked up as everywhere; their values are fixed, or made of registers. Read next:
+`dynamics.compiler.statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+from scenic_lite.core.scope import PYTHON_FAULTS, Frame, Session, Source, from_python
+from scenic_lite.core.types import Behavior, Function, Instance, Namespace
+from scenic_lite.core.world import World
+from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.parts import Driver, Part
+from scenic_lite.dynamics.compiler.registers import Slot, kept
+from scenic_lite.dynamics.compiler.types import Shape
+from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine.compiled import Record
+from scenic_lite.dynamics.reference.threads import within
+from scenic_lite.errors import ScenicError
+from scenic_lite.scene.program import Program
+from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import Value
+
+MUTATORS = frozenset(
+    {"append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort", "update", "setdefault"}
+)
+DEEPEST = 40  # behaviors and functions inside each other
+
+
+@dataclass(eq=False)
+class Loop:
+    """Where `break` and `continue` lead; `leave` stores what the loop's target is when it is left."""
+
+    exit: Label
+    again: Label
+    leave: Callable[[], None] | None = None
+    parts: int = 0  # scenarios in the compose block that are written before it
+
+
+@dataclass(eq=False)
+class Scope:
+    """One inlined behavior or function, besides its names."""
+
+    path: tuple  # of calls and rounds that lead here: what it is known by from one compilation to the next
+    body: list[ast.stmt]
+    end: Label
+    behavior: Behavior | None = None
+    result: Slot | None = None  # of a function that returns from several places
+    loops: list[Loop] = field(default_factory=list)
+    aborts: list[Label] = field(default_factory=list)
+    level: int = 0  # intermediate results in use when a function gives its value back
+    live: int = 0  # constructs around the present statement that are decided during a match
+
+
+class LiveFrame(Frame):
+    """A frame whose variables may stand in registers."""
+
+    __slots__ = ("compilation", "given", "scope", "slots")
+
+    def __init__(
+        self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Frame, scope: Scope
+    ) -> None:
+        super().__init__(compilation.session, source, names, outer)
+        self.compilation, self.scope = compilation, scope
+        self.slots: dict[str, Slot] = {}
+        self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
+
+    def inner(self, names: dict[str, Value]) -> Frame:
+        return Frame(self.session, self.source, names, self)
+
+    def run(self, statements: Iterable[ast.stmt]) -> None:
+        """Compile statements as far as they can be reached."""
+        for node in statements:
+            if not self.compilation.code.reachable:
+                return
+            super().run((node,))
+
+    def assign(self, name: str, value: Value) -> None:
+        if name in self.globals:
+            self.compilation.keep_global(self, name, value)
+            return
+        if name in self.nonlocals:
+            owner = self.owner_of(name)
+            owner.assign(name, value)
+            return
+        slot = self.slots.get(name)
+        if slot is not None:
+            slot.store(value)
+            self.locals[name] = slot.value
+            if name in self.given:
+                self.compilation.code.row(Op.COPY, self.given[name], self.compilation.code.constant(1))
+        else:
+            self.locals[name] = kept(self.compilation.code, value)
+
+    def owner_of(self, name: str) -> LiveFrame:
+        """The frame around this one whose variable it is."""
+        frame = self.outer
+        while frame is not None and name not in frame.locals:
+            frame = frame.outer
+        if not isinstance(frame, LiveFrame):
+            message = f"'{name}' belongs to a function that is over, and cannot be assigned in a match"
+            raise ScenicError("unsupported", message)
+        return frame
+
+    def assign_where_it_is(self, name: str, value: Value) -> None:
+        """Change what a name stands for, whoever it belongs to."""
+        frame: Frame | None = self
+        while frame is not None and name not in frame.locals and frame.locals is not frame.module_names:
+            frame = frame.outer
+        if isinstance(frame, LiveFrame):
+            frame.assign(name, value)
+        elif name in self.module_names:
+            self.compilation.keep_global(self, name, value)
+        else:
+            message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
+            raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
+
+    def pin(self, names: Iterable[str]) -> None:
+        """From here on these variables stand in registers: what assigns them is decided during a match."""
+        for name in sorted(names):
+            others = name in self.globals or name in self.nonlocals or name not in self.assigned | self.locals.keys()
+            if others or name in self.slots:
+                continue
+            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name), varying=True)
+            self.slots[name] = slot
+            if name in self.locals:
+                slot.store(self.locals[name])
+            if slot.shape is not None:
+                self.locals[name] = slot.value
+
+    @contextmanager
+    def living(self) -> Iterator[None]:
+        """Inside, whether a statement is reached is decided during a match."""
+        self.scope.live += 1
+        try:
+            yield
+        finally:
+            self.scope.live -= 1
+
+
+@dataclass(eq=False)
+class Compilation:
+    """One walk over a program's behaviors, monitors and conditions; repeated until no variable's shape widens."""
+
+    program: Program
+    world: World
+    session: Session
+    code: Assembler
+    shapes: dict[tuple, Shape]
+    simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
+    modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
+    shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
+    path: tuple = ()
+    slot: int = 0  # register of the innermost block: where it goes on
+    agent: Instance | None = None
+    before: dict[int, dict[str, Value]] = field(default_factory=dict)  # what `modules` held before this walk
+    inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
+    doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
+    commands: list[tuple[Value, ...]] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)  # for the end of a match
+    broken: list[str] = field(default_factory=list)  # requirements that reject a match
+    remembering: bool = False  # the program reads `lastActions`
+    guarding: int = 0  # statements with a scan around the present one: their variables all last
+    clock: Any = None  # steps since the start
+    counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
+    part: Part | None = None  # the scenario to which the present statements belong
+    composing: bool = False  # they are those of its compose block
+    setting_up: bool = False  # they are those of its setup, which runs during the match
+    repeating: int = 0  # constructs around them that may run them several times
+    flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
+    drivers: dict[str, list[Driver]] = field(default_factory=dict)  # overriding behaviors, by the object's label
+    driving: dict[str, int] = field(default_factory=dict)  # register of the driver's number, by label
+    starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
+    titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
+    records: list[Record] = field(default_factory=list)
+    world_base: int = 0
+    fact_base: int = 0
+    live_names: frozenset[str] = frozenset()  # properties that the world shows
+
+    @contextmanager
+    def entered(self, thing: Behavior | Function, node: ast.AST) -> Iterator[None]:
+        """Inside, a behavior or function is inlined. Raises ScenicError for recursion."""
+        body = thing.node if isinstance(thing, Behavior) else thing.body
+        if any(each is body for each in self.inside) or len(self.inside) >= DEEPEST:
+            hint = "write a loop"
+            raise ScenicError("unsupported", f"{thing.name} calls itself, which no match can do", hint=hint)
+        self.inside.append(body)
+        path, self.path = self.path, (*self.path, id(node))
+        try:
+            yield
+        finally:
+            self.inside.pop()
+            self.path = path
+
+    @contextmanager
+    def round(self, node: ast.AST, number: int) -> Iterator[None]:
+        """Inside is one round of a loop that is unrolled."""
+        path, self.path = self.path, (*self.path, id(node), number)
+        try:
+            yield
+        finally:
+            self.path = path
+
+    @contextmanager
+    def rounds(self, number: int) -> Iterator[None]:
+        """Inside is what belongs to the scenario with this number."""
+        path, self.path = self.path, (*self.path, number)
+        try:
+            yield
+        finally:
+            self.path = path
+
+    @contextmanager
+    def block(self, slot: int) -> Iterator[None]:
+        """Inside, time passes in the block with this slot."""
+        outer, self.slot = self.slot, slot
+        try:
+            yield
+        finally:
+            self.slot = outer
+
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """Inside, blocks are suspended while others run: none of their variables may share a register."""
+        self.guarding += 1
+        try:
+            yield
+        finally:
+            self.guarding -= 1
+
+    def keep_global(self, frame: Frame, name: str, value: Value) -> None:
+        """Assign a variable of a module, which all behaviors of a match see."""
+        from scenic_lite.dynamics.compiler.attributes import keep
+
+        number = id(frame.module_names)
+        self.modules[number] = frame.module_names
+        keep(self, ("global", number, name), value)
+
+    def flag_of(self, thing: Any) -> int | None:
+        """The register that says whether the statement that made something was come to; None if that is certain."""
+        found = self.flags.get(id(thing))
+        return None if found is None else found[1]
+
+    @property
+    def part_behavior(self) -> Behavior | None:
+        """The definition of the present scenario."""
+        return None if self.part is None or self.part.call is None else self.part.call.behavior
+
+    def written(self) -> int:
+        """How many scenarios the present compose block has run in the text so far."""
+        return len(self.part.parts) if self.part is not None and self.composing else 0
+
+    def give_up(self, since: int) -> None:
+        """End the scenarios that the compose block has begun in a statement and not come back to."""
+        if self.part is not None and self.composing:
+            for part in self.part.parts[since:]:
+                part.call_routine(self.code, part.stop)
+
+    @contextmanager
+    def within(self, part: Part, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
+        """Inside, statements belong to a scenario, and `ego` is its own."""
+        outside = self.part, self.composing, self.setting_up, self.repeating, self.session.ego
+        self.part, self.composing, self.setting_up, self.repeating = part, composing, setting_up, 0
+        self.session.ego = part.ego
+        try:
+            yield
+        finally:
+            part.ego = self.session.ego
+            self.part, self.composing, self.setting_up, self.repeating, self.session.ego = outside
+
+    @contextmanager
+    def repeated(self) -> Iterator[None]:
+        """Inside, statements may be executed several times."""
+        self.repeating += 1
+        try:
+            yield
+        finally:
+            self.repeating -= 1
+
+    def time(self) -> Any:
+        """Steps since the start. Raises ScenicError if the world does not tell."""
+        if self.clock is None:
+            raise ScenicError("unsupported", f"the world {self.world.name} does not tell the time")
+        return self.clock
+
+    def reject(self, message: str) -> None:
+        self.broken.append(message)
+        self.code.row(Op.REJECT, c=len(self.broken))
+
+    def reason(self, message: str) -> int:
+        """The register of the number of a reason to end."""
+        if message not in self.reasons:
+            self.reasons.append(message)
+        return self.code.constant(1 + self.reasons.index(message))
+
+
+class Snapshot:
+    """How far a walk has come, to go back to if one way to compile a statement turns out not to do."""
+
+    def __init__(self, c: Compilation, frame: LiveFrame) -> None:
+        code = c.code
+        self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
+        lists: list[list] = [code.rows, c.doubts, c.commands, c.reasons, c.broken, *c.drivers.values()]
+        lists += [] if c.part is None else c.part.lists()
+        self.lists = [(each, len(each)) for each in lists]
+        self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
+        self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
+
+    def restore(self) -> None:
+        code = self.c.code
+        for each, length in self.lists:
+            del each[length:]
+        for area, used in self.used:
+            area.used = used
+        code.known, code.reachable = self.known, self.reachable
+        self.frame.locals.clear()
+        self.frame.locals.update(self.names)
+        self.frame.slots, self.frame.scope.result = self.slots, self.result
+
+
+def guarded(
+    compilation: Compilation, handler: Callable[[Compilation, LiveFrame, Any], None]
+) -> Callable[[LiveFrame, Any], None]:
+    """A handler of statements that notes the place of the rows it writes.
+
+    A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
+    match that comes to it, as in the reference; what cannot be compiled refuses the program.
+    """
+
+    def handle(frame: LiveFrame, node: ast.stmt) -> None:
+        code = compilation.code
+        before, code.place = code.place, frame.place(node)
+        start, known = len(code.rows), len(compilation.doubts)
+        try:
+            with code.statement():
+                handler(compilation, frame, node)
+        except (ScenicError, *PYTHON_FAULTS) as fault:
+            error = frame.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
+            if error.kind in REFUSALS:
+                raise
+            inner = [each for each in compilation.doubts[known:] if each.kind != "warning"]
+            if inner and not code.reachable:  # a function has failed before, and so this is not come to
+                error = inner[0]
+            else:
+                compilation.doubts.append(error)
+            del code.rows[start:]
+            code.reachable = True
+            code.row(Op.FAULT, note=said(error), place=error.place)
+        finally:
+            code.place = before
+
+    return handle
+
+
+REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
+
+
+def said(error: ScenicError) -> str:
+    return f"{error.message} ({error.hint})" if error.hint else error.message
+
+
+@lru_cache(maxsize=4096)
+def assigned_names(*trees: ast.AST) -> frozenset[str]:
+    """The variables that some statements change, loop targets aside: a loop looks after its own."""
+    found: set[str] = set()
+    for each in within(*trees):
+        if isinstance(each, ast.Assign):
+            targets: list[ast.expr] = each.targets
+        elif isinstance(each, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
+            targets = [each.target]
+        elif isinstance(each, ast.Delete):
+            targets = each.targets
+        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and each.func.attr in MUTATORS:
+            targets = [each.func.value]
+        else:
+            continue
+        for target in targets:
+            found |= {part.id for part in base_names(target)}
+    return frozenset(found)
+
+
+def base_names(target: ast.expr) -> Iterator[ast.Name]:
+    """The variables that assigning to a target changes."""
+    if isinstance(target, ast.Name):
+        yield target
+    elif isinstance(target, ast.Tuple | ast.List):
+        for each in target.elts:
+            yield from base_names(each)
+    elif isinstance(target, ast.Starred | ast.Subscript):
+        yield from base_names(target.value)
+
+
+def suspends(trees: Iterable[ast.AST]) -> bool:
+    """Whether time may pass in some statements."""
+    kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
+    return any(isinstance(each, kinds) for each in within(*trees))

@@ -1,0 +1,275 @@
+"""A compiled program, and a match of it driven from Python: the machine for a batch of one.
+
+Read next: `dynamics.machine.vm`; `dynamics.toy`, a world to play in.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.core.scope import in_row
+from scenic_lite.core.types import Choice
+from scenic_lite.core.world import Commands, Verdict
+from scenic_lite.dynamics.compiler.code import TOLD, Live
+from scenic_lite.dynamics.machine.bytecode import (
+    FAULT,
+    FAULT_ROW,
+    NO_COMMAND,
+    PATIENCE,
+    REJECTED,
+    TERMINATED,
+    Code,
+    Fault,
+    Listing,
+    Op,
+    disassemble,
+)
+from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.kernels.rng import streams
+from scenic_lite.scene.program import Program
+from scenic_lite.values.graph import Random, Tape, Value
+
+
+class Record(NamedTuple):
+    """A `record` in registers.
+
+    `when`: "initial", "each" or "final"; `taken`: the register of the time at which it was taken last, -1 before; then
+    its value, with registers.
+    """
+
+    name: str
+    when: str
+    taken: int
+    value: Value
+
+
+class Listed(NamedTuple):
+    """A list in registers whose length varies: of the elements the first ones count."""
+
+    length: Live
+    elements: list[Value]
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A program's behaviors as code, and all that is needed to run and to explain it.
+
+    Attributes:
+        code: what the kernels read.
+        program: what it was compiled from.
+        threads: of each thread the object that it moves, or -1.
+        places: of each row its place in the program.
+        world_base: the first register of the world table [O, F]; the facts follow it.
+        commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
+        doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
+        records: what `record` statements put into registers.
+        reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
+    """
+
+    code: Code
+    program: Program
+    threads: tuple[int, ...]
+    places: tuple[Place, ...]
+    commands: tuple[tuple[Value, ...], ...]
+    reasons: tuple[str, ...]
+    broken: tuple[str, ...]
+    doubts: tuple[ScenicError, ...]
+    listing: Listing
+    start: np.ndarray  # [R]: constants, entries of the threads
+    inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text
+    tape: Tape
+    texts: dict[str, int]
+    records: tuple[Record, ...]
+    drivers: tuple[tuple[int, int, bool], ...]  # objects that are given behaviors: number, register, has one at first
+
+    @property
+    def world_base(self) -> int:
+        return self.code.world_base
+
+    def registers(self, theta: np.ndarray) -> np.ndarray:
+        """The registers at the start of matches with theta [N, D]: [N, R] float64."""
+        theta = self.program._checked(theta)
+        rows = np.tile(self.start, (len(theta), 1))
+        if self.inputs:
+            with np.errstate(all="ignore"):
+                found = self.tape.run(self.program._scaled(theta))
+            for register, slot, text in self.inputs:
+                values = found[slot]
+                rows[:, register] = [self.text(each) for each in values] if text else values
+        return rows
+
+    def text(self, value: str) -> int:
+        """The number of a text; a new one if the program does not mention it."""
+        return self.texts.setdefault(str(value), len(self.texts))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What `doubts` means to whoever wrote the program, with places."""
+        stops = "a match that comes to this line stops: "
+        return tuple(f"{'' if doubt.kind == 'warning' else stops}{doubt}" for doubt in self.doubts)
+
+    def disassembly(self) -> str:
+        """The code in words, with the lines of the program."""
+        return disassemble(self.code, self.listing)
+
+    def fault(self, registers: np.ndarray) -> ScenicError | None:
+        """What went wrong in a match [R], at its place in the program; None if nothing did."""
+        if registers[FAULT] == 0:
+            return None
+        row = min(int(registers[FAULT_ROW]), len(self.places) - 1)
+        fault = Fault(int(registers[FAULT]))
+        if fault is Fault.ENDLESS:
+            hint = "is a take or wait missing in a loop?"
+            message = f"more than {PATIENCE:,} rounds of loops without an action"
+            return self.program.error("budget", message, self.places[row], hint)
+        message = self.listing.notes.get(row, "") or fault.words
+        if Op(self.code.rows[row, 0]) is Op.FAULT_UNLESS:
+            message = message.replace(TOLD, f"{registers[self.code.rows[row, 2]]:g}")
+        return self.program.error("value", message, self.places[row])
+
+    def rendered(self, number: float, registers: np.ndarray, scene: dict[Random, Value]) -> tuple[Value, ...]:
+        """The actions of a command in a match [R] whose scene gives the draws these values."""
+        if number == NO_COMMAND:
+            return ()
+        return tuple(self.plain(each, registers, scene) for each in self.commands[int(number)])
+
+    def plain(self, value: Value, registers: np.ndarray, scene: dict[Random, Value]) -> Value:
+        """A value with registers as it is in a match [R] whose scene gives the draws these values."""
+        names = {number: text for text, number in self.texts.items()}
+        return plain(value, registers, dict(scene), names)
+
+
+def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: dict[int, str]) -> Value:
+    """A value with everything in it that stands in registers."""
+    if isinstance(value, Listed):
+        count = int(registers[value.length.register])
+        return [plain(each, registers, row, names) for each in value.elements[:count]]
+    for leaf in leaves(value):
+        number = float(registers[leaf.register])
+        if leaf.kind == "text":
+            row[leaf] = names[int(number)]
+        elif leaf.kind == "truth":
+            row[leaf] = bool(number)
+        else:
+            row[leaf] = int(number) if leaf.whole else number
+    found = in_row(value, row)
+    if isinstance(found, Listed):
+        return plain(found, registers, row, names)
+    if isinstance(found, dict):
+        return {key: plain(each, registers, row, names) for key, each in found.items()}
+    if isinstance(found, list | tuple):
+        return type(found)(plain(each, registers, row, names) for each in found)
+    return found
+
+
+def leaves(value: Value) -> list[Live]:
+    """The registers in a value."""
+    if isinstance(value, Live):
+        return [value]
+    if isinstance(value, Random):
+        return [leaf for each in value.inputs for leaf in leaves(each)]
+    if isinstance(value, Choice):
+        return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
+    if isinstance(value, Listed):
+        value = [value.length, *value.elements]
+    if isinstance(value, dict):
+        value = list(value.values())
+    parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
+    return [leaf for each in parts for leaf in leaves(each)]
+
+
+# ------------------------------------------------------------ one match from Python
+
+
+class CompiledController:
+    """One match of a compiled program; the same calls as `Reference`."""
+
+    def __init__(self, compiled: Compiled, theta: np.ndarray, seed: int = 0) -> None:
+        self.compiled = compiled
+        theta = np.asarray(theta, dtype=float)[None]
+        self.registers = compiled.registers(theta)[0]
+        self.holder = np.zeros(1, dtype=HOLDER).view(np.recarray)[0]
+        self.holder.random = streams([seed])[0]
+        self._scene: dict[Random, Value] = dict(compiled.program.row(theta[0]))
+        self.commands = np.full(len(compiled.program.objects), NO_COMMAND)
+        self.records: dict[str, Any] = {}  # as of `Reference`
+
+    def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
+        """As `Reference.act`."""
+        self._see(world, facts)
+        with np.errstate(all="ignore"):
+            run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
+        self._check()
+        self._note("initial", "final")
+        actions = tuple(self._actions(number) for number in self.commands)
+        return Commands(actions, self._agents(), self._terminated(), self._rejected())
+
+    def _agents(self) -> tuple[int, ...]:
+        """The objects that have a behavior now."""
+        having = {each for each in self.compiled.threads if each >= 0}
+        for number, register, at_first in self.compiled.drivers:
+            now = self.registers[register]
+            if now < 0 or (now == 0 and not at_first):
+                having.remove(number)
+        return tuple(sorted(having))
+
+    def _actions(self, number: float) -> tuple[Value, ...]:
+        if self.compiled.commands:
+            return self.compiled.rendered(number, self.registers, self._scene)
+        return () if number == NO_COMMAND else (float(number),)
+
+    def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
+        """As `Reference.watch`."""
+        self._see(world, facts)
+        running = not over(self.registers)
+        with np.errstate(all="ignore"):
+            reward = run_watchers(self.compiled.code, self.registers, self.holder)
+        self._check()
+        if running:
+            self._note("initial", "each", "final")
+        return Verdict(float(reward), self._terminated(), self._rejected())
+
+    def finish(self) -> str | None:
+        """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
+        if not over(self.registers):
+            end(self.compiled.code, self.registers, self.commands, self.holder)
+            self._note("final")
+        return self._rejected()
+
+    def _note(self, *kinds: str) -> None:
+        """Take over what has just been recorded."""
+        time = int(self.registers[self.compiled.code.clock]) if self.compiled.records else 0
+        for each in self.compiled.records:
+            taken = int(self.registers[each.taken])
+            if each.when not in kinds or taken < 0 or (each.when == "each" and taken != time):
+                continue
+            value = self.compiled.plain(each.value, self.registers, self._scene)
+            if each.when == "each":
+                self.records.setdefault(each.name, []).append((time, value))
+            else:
+                self.records[each.name] = value
+
+    def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
+        code = self.compiled.code
+        self.registers[code.world_base : code.world_base + world.size] = world.ravel()
+        self.registers[code.fact_base : code.fact_base + len(facts)] = facts
+
+    def _check(self) -> None:
+        fault = self.compiled.fault(self.registers)
+        if fault is not None:
+            raise fault
+
+    def _terminated(self) -> str | None:
+        number = int(self.registers[TERMINATED])
+        return self.compiled.reasons[number - 1] if number and not self._rejected() else None
+
+    def _rejected(self) -> str | None:
+        number = int(self.registers[REJECTED])
+        return self.compiled.broken[number - 1] if number else None
+
+
+HOLDER = np.dtype([("random", "u8")])

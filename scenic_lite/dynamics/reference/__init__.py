@@ -1,0 +1,1 @@
+"""What behaviors mean: episodes played by plain Python generators, slowly and obviously."""

@@ -1,0 +1,210 @@
+"""One episode: what is true of it now, put where the evaluator looks.
+
+The evaluator knows a program's session and its objects. While the statements of an episode run, `Episode.playing` lends
+them the episode's own state: the values of everything random in this scene (`Session.row`), the live properties of the
+objects, the draws, and what some statements and functions mean at run time. Outside of it the program is as it was
+loaded, so that many episodes of one program can be played in turns. Read next: `dynamics.reference.threads`.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.budget import Budget
+from scenic_lite.core.scope import in_row
+from scenic_lite.core.types import Builtin, Instance, Namespace
+from scenic_lite.core.world import World
+from scenic_lite.dynamics.machine.bytecode import PATIENCE
+from scenic_lite.dynamics.reference.episode_rng import Draws
+from scenic_lite.dynamics.reference.program_state import Belongings
+from scenic_lite.errors import ScenicError
+from scenic_lite.scene.program import Program
+from scenic_lite.values.graph import Column, Random, Value
+
+Handlers = dict[type, Callable[..., Any]]
+FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
+STEPS = 20_000_000  # nodes of the tree that a behavior may evaluate before it lets time pass
+
+
+class Rejected(Exception):
+    """The episode breaks a requirement of the program: it is none of its episodes."""
+
+
+class Patience(Budget):
+    """What one behavior may spend in one step.
+
+    Rounds of `while`, of `for` over a range, and handlers that end count, as in the machine; a loop over a list ends.
+    """
+
+    rounds = 0
+
+    def step(self) -> None:
+        self.steps += 1
+        if self.steps > STEPS:
+            raise ScenicError("budget", f"more than {STEPS:,} steps of evaluation without an action")
+
+    def round(self) -> None:
+        self.rounds += 1
+        if self.rounds > PATIENCE:
+            hint = "is a take or wait missing in a loop?"
+            raise ScenicError("budget", f"more than {PATIENCE:,} rounds of loops without an action", hint=hint)
+
+
+class Episode:
+    """The state of one episode.
+
+    Attributes:
+        time: steps since the start. timestep: seconds per step.
+        objects: those of the program in the order of the scene, then those that scenarios made.
+        reward: of the present step, what a program has set `simulation().scenic_reward` to.
+    """
+
+    def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int) -> None:
+        self.program, self.world = program, world
+        self.session = program.session
+        self.draws = Draws(seed)
+        self.time, self.timestep = 0, world.timestep
+        self.active = False  # its statements run: it is being played, and not rejected
+        self.objects = list(program.instances)
+        self._scene: dict[Random, Value] = dict(program.row(theta))
+        self.row = dict(self._scene)
+        self.simulation: Namespace | None = None
+        self._facts: dict[str, float] = {}
+        self._table: list[dict[str, float]] = []
+        self.suspending: dict[type, Callable[..., Any]] = {}
+        self.scenario: Any = None  # the one whose statements run now
+        self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
+        self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
+        self._belongings = Belongings(program)
+        self._inside = self._lent()
+
+    def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
+        return {name: settled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
+
+    def _lent(self) -> dict[str, Any]:
+        """The fields of the session that differ while this episode is played."""
+        session = self.session
+        return {
+            "row": self.row,
+            "drawn": self._draw,
+            "objects": self.objects,
+            "ego": session.ego,
+            "in_requirement": 0,
+            "owner": None,
+            "handled": [],
+            "budget": Patience(session.budget.limits),
+            "builtins": session.builtins | {"simulation": Builtin("simulation", lambda: self.simulation, lifted=False)},
+        }
+
+    def install(self, statements: Handlers, expressions: Handlers, suspending: Handlers) -> None:
+        """What nodes mean in an episode: statements that take no time, expressions, statements in which time passes."""
+        self._inside["statements"] = self.session.statements | statements
+        self._inside["expressions"] = self.session.expressions | expressions
+        self.suspending = suspending
+
+    @property
+    def reward(self) -> float:
+        """What `simulation().scenic_reward` says."""
+        value = None if self.simulation is None else self.simulation.names.get("scenic_reward")
+        return float(value) if isinstance(value, int | float) else 0.0
+
+    def clear_reward(self) -> None:
+        if self.simulation is not None:
+            self.simulation.names["scenic_reward"] = 0.0
+
+    # ------------------------------------------------------------ playing
+
+    @contextmanager
+    def playing(self) -> Iterator[None]:
+        """Inside, the program means this episode."""
+        outside = dict(vars(self.session))
+        loaded = [(each, each.properties, each.attributes) for each in self.objects]
+        with self._belongings.lent():
+            vars(self.session).update(self._inside)
+            for each, _, _ in loaded:
+                each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
+            self.active = True
+            try:
+                yield
+            finally:
+                self.active = False
+                self._inside = {name: vars(self.session)[name] for name in self._inside}
+                vars(self.session).update(outside)
+                for each, properties, attributes in loaded:
+                    each.properties, each.attributes = properties, attributes
+
+    def rested(self) -> None:
+        """Give what runs next its own patience; most of what was made before counts as forgotten."""
+        fresh = Patience(self.session.budget.limits)
+        fresh.memory = int(self.session.budget.memory * FORGETTING)
+        self.session.budget = fresh
+
+    def refresh(self, table: np.ndarray, facts: np.ndarray, first: bool) -> None:
+        """Take in the world [O, F] and the facts [G] of this step, inside `playing`.
+
+        While the episode starts, guards still see the properties that the scene gives the objects, until `show`.
+        """
+        self.rested()
+        self.row.clear()
+        self.row.update(self._scene)
+        known = dict(zip(self.world.facts, map(float, facts), strict=True))
+        self.time = int(known["time"])
+        self._facts = known | {"time": self.time}
+        self._table = [dict(zip(self.world.fields, map(float, row), strict=True)) for row in table]
+        if not first:
+            self.show()
+        self._see_simulation()
+
+    def show(self) -> None:
+        """Give the objects their live properties."""
+        for instance, fields in zip(self.objects, self._table, strict=False):
+            instance.properties.update(self.world.properties(instance, fields))
+
+    def _see_simulation(self) -> None:
+        seen = self.world.simulation(self.objects, self._facts)
+        if self.simulation is None:
+            self.simulation = Namespace(seen.name, {"scenic_reward": 0.0, **seen.names}, open=True)
+        else:
+            update(self.simulation, seen, ("scenic_reward",))
+
+    def live_names(self, instance: Instance) -> set[str]:
+        """The properties that the simulator gives an object."""
+        return set(self.world.properties(instance, dict.fromkeys(self.world.fields, 0.0)))
+
+    def admit(self, instance: Instance) -> None:
+        """Take in an object that a scenario has made while the episode runs."""
+        instance.properties.setdefault("lastActions", ())
+        self._properties[id(instance)] = instance.properties
+        self._attributes[id(instance)] = instance.attributes
+
+    def _draw(self, column: Column) -> Column:
+        """Give a draw its value at once."""
+        self.row[column] = column.offset + column.span * self.draws.uniform()
+        return column
+
+
+def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
+    """Let a namespace that a program may hold on to show what is new."""
+    for name, value in new.names.items():
+        before = old.names.get(name)
+        if isinstance(before, Namespace) and isinstance(value, Namespace):
+            update(before, value)
+        elif name not in kept:
+            old.names[name] = value
+
+
+def settled(value: Value, row: dict[Random, Value]) -> Value:
+    """A value with everything random in it as it is in one sample; what is not random stays the same container."""
+    value = in_row(value, row)
+    if isinstance(value, list | tuple):
+        parts = [settled(each, row) for each in value]
+        return value if all(map(operator.is_, parts, value)) else type(value)(parts)
+    if isinstance(value, dict):
+        pairs = {key: settled(each, row) for key, each in value.items()}
+        return value if all(each is value[key] for key, each in pairs.items()) else pairs
+    return value

@@ -1,0 +1,96 @@
+"""What loading has made and an episode may change: variables, and the contents of lists, dictionaries and sets.
+
+Each episode has its own, so that a list that its behaviors add to begins every episode as the program wrote it. Read
+next: `episode`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
+
+from scenic_lite.core.per_sample import body_of
+from scenic_lite.core.types import Behavior, BehaviorCall, Choice, Function, Instance, Namespace
+from scenic_lite.scene.program import Program
+from scenic_lite.values.graph import Value
+
+
+class Belongings:
+    """The containers of one program as one episode has them."""
+
+    def __init__(self, program: Program) -> None:
+        found = {id(each): each for each in (*variables(program), *containers(program))}
+        self._own = [(each, each.copy()) for each in found.values()]
+
+    @contextmanager
+    def lent(self) -> Iterator[None]:
+        """Inside, every container has the contents that it has in this episode."""
+        loaded = [each.copy() for each, _ in self._own]
+        for each, own in self._own:
+            fill(each, own)
+        try:
+            yield
+        finally:
+            self._own = [(each, each.copy()) for each, _ in self._own]
+            for (each, _), contents in zip(self._own, loaded, strict=True):
+                fill(each, contents)
+
+
+def fill(container: Any, contents: Any) -> None:
+    container.clear()
+    if isinstance(container, list):
+        container.extend(contents)
+    else:
+        container.update(contents)
+
+
+def variables(program: Program) -> list[dict[str, Value]]:
+    """The names that an episode may assign: those of the main scenario, and of modules by `global`."""
+    modules = {id(each.frame.module_names): each.frame.module_names for each in program.behaviors.values()}
+    found = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+    return found if program.main_frame is None else [*found, program.main_frame.locals]
+
+
+def assigns_globals(value: Value) -> bool:
+    return isinstance(value, Function | Behavior) and any(has_global(tree) for tree in body_of(value))
+
+
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def has_global(tree: ast.AST) -> bool:
+    return any(isinstance(each, ast.Global) for each in ast.walk(tree))
+
+
+def containers(program: Program) -> list[Any]:
+    """The lists, dictionaries and sets that behaviors, monitors and conditions can reach."""
+    pending: list[Value] = [*program.read_in_episodes, *program.instances, program.session.params]
+    if program.main_frame is not None:
+        pending += program.main_frame.locals.values()
+    found: list[Any] = []
+    seen: set[int] = set()
+    while pending:
+        value = pending.pop()
+        parts = parts_of(value)
+        if parts and id(value) not in seen:
+            pending += parts
+        if isinstance(value, list | dict | set) and id(value) not in seen:
+            found.append(value)
+        seen.add(id(value))
+    return found
+
+
+def parts_of(value: Value) -> list[Value]:
+    """What can be reached through a value."""
+    if isinstance(value, list | tuple | set):
+        return list(value)
+    if isinstance(value, dict):
+        return list(value.values())
+    if isinstance(value, Instance):
+        return [*value.properties.values(), *value.attributes.values()]
+    if isinstance(value, BehaviorCall):
+        return list(value.arguments.values())
+    if isinstance(value, Choice):
+        return list(value.options)
+    return list(value.names.values()) if isinstance(value, Namespace) else []

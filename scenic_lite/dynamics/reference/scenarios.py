@@ -1,0 +1,256 @@
+"""Scenarios while an episode runs: the program's own, and those that compose blocks start (spec section 11.8).
+
+A scenario starts in this order: its guards are checked, its setup is executed (objects are made and draws done at
+once), its time limit is computed, the behaviors of its objects start in the order of their making, its monitors start.
+Of the program's scenario the setup was executed when the program was loaded, and its guards are checked at the start.
+
+One step of a scenario, outer ones before the inner ones that their compose blocks run:
+
+1. its temporal requirements see the step; one that is false rejects the episode;
+2. its time limit (`terminate after n`): reached after n steps of its own;
+3. its compose block goes on until it lets time pass, which is where its sub-scenarios take their steps, in the order in
+   which they were named; if it has ended, so has the scenario;
+4. its conditions `terminate when`, in the order of the text.
+
+A scenario that ends stops its monitors and sub-scenarios, gives back what it had overridden, and rejects the episode if
+a temporal requirement does not hold. Each scenario has its own `ego`, at first that of its parent. Read next:
+`dynamics.reference.composing`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from scenic_lite.core.scope import Watched
+from scenic_lite.core.types import BehaviorCall, Instance, describe_kind
+from scenic_lite.dynamics.reference.agents import Agents
+from scenic_lite.dynamics.reference.composing import ComposeThread
+from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
+from scenic_lite.dynamics.reference.threads import End, Thread
+from scenic_lite.language.temporal import Truth, Watch, formula_of
+from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import Value, is_number
+
+KEPT = ("monitors", "terminations", "records", "temporal")
+
+
+class Scenario:
+    """One running scenario; `parent` is None for the program's own."""
+
+    def __init__(self, episode: Episode, agents: Agents, call: BehaviorCall | None, parent: Scenario | None) -> None:
+        self.episode, self.agents, self.parent = episode, agents, parent
+        self.compose: ComposeThread | None = None if call is None else ComposeThread(episode, call, None, self)
+        self.ego = episode.session.ego
+        self.objects: list[Instance] = []
+        self.subs: list[Scenario] = []
+        self.running = False
+        self._monitors: list[Thread] = []
+        self._temporal: list[tuple[Watched, Watch]] = []
+        self._overridden: dict[tuple[Instance, str], Value] = {}
+        self._elapsed = 0
+        self._limit: float | None = None
+        self.kept: dict[str, list] = {name: [] for name in KEPT}
+
+    # ------------------------------------------------------------ start
+
+    def adopt(self) -> None:
+        """Take over what loading the program has made."""
+        program = self.episode.program
+        self.kept = {name: list(vars(program)[name]) for name in KEPT}
+        self.objects = list(self.episode.objects)
+        if self.compose is not None and program.main_frame is not None:
+            self.compose.use(program.main_frame)
+
+    def set_up(self) -> None:
+        """Check the guards and execute the setup, inside the parent."""
+        assert self.compose is not None
+        session = self.episode.session
+        outside = {name: vars(session)[name] for name in KEPT}
+        vars(session).update(self.kept)
+        before = len(session.objects)
+        try:
+            with self.current():
+                self.compose.check_guards()
+                self.compose.frame.run(self.compose.call.behavior.scenario.setup)
+        finally:
+            vars(session).update(outside)
+        self.objects = session.objects[before:]
+        for each in self.objects:
+            each.properties = {name: settled(value, self.episode.row) for name, value in each.properties.items()}
+            self.episode.admit(each)
+
+    def start(self) -> None:
+        """Begin: guards of the program's own scenario, then all that runs."""
+        self.running = True
+        for watched in self.kept["temporal"]:
+            self.add_temporal(watched)
+        with self.current():
+            if self.compose is not None:
+                self.compose.start(self.parent is None)
+            self._limit = self._time_limit()
+            for each in self.objects:
+                self.agents.belongs(each, self)
+            for each in self.objects:
+                if each.properties["behavior"] is not None:
+                    self.agents.assign(each)
+            for call in self.kept["monitors"]:
+                self.add_monitor(call)
+
+    def begin(self, call: BehaviorCall) -> Scenario:
+        """Set up and start a scenario inside this one."""
+        sub = Scenario(self.episode, self.agents, call, self)
+        sub.set_up()
+        sub.start()
+        self.subs.append(sub)
+        return sub
+
+    def finish(self, subs: list[Scenario]) -> None:
+        """Stop what still runs of scenarios inside this one, and forget those that have ended."""
+        if not self.episode.active:
+            return  # a block is given up because nobody plays the episode on
+        for sub in subs:
+            if sub.running:
+                sub.stop()
+        self.subs = self._running()
+
+    def add_monitor(self, call: BehaviorCall) -> None:
+        thread = Thread(self.episode, call, None, self)
+        thread.start()
+        self._monitors.append(thread)
+
+    def add_temporal(self, watched: Watched) -> None:
+        """Watch a temporal requirement from the next step on."""
+        self._temporal.append((watched, Watch(formula_of(watched.tree.condition))))
+
+    def _time_limit(self) -> float | None:
+        limit = None
+        for watched in self.kept["terminations"]:
+            tree = watched.tree
+            if isinstance(tree, nodes.TerminateAfter):
+                duration = watched.frame.value(tree.duration)
+                if not is_number(duration):
+                    message = f"a duration is a number, not {describe_kind(duration)}"
+                    raise watched.frame.error("type", message, tree.duration)
+                limit = duration if tree.unit == "steps" else duration / self.episode.timestep
+        return limit
+
+    @contextmanager
+    def current(self) -> Iterator[None]:
+        """Inside, `ego` is that of this scenario."""
+        session = self.episode.session
+        before, session.ego = session.ego, self.ego
+        outer, self.episode.scenario = self.episode.scenario, self
+        try:
+            yield
+        finally:
+            self.ego, session.ego, self.episode.scenario = session.ego, before, outer
+            self._share_ego()
+
+    def _share_ego(self) -> None:
+        """Scenarios around this one that have no ego take the first one there is."""
+        at = self.parent
+        while at is not None and at.ego is None and self.ego is not None:
+            at.ego = self.ego
+            if self.episode.scenario is at:
+                self.episode.session.ego = self.ego
+            at = at.parent
+
+    # ------------------------------------------------------------ a step
+
+    def step(self) -> str | End | None:
+        """One step; why the scenario has ended, or None. Raises Rejected."""
+        with self.current():
+            return self._step()
+
+    def _step(self) -> str | End | None:
+        for watched, watch in self._temporal:
+            with watched.bindings.restored():
+                known = watch.step(watched.frame.truth)
+            if known is Truth.FALSE:
+                raise Rejected(watched.label)
+        if self._limit is not None and self._elapsed >= self._limit:
+            return self.stop("reached time limit")
+        self._elapsed += 1
+        if self.compose is not None and self.compose.exists:
+            step = self.compose.step()
+            if isinstance(step, End):
+                return self.stop(step)
+            if self.compose.ended:
+                return self.stop("finished compose block")
+        for watched in self._conditions("scenario"):
+            if watched.frame.truth(watched.tree.condition):
+                return self.stop(watched.label)
+        return None
+
+    def _conditions(self, scope: str) -> list[Watched]:
+        kept = self.kept["terminations"]
+        return [each for each in kept if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == scope]
+
+    def run_monitors(self) -> End | None:
+        """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
+
+        Their `terminate` ends this scenario and with it the simulation, as in Scenic 3.1.1, wherever they belong;
+        another end that was asked for here or inside is the reason that counts.
+        """
+        end: End | None = None
+        own: End | None = None
+        with self.current():
+            for monitor in list(self._monitors):
+                step = monitor.step()
+                if isinstance(step, End) and step.scope == "simulation":
+                    end = step
+                elif isinstance(step, End):
+                    own = step
+        for sub in self._running():
+            end = sub.run_monitors() or end
+        if own is not None and self.running:
+            self.stop(own)
+        return end or own
+
+    def simulation_ends(self) -> str | None:
+        """The first `terminate simulation when` that is true, here or in a scenario inside."""
+        with self.current():
+            for watched in self._conditions("simulation"):
+                if watched.frame.truth(watched.tree.condition):
+                    return watched.label
+        return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
+
+    # ------------------------------------------------------------ end
+
+    def stop(self, reason: str | End = "") -> str | End:
+        """End the scenario and all inside it; gives the reason back. Raises Rejected if a requirement does not hold."""
+        self.running = False
+        if self.episode.program.dialect == 3:
+            self._monitors = []  # those of Scenic 2 have their say in the step in which it ends
+        for sub in self._running():
+            sub.stop()
+        if self.compose is not None:
+            self.compose.close()
+        for (instance, name), value in self._overridden.items():
+            instance.properties[name] = value
+        self._overridden.clear()
+        for watched, watch in self._temporal:
+            if not watch.holds:
+                raise Rejected(watched.label)
+        return reason
+
+    def override(self, instance: Instance, values: dict[str, Value]) -> None:
+        """Give an object other properties until this scenario ends."""
+        for name, value in values.items():
+            self._overridden.setdefault((instance, name), instance.properties[name])
+            instance.properties[name] = value
+        if values.get("behavior") is not None:
+            self.agents.assign(instance)
+
+    def records(self, when: str) -> Iterator[tuple[str, Value]]:
+        """The values of the `record` statements of one kind, here and in scenarios inside."""
+        with self.current():
+            for watched in self.kept["records"]:
+                if watched.tree.when == when:
+                    yield watched.label, settled(watched.frame.value(watched.tree.value), self.episode.row)
+        for sub in self._running():
+            yield from sub.records(when)
+
+    def _running(self) -> list[Scenario]:
+        return [sub for sub in self.subs if sub.running]

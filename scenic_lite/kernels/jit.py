@@ -1,0 +1,133 @@
+"""`kernel`: how every compiled function of Regista is compiled and where the result is kept.
+
+Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
+file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see.
+Read next: `envs.football.simulator`, the largest user.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+# Numba and torch bring an OpenMP pool each. Threads that wait by spinning take the cores from each other's work: two
+# threads then train ten times slower than one. This must be said before either library starts its pool.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import numba
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ("scenic_lite", "envs")
+INSIDE_KNOWN = ((0, 61), (0, 69))  # Numba from the first to before the second: what `parts` knows the inside of
+KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
+KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
+
+_numba_config: Any = numba.config
+_IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))?", re.MULTILINE)
+
+
+def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
+    """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
+
+    Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in C.
+    With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
+    """
+
+    def decorate(undecorated: Callable) -> Any:
+        if _numba_config.DISABLE_JIT:
+            return undecorated
+        previous = _numba_config.CACHE_DIR
+        _numba_config.CACHE_DIR = str(CACHE)
+        try:
+            return _dispatcher(undecorated, parallel)
+        finally:
+            _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
+
+    return decorate if function is None else decorate(function)
+
+
+def _dispatcher(function: Callable, parallel: bool) -> Any:
+    if not INSIDE_KNOWN[0] <= numba.version_info[:2] < INSIDE_KNOWN[1]:  # the usual way: compiled twice as long
+        return numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
+    from scenic_lite.kernels.numba_linking import Kernel
+
+    made = Kernel(function, {"nopython": True, "error_model": "numpy", "parallel": parallel})
+    made.enable_caching()
+    return made
+
+
+def compiled(function: Any) -> bool:
+    """Tell whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
+    if not hasattr(function, "signatures") or function.signatures:
+        return True
+    folder = Path(function.stats.cache_path)
+    stem = f"{function.py_func.__module__.rpartition('.')[2]}.{function.py_func.__qualname__}-"
+    return folder.is_dir() and any(path.name.startswith(stem) for path in folder.glob("*.nbc"))
+
+
+def sources() -> list[Path]:
+    """List the files that kernels stand in and all of ours that those import: what compiled code depends on."""
+    texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    found: set[Path] = set()
+    pending = [path for path, text in texts.items() if "scenic_lite.kernels.jit import" in text]
+    while pending:
+        path = pending.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for module, names in _IMPORT.findall(texts[path]):
+            base = ROOT / Path(*module.split("."))
+            modules = [base, *(base / name for name in re.findall(r"\w+", names))]  # a name may be a module, too
+            pending += [
+                file for each in modules for file in (each.with_suffix(".py"), each / "__init__.py") if file in texts
+            ]
+    return sorted(found)
+
+
+def digest() -> str:
+    """Name the present state of `sources()` in 16 hexadecimal digits."""
+    state = hashlib.sha256(numba.__version__.encode())
+    for path in sources():
+        state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return state.hexdigest()[:16]
+
+
+def _cache_folder() -> Path:
+    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder."""
+    user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    for parent in (Path(chosen) if chosen else user_cache, Path(tempfile.gettempdir()) / "regista"):
+        folder = parent / digest()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            folder.touch()  # newest: `_forget` goes by age
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            continue
+        _forget(parent)
+        return folder
+    return Path(tempfile.mkdtemp(prefix="regista-"))
+
+
+def _forget(parent: Path) -> None:
+    """Remove the caches of all but the newest few digests that are days old; leave whatever else lies there alone."""
+    ages = {}
+    for path in parent.iterdir():
+        with suppress(OSError):  # another program may be tidying up, too
+            if re.fullmatch(r"[0-9a-f]{16}", path.name):
+                ages[path] = time.time() - path.stat().st_mtime
+    for path in sorted(ages, key=lambda path: ages[path])[KEPT_CACHES:]:
+        if ages[path] > KEPT_SECONDS:
+            shutil.rmtree(path, ignore_errors=True)
+
+
+CACHE = _cache_folder()

@@ -1,0 +1,139 @@
+"""How kernels that call each other become machine code once: where Python calls them, not at every call on the way.
+
+Numba makes a program of each compiled function: it links all that the function calls, optimises the whole and makes
+machine code of it, so that a chain of n calls is optimised n times over, and wraps each for calls from Python. Most of
+our kernels are only ever called by others. So a `Kernel` is two: the part that other kernels link, which stays as it
+came from Numba's front end, and the program of its own that it becomes where Python calls it. Half of the first
+compilation goes with that; the machine code of what Python calls is the same.
+Read next: `kernels.jit`, which makes kernels.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
+from numba.core.sigutils import normalize_signature
+from numba.core.typed_passes import InlineOverloads, NopythonRewrites
+from numba.core.untyped_passes import (
+    FindLiterallyCalls,
+    InlineClosureLikes,
+    InlineInlinables,
+    LiteralPropagationSubPipelinePass,
+    LiteralUnroll,
+    MakeFunctionToJitFunction,
+    RewriteDynamicRaises,
+    WithLifting,
+)
+
+# Stages for what no kernel has: contexts, closures, exceptions, expressions of arrays, functions to inline as source.
+NEEDLESS = (
+    *(WithLifting, InlineClosureLikes, RewriteDynamicRaises, MakeFunctionToJitFunction, InlineInlinables),
+    *(FindLiterallyCalls, LiteralUnroll, LiteralPropagationSubPipelinePass, InlineOverloads, NopythonRewrites),
+)
+
+
+class _PartLibrary(JITCodeLibrary):
+    """The code of one part: neither optimised nor made machine code; it hands over all parts below it in one module."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        self._ensure_finalized()
+        if self._shared_module is None:
+            module = self._own_module().clone()
+            for library in _below(self):
+                own = isinstance(library, _PartLibrary)
+                module.link_in(library._own_module() if own else library._get_module_for_linking(), preserve=True)
+            self._shared_module = module
+        return self._shared_module
+
+    def _own_module(self) -> Any:
+        """The module of this part alone, whose functions several programs may hold."""
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "external":
+                function.linkage = "linkonce_odr"
+        return self._final_module
+
+
+def _below(top: _PartLibrary) -> list[Any]:
+    """All libraries that a part needs, each once."""
+    found: dict[int, Any] = {id(top): top}
+    pending = list(top._linking_libraries)
+    while pending:
+        library = pending.pop()
+        if id(library) not in found:
+            found[id(library)] = library
+            if isinstance(library, _PartLibrary):
+                pending += library._linking_libraries
+    return [library for library in found.values() if library is not top]
+
+
+class _PartCodegen(JITCPUCodegen):
+    """Numba's code generator, with the same engine, except that it makes libraries of parts; a part has no address."""
+
+    _library_class = _PartLibrary
+
+    def __init__(self, usual: Any) -> None:
+        vars(self).update(vars(usual))
+        self.usual = usual
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: what Python objects a function needs is only asked for in errors, and kernels never raise."""
+
+
+class _PartCompiler(Compiler):
+    """Numba's compiler up to its intermediate code."""
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *rest: Any) -> None:
+        super().__init__(typingctx, targetctx, library, *rest)
+        context = self.state.targetctx
+        self.state.targetctx = context.subtarget(_internal_codegen=_PartCodegen(context.codegen()))
+
+    def define_pipelines(self) -> list[Any]:
+        pipelines = super().define_pipelines()
+        for pipeline in pipelines:
+            pipeline.passes = [(step, what) for step, what in pipeline.passes if step not in NEEDLESS]
+            pipeline.finalize()
+        return pipelines
+
+
+class _ProgramCompiler(_PartCompiler):
+    """Numba's compiler; of the bodies of parallel loops and what Numba wraps round them it makes parts, too."""
+
+    def compile_extra(self, func: Any) -> Any:
+        library = self.state.library = self.state.targetctx.codegen().usual.create_library(func.__qualname__)
+        library.enable_object_caching()
+        return super().compile_extra(func)
+
+
+class _Part(CPUDispatcher):
+    """A kernel as other kernels see it."""
+
+    def compile(self, sig: Any) -> Any:
+        this: Any = self  # as Numba knows itself
+        args, return_type = normalize_signature(sig)
+        if tuple(args) not in this.overloads:
+            with this._compiling_counter:
+                this.overloads[tuple(args)] = this._compiler.compile(args, return_type)
+        return this.overloads[tuple(args)].entry_point
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function: called from Python a program of its own, called from other kernels a part of theirs."""
+
+    def __init__(self, py_func: Any, targetoptions: dict[str, Any]) -> None:
+        super().__init__(py_func, targetoptions=targetoptions, pipeline_class=_ProgramCompiler)
+        alone = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        self._part = _Part(py_func, targetoptions={**targetoptions, **alone}, pipeline_class=_PartCompiler)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._part._numba_type_

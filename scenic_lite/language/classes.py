@@ -1,0 +1,200 @@
+"""The built-in classes Point, OrientedPoint and Object, and what follows from their properties.
+
+Spec section 4, the table of properties. Read next: `language.specifiers`, which makes instances.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scenic_lite.core.types import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
+from scenic_lite.values.graph import OR, Random, Value, apply, is_number
+from scenic_lite.values.regions import SectorRegion, truth_of
+
+
+def constants(**values: Value) -> dict[str, Default]:
+    """Defaults that are the same for every instance."""
+    return {name: constant(value) for name, value in values.items()}
+
+
+def constant(value: Value) -> Default:
+    return Default(lambda _: value)
+
+
+VELOCITY = Default(
+    lambda self: Vector(0.0, self.properties["speed"]).rotated(self.properties["heading"]),
+    frozenset({"speed", "heading"}),
+)
+NOWHERE_IN_PARTICULAR = Vector(0.0, 0.0)
+UNIT_SPREAD = Vector(1.0, 1.0)  # what `mutate` adds to a position, unless told otherwise
+POINT = ScenicClass(
+    "Point",
+    None,
+    constants(
+        position=NOWHERE_IN_PARTICULAR,
+        width=0.0,
+        length=0.0,
+        visibleDistance=50.0,
+        mutationScale=0.0,
+        positionStdDev=UNIT_SPREAD,
+        regionContainedIn=None,
+    ),
+)
+ORIENTED_POINT = ScenicClass(
+    "OrientedPoint", POINT, constants(heading=0.0, viewAngle=2 * math.pi, headingStdDev=math.radians(5))
+)
+OBJECT = ScenicClass(
+    "Object",
+    ORIENTED_POINT,
+    constants(
+        width=1.0,
+        length=1.0,
+        speed=0.0,
+        angularSpeed=0.0,
+        cameraOffset=NOWHERE_IN_PARTICULAR,
+        allowCollisions=False,
+        requireVisible=True,
+        behavior=None,
+        lastActions=(),
+    )
+    | {"velocity": VELOCITY},
+)
+VECTOR_PROPERTIES = frozenset({"position", "velocity", "cameraOffset"})
+NUMBER_PROPERTIES = frozenset(
+    {"width", "length", "heading", "visibleDistance", "viewAngle", "speed", "angularSpeed", "mutationScale"}
+    | {"headingStdDev"}
+)
+SWITCHES = frozenset({"allowCollisions", "requireVisible"})
+# Sides and corners: what share of the half width and half length lies between the centre and the point.
+SIDES = {
+    "front": (0, 1),
+    "back": (0, -1),
+    "left": (-1, 0),
+    "right": (1, 0),
+    "frontLeft": (-1, 1),
+    "frontRight": (1, 1),
+    "backLeft": (-1, -1),
+    "backRight": (1, -1),
+}
+
+
+def is_oriented(value: Value) -> bool:
+    """Whether it is an OrientedPoint or Object."""
+    return isinstance(value, Instance) and value.cls.derives_from(ORIENTED_POINT)
+
+
+def is_object(value: Value) -> bool:
+    return isinstance(value, Instance) and value.cls.derives_from(OBJECT)
+
+
+def as_heading(value: Value) -> Value:
+    """The heading that a value stands for: a number, or that of an oriented object. None if it is neither."""
+    if is_scalar(value):
+        return value
+    if is_oriented(value):
+        return value.properties["heading"]
+    if isinstance(value, Choice):
+        headings = [as_heading(option) for option in value.options]
+        return None if any(heading is None for heading in headings) else value.merged(headings)
+    return None
+
+
+def checked(name: str, value: Value, dialect: int) -> Value:
+    """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    if name in SWITCHES and not isinstance(value, Random | Choice):
+        return bool(value)
+    if name == "positionStdDev":
+        return spread_of(value, dialect)
+    if name == "behavior" and not isinstance(value, BehaviorCall | None):
+        message = f"the property 'behavior' must be a behavior, not {describe_kind(value)}"
+        raise ScenicError("type", message, hint="write with behavior B()")
+    if name in VECTOR_PROPERTIES:
+        vector = as_vector(value)
+        if vector is None:
+            raise ScenicError("type", f"{name} must be a vector, not {describe_kind(value)}")
+        return vector
+    if name in NUMBER_PROPERTIES and not is_scalar(value):
+        heading = as_heading(value) if name == "heading" else None
+        if heading is None:
+            raise ScenicError("type", f"{name} must be a number, not {describe_kind(value)}")
+        return heading
+    if name in ("width", "length") and is_number(value) and not 0 <= value < math.inf:
+        raise ScenicError("value", f"{name} must be finite and not negative, not {value}")
+    return value
+
+
+def spread_of(value: Value, dialect: int) -> Value:
+    """The standard deviation of a position: a number in dialect 2; in dialect 3 one for each axis, the third unused."""
+    if dialect == 2 and not is_scalar(value):
+        if value is UNIT_SPREAD:
+            return 1.0
+        raise ScenicError("type", f"positionStdDev must be a number, not {describe_kind(value)}")
+    if dialect == 3 and as_vector(value) is None:
+        if not (isinstance(value, tuple | list) and len(value) == 3 and all(is_scalar(part) for part in value)):
+            hint = "write (s, s, 0)" if is_scalar(value) else ""
+            raise ScenicError("type", f"positionStdDev must be a vector, not {describe_kind(value)}", hint=hint)
+        return Vector(value[0], value[1])
+    return value if dialect == 2 else as_vector(value)
+
+
+def oriented_point(at: Vector, heading: Value, like: Instance) -> Instance:
+    """A new OrientedPoint that no program text made by itself; `like` lends its place."""
+    properties = {"position": at, "heading": heading, "width": 0.0, "length": 0.0}
+    properties |= {"visibleDistance": 50.0, "viewAngle": 2 * math.pi}
+    return Instance(ORIENTED_POINT, like.place, properties=properties)
+
+
+def side_of(instance: Instance, side: str) -> Instance:
+    """The OrientedPoint at the middle of a side, or at a corner."""
+    across, along = SIDES[side]
+    offset = Vector(instance.properties["width"] * (across / 2), instance.properties["length"] * (along / 2))
+    heading = instance.properties["heading"]
+    return oriented_point(instance.properties["position"] + offset.rotated(heading), heading, instance)
+
+
+def view_of(instance: Instance) -> SectorRegion:
+    """What a Point (all round) or OrientedPoint (its sector) can see."""
+    position, reach = instance.properties["position"], instance.properties["visibleDistance"]
+    if not is_oriented(instance):
+        return SectorRegion(position, reach)
+    heading = instance.properties["heading"]
+    offset = instance.properties.get("cameraOffset", NOWHERE_IN_PARTICULAR)
+    return SectorRegion(position + offset.rotated(heading), reach, heading, instance.properties["viewAngle"])
+
+
+def outline(instance: Instance) -> list[Vector]:
+    """The corners of an object."""
+    p = instance.properties
+    return corners(p["position"], p["heading"], p["width"], p["length"])
+
+
+def rectangle_of(instance: Instance) -> tuple[Value, ...]:
+    """x, y, heading, width, length of an object."""
+    p = instance.properties
+    return p["position"].x, p["position"].y, p["heading"], p["width"], p["length"]
+
+
+def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
+    """Whether the viewer's sector holds a point or meets an object's rectangle; nothing hides anything.
+
+    Dialect 2 looks at the corners of the rectangle alone, as Scenic 2 does.
+    """
+    view = view_of(viewer)
+    if not is_object(seen):
+        point = as_vector(seen)
+        if point is None:
+            raise ScenicError("type", f"`can see` needs an object or a point, not {describe_kind(seen)}")
+        return view.contains(point)
+    if dialect == 2:
+        found: Value = False
+        for corner in outline(seen):
+            found = apply(OR, found, view.contains(corner), kind="truth")
+        return found
+    sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
+    return truth_of(sector_and_rectangle, *sector, *rectangle_of(seen))
+
+
+def sector_and_rectangle(*numbers: Value) -> Value:
+    return sector_meets_rectangle(numbers[:5], numbers[5:])

@@ -1,0 +1,307 @@
+"""The distributions of the language, each one column of θ through its inverse cumulative distribution.
+
+Spec section 7. A draw from [-1, 1] is mapped to the value by the tape (`graph`); nothing here samples. Read next:
+`values.regions`, for points drawn from a region.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.scope import DrawnPoint, Frame, Requirement
+from scenic_lite.core.types import Choice, choose, describe_kind
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.geometry import Vector, is_scalar
+from scenic_lite.values.graph import LESS_EQUAL, Column, Operation, Random, Value, apply, is_number
+from scenic_lite.values.regions import Filtered, Region
+
+# A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
+LEAST_PROBABILITY = 2.0**-52
+
+
+def draw_range(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+    """`Range(low, high)`: uniform; the ends in either order, themselves random or not."""
+    check_numbers("Range", low, high)
+    place = frame.place(node)
+    if is_number(low) and is_number(high):
+        if not math.isfinite(float(high) - float(low)):
+            raise ScenicError("value", f"Range({low}, {high}) has no finite length")
+        return frame.session.column("range", place, float(low), span_between(float(low), float(high)))
+    column = frame.session.column("range", place)
+    column.shown = low + (high - low) * column
+    column.low, column.high = math.nan, math.nan
+    return column.shown
+
+
+def span_between(low: float, high: float) -> float:
+    """What must be added to `low` for exactly `high`: their difference, unless rounding leads past the end."""
+    span = high - low
+    near = (span, math.nextafter(span, 0.0), math.nextafter(span, 2 * span))
+    return next((each for each in near if low + each == high), near[1])
+
+
+def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:
+    """`Uniform(a, b, ...)`: one of the values, cut evenly."""
+    if len(options) == 1 and isinstance(options[0], list | tuple | set) and frame.session.drawn is None:
+        frame.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
+    return weighted(frame, node, list(options), [1.0] * len(options))
+
+
+def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
+    """`Discrete({value: weight})`: one of the values, cut by weight."""
+    if isinstance(weights, list | tuple):  # as `Options` takes them
+        return draw_uniform(frame, node, *weights)
+    if not isinstance(weights, dict):
+        raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}")
+    for option, weight in weights.items():
+        if not is_number(weight):
+            raise ScenicError("type", f"the weight of {option!r} in Discrete must be a fixed number")
+        if not 0 <= weight < math.inf:
+            fault = "negative" if weight < 0 else "not finite"
+            raise ScenicError("value", f"the weight {weight} of {option!r} in Discrete is {fault}")
+    kept = {option: float(weight) for option, weight in weights.items() if weight > 0}
+    return weighted(frame, node, list(kept), list(kept.values()))
+
+
+def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
+    """One of the options with probability proportional to its weight."""
+    if not options:
+        kind = "value" if frame.session.drawn is None else "rejection"  # of the episode (spec section 7)
+        raise ScenicError(kind, "a choice among no values")
+    column = frame.session.column("choice", frame.place(node))
+    scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
+    shares = np.cumsum(scaled) / scaled.sum()
+    index = Random(Cut(shares[:-1]), (column,))
+    column.low, column.high = 0.0, float(len(options) - 1)
+    value = choose(index, options)
+    column.shown = value if isinstance(value, Random) else index
+    if not isinstance(value, Random):
+        column.options = tuple(options)
+    return value
+
+
+class Cut:
+    """From a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
+
+    def __init__(self, bounds: Any) -> None:
+        self.bounds = bounds
+
+    def __call__(self, uniform: Any) -> Any:
+        return np.searchsorted(self.bounds, uniform, side="right")
+
+
+def draw_integers(frame: Frame, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
+    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight."""
+    check_numbers("DiscreteRange", low, high)
+    if not (is_number(low) and is_number(high)):
+        return integers_between(frame, node, low, high)
+    first, last = math.ceil(low), math.floor(high)
+    if last < first:
+        raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
+    if weights is not None:
+        return weighted_integers(frame, node, range(first, last + 1), weights)
+    column = frame.session.column("integers", frame.place(node))
+    column.shown = Random(Integers(first, last - first + 1), (column,))
+    column.low, column.high = float(first), float(last)
+    return column.shown
+
+
+def integers_between(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+    """As `draw_integers` with random ends; a scene whose range is empty is rejected."""
+    column = frame.session.column("integers", frame.place(node))
+    first, last = apply(CEILING, low), apply(FLOOR, high)
+    filled = apply(LESS_EQUAL, first, last, kind="truth")
+    frame.session.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
+    column.shown = Random(integer_between, (column, first, last))
+    column.low, column.high = math.nan, math.nan
+    return column.shown
+
+
+def weighted_integers(frame: Frame, node: ast.AST, integers: range, weights: Value) -> Value:
+    """One of the integers, each with its weight."""
+    if not isinstance(weights, list | tuple) or len(weights) != len(integers):
+        found = describe_kind(weights)
+        raise ScenicError(
+            "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {found}"
+        )
+    return draw_discrete(frame, node, dict(zip(integers, weights, strict=True)))
+
+
+def integer_between(uniform: Any, first: Any, last: Any) -> Any:
+    """From a uniform number [N] to one of the integers from `first` to `last`; `first` if there is none."""
+    count = np.maximum(last - first + 1, 1)
+    return (first + np.minimum(np.floor(uniform * count), count - 1)).astype(np.int64)
+
+
+CEILING, FLOOR = Operation(math.ceil, np.ceil), Operation(math.floor, np.floor)
+
+
+class Integers:
+    """From a uniform number [N] to one of `count` integers from `first`."""
+
+    def __init__(self, first: int, count: int) -> None:
+        self.first, self.count = first, count
+
+    def __call__(self, uniform: Any) -> Any:
+        return self.first + np.minimum((uniform * self.count).astype(np.int64), self.count - 1)
+
+
+def draw_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value) -> Value:
+    """`Normal(mean, standard deviation)`, cut beyond eight standard deviations."""
+    check_numbers("Normal", mean, spread)
+    if is_number(spread) and spread < 0:
+        raise ScenicError("value", f"the standard deviation {spread} is negative")
+    column = frame.session.column("normal", frame.place(node))
+    column.low, column.high = -math.inf, math.inf
+    column.shown = mean + spread * Random(normal_quantile, (column,))
+    return column.shown
+
+
+def draw_truncated_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
+    """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value given that it lies in [low, high]."""
+    check_numbers("TruncatedNormal", mean, spread, low, high)
+    if not (is_number(low) and is_number(high)):
+        raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
+    if not low < high:
+        raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
+    column = frame.session.column("normal", frame.place(node))
+    column.low, column.high = float(low), float(high)
+    start, end = apply(NORMAL_SHARE, (low - mean) / spread), apply(NORMAL_SHARE, (high - mean) / spread)
+    raw = mean + spread * Random(normal_quantile, (start + (end - start) * column,))
+    column.shown = Random(np.clip, (raw, float(low), float(high)))
+    return column.shown
+
+
+def point_in(frame: Frame, node: ast.AST, region: Value) -> tuple[Vector, Value]:
+    """A uniform point of a region (one column or two), and the region's heading there or None."""
+    options = region.options if isinstance(region, Choice) else (region,)
+    count = max(option.columns for option in options)
+    scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
+    axes = ("point.x", "point.y") if count == 2 else ("point.along",)
+    place = frame.place(node)
+    columns = [frame.session.column(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
+    if isinstance(region, Choice):
+        points, headings = zip(*(point_for(option, columns) for option in options), strict=True)
+        point, heading = region.merged(list(points)), None
+        if all(each is not None for each in headings):
+            heading = region.merged(list(headings))
+    else:
+        point = region.point(columns[0], columns[-1])
+        heading = region.heading_of(point, columns[0])
+    if isinstance(region, Region):
+        frame.session.points.append(DrawnPoint(region, tuple(columns), point))
+    if count == 2:
+        show_coordinates(columns, point, region.bounds() if isinstance(region, Region) else None)
+    if isinstance(region, Filtered):
+        label = "a point passes its region's test"
+        frame.session.requirements.append(Requirement(label, place, region.test(point)))
+    return point, heading
+
+
+def point_for(region: Region, uniforms: list[Column]) -> tuple[Vector, Value]:
+    """The point of a region for unscaled uniform numbers."""
+    scaled = [offset + span * u for (offset, span), u in zip(region.scales(), uniforms, strict=False)]
+    point = region.point(scaled[0], scaled[-1])
+    return point, region.heading_of(point, scaled[0])
+
+
+def show_coordinates(columns: list[Column], point: Vector, bounds: tuple[float, ...] | None) -> None:
+    """A person thinks of the point's coordinates, not of the numbers that it is made of."""
+    low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
+    for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
+        column.shown, column.low, column.high = shown, low, high
+
+
+def resample(frame: Frame, node: ast.AST, value: Value) -> Value:
+    """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself, or is fixed."""
+    drawn = value.index if isinstance(value, Choice) else value
+    if not isinstance(drawn, Random | Vector):
+        return value
+    for column in frame.session.columns:
+        if column.shown is drawn:
+            return choice_like(value, redrawn(frame, node, column))
+    raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
+
+
+def choice_like(value: Value, drawn: Random) -> Value:
+    """The value itself, or the same choice by another index."""
+    return choose(drawn, value.options) if isinstance(value, Choice) else drawn
+
+
+def redrawn(frame: Frame, node: ast.AST, column: Column) -> Random:
+    """What `column` shows, computed from a new column; other random values in it stay the same."""
+    fresh = frame.session.column(column.draw_kind, frame.place(node), column.offset, column.span)
+    fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
+    fresh.shown = replaced(column.shown, {id(column): fresh})
+    return fresh.shown
+
+
+def replaced(value: Random, known: dict[int, Random]) -> Random:
+    """A copy of a value whose inputs are replaced by what is known for them."""
+    if id(value) not in known:
+        parts = [replaced(each, known) if isinstance(each, Random) else each for each in value.inputs]
+        same = all(a is b for a, b in zip(parts, value.inputs, strict=True))
+        known[id(value)] = value if same else Random(value.operation, tuple(parts), value.kind)
+    return known[id(value)]
+
+
+def check_numbers(name: str, *values: Value) -> None:
+    for value in values:
+        if not is_scalar(value):
+            raise ScenicError("type", f"{name} takes numbers, not {describe_kind(value)}")
+
+
+def normal_share(z: Any) -> Any:
+    """Φ(z), the share of a standard normal below z."""
+    return 0.5 * np.array([math.erfc(-each / math.sqrt(2)) for each in z])
+
+
+NORMAL_SHARE = Operation(lambda z: 0.5 * math.erfc(-z / math.sqrt(2)), normal_share)
+
+
+def normal_quantile(uniform: Any) -> Any:
+    """Φ⁻¹ elementwise, by Wichura's algorithm AS 241 (Applied Statistics 37, 1988), accurate to 1e-15."""
+    uniform = np.clip(uniform, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+    centred = uniform - 0.5
+    inner = centred * rational(0.180625 - centred * centred, CENTRE)
+    tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
+    outer = np.where(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
+    return np.where(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+
+
+def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
+    """A quotient of two polynomials, highest power first."""
+    top, bottom = coefficients
+    return horner(x, top) / horner(x, bottom)
+
+
+def horner(x: Any, coefficients: Sequence[float]) -> Any:
+    total = coefficients[0] * np.ones_like(x)
+    for coefficient in coefficients[1:]:
+        total = total * x + coefficient
+    return total
+
+
+CENTRE = (
+    (2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
+     13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608),
+    (5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,
+     5394.1960214247511077, 687.1870074920579083, 42.313330701600911252, 1.0),
+)  # fmt: skip
+MIDDLE = (
+    (7.7454501427834140764e-4, 0.0227238449892691845833, 0.24178072517745061177, 1.27045825245236838258,
+     3.64784832476320460504, 5.7694972214606914055, 4.6303378461565452959, 1.42343711074968357734),
+    (1.05075007164441684324e-9, 5.475938084995344946e-4, 0.0151986665636164571966, 0.14810397642748007459,
+     0.68976733498510000455, 1.6763848301838038494, 2.05319162663775882187, 1.0),
+)  # fmt: skip
+FAR = (
+    (2.01033439929228813265e-7, 2.71155556874348757815e-5, 0.0012426609473880784386, 0.026532189526576123093,
+     0.29656057182850489123, 1.7848265399172913358, 5.4637849111641143699, 6.6579046435011037772),
+    (2.04426310338993978564e-15, 1.4215117583164458887e-7, 1.8463183175100546818e-5, 7.868691311456132591e-4,
+     0.0148753612908506148525, 0.13692988092273580531, 0.59983220655588793769, 1.0),
+)  # fmt: skip

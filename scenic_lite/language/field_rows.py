@@ -1,0 +1,57 @@
+"""Functions of the program that branch on the point at which a vector field is asked: called row by row.
+
+Read next: `core.per_sample`, the same for requirements.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.per_sample import ByRow, body_of, definitions_in, reached
+from scenic_lite.core.scope import Frame, in_row
+from scenic_lite.scene.scenes import randoms_in
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import Column, Random, Value, columns_of
+
+
+def heading_by_row(
+    frame: Frame, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
+) -> Random:
+    """What a function of the program says at a random point, called once for each sample."""
+    pending = [(part.frame, each) for part in definitions_in(function) for each in body_of(part)]
+    columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
+    result = Random(HeadingByRow(frame, node, function, columns, heading), (point.x, point.y, *columns))
+    frame.watch(result)
+    return result
+
+
+class HeadingByRow(ByRow):
+    """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]; nan where it fails."""
+
+    def __init__(
+        self,
+        frame: Frame,
+        node: ast.AST,
+        function: Value,
+        columns: tuple[Column, ...],
+        heading: Callable[[Value], Value],
+    ) -> None:
+        super().__init__(frame, node, columns)
+        self.function, self.heading = function, heading
+
+    def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
+        rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
+        with self.bindings.restored():
+            headings = [self._one(*row) for row in self.scenes(each.tolist() for each in rows)]
+        return np.array(headings, float)
+
+    def _one(self, x: float, y: float, *draws: Value) -> float:
+        return self.in_scene(draws, lambda: self._asked(x, y), float("nan"))
+
+    def _asked(self, x: float, y: float) -> Value:
+        result = self.heading(self.frame.call(self.function, [Vector(x, y)], {}, self.node))
+        return in_row(result, self.frame.session.row or {})

@@ -1,0 +1,171 @@
+"""Vector fields made of regions, fields given by functions of the program, and the way along a field.
+
+Read next: `language.scenic_operators`, which has the other uses of fields.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.core.paths import Walks
+from scenic_lite.core.scope import Frame
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.language.field_rows import heading_by_row
+from scenic_lite.values.geometry import Vector, is_scalar
+from scenic_lite.values.graph import WHERE, Column, Random, Tape, Value, apply, columns_of, is_number
+from scenic_lite.values.regions import Region, VectorField
+
+MOST_STEPS = 1000
+UNPLACED = Place("", 1, 0, 1, 1)  # of the stand-ins for a point under way
+MOST_OPERATIONS = 100_000  # of one field
+
+
+def field_of(frame: Frame, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
+    """A field given by a function of the program, which may branch on the point.
+
+    `heading` checks what the function gives.
+    """
+
+    def heading_at(point: Vector) -> Value:
+        try:
+            return heading(frame.call(function, [point], {}, node))
+        except ScenicError as error:
+            if point.fixed or error.kind not in ("random-control-flow", "type"):
+                raise
+        try:
+            return Walks(frame.session, lambda: heading(frame.call(function, [point], {}, node))).result()
+        except ScenicError as error:
+            if error.kind != "random-control-flow":
+                raise
+        return heading_by_row(frame, node, function, point, heading)
+
+    return VectorField(name, heading_at)
+
+
+def cells_field(
+    name: str, cells: Sequence[tuple[Region, Value]], otherwise: Callable[[Vector], Value], default: Value
+) -> VectorField:
+    """The heading of the first cell that holds the point; that of `otherwise` where the cell's is None.
+
+    Outside all cells `default`; if that is None the field has no heading there, and scenes that need it are rejected.
+    """
+
+    def heading_at(point: Vector) -> Value:
+        result = math.nan if default is None else default
+        for region, heading in reversed(cells):
+            inside = region.contains(point)
+            if inside is True:
+                result = otherwise(point) if heading is None else heading
+            elif inside is not False:
+                result = apply(WHERE, inside, otherwise(point) if heading is None else heading, result)
+        if is_number(result) and math.isnan(result):
+            raise ScenicError("value", f"the vector field {name} has no heading at {point!r}")
+        return result
+
+    return VectorField(name, heading_at)
+
+
+def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
+    """The orientation of the first region that holds the point; None if no region has one."""
+    oriented = [(region, region.orientation) for region in regions if region.orientation is not None]
+    if not oriented:
+        return None
+
+    def heading_at(point: Vector) -> Value:
+        result = math.nan if default is None else default
+        for region, orientation in reversed(oriented):
+            inside = region.contains(point)
+            if inside is not False:
+                heading = orientation.heading_at(point)
+                result = heading if inside is True else apply(WHERE, inside, heading, result)
+        return result
+
+    return VectorField("Union", heading_at)
+
+
+# ------------------------------------------------------------ following
+
+
+def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]:
+    """Where one arrives, and the field's heading there: equal Euler steps (spec section 5, `following`)."""
+    if not isinstance(field, VectorField):
+        raise ScenicError("type", "only a vector field can be followed")
+    if not is_scalar(distance):
+        raise ScenicError("type", "the distance to follow a field for must be a number")
+    end = along(field, start, distance)
+    return end, field.heading_at(end)
+
+
+def along(field: VectorField, start: Vector, distance: Value) -> Vector:
+    """The end of equal Euler steps along a field."""
+    if not (start.fixed and is_number(distance)):
+        return followed(field, start, distance)
+    steps = int(steps_of(field, distance))
+    point = start
+    for _ in range(steps):
+        heading = field.heading_at(point)
+        if isinstance(heading, Random):
+            return followed(field, start, distance)
+        point = point + Vector(0.0, distance / steps).rotated(heading)
+    return point
+
+
+def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
+    """The same in every scene; one node, however many steps."""
+    walk = Walk(field)
+    end = Random(walk, (start.x, start.y, distance, *walk.others), "any")
+    return Vector(Random(walk.x_of, (end,)), Random(walk.y_of, (end,)))
+
+
+def steps_of(field: VectorField, distance: Any) -> Any:
+    """How many steps are taken over a distance: no fewer than the field's least, none longer than its longest."""
+    if field.longest_step is None:
+        return np.full(np.shape(distance), field.least_steps)
+    needed = np.ceil(np.nan_to_num(np.asarray(distance, dtype=float) / field.longest_step, nan=0.0))
+    return np.clip(needed, field.least_steps, MOST_STEPS).astype(int)
+
+
+class Walk:
+    """The operation: x, y, distance, and what else the field depends on, each [N] -> x [N], y [N] of the end."""
+
+    def __init__(self, field: VectorField) -> None:
+        self.field = field
+        self.here = [Column("range", UNPLACED), Column("range", UNPLACED)]
+        self.heading = field.heading_at(Vector(*self.here))
+        others = [each for each in columns_of(self.heading) if not any(each is own for own in self.here)]
+        self.others = tuple(others)
+        self.known = [*self.here, *others]
+
+    @cached_property
+    def tape(self) -> Tape | None:
+        """Made when all is loaded, since `pruning` changes nodes."""
+        return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, Random) else None
+
+    def __call__(self, x: Any, y: Any, distance: Any, *others: Any) -> tuple[Any, Any]:
+        rows = [each.astype(float) for each in np.broadcast_arrays(x, y, distance, *others)]
+        x, y, distance = rows[:3]
+        steps = steps_of(self.field, distance)
+        for step in range(steps.max(initial=0)):
+            heading = self._heading(x, y, rows[3:])
+            length = np.where(step < steps, distance / steps, 0.0)
+            x, y = x - length * np.sin(heading), y + length * np.cos(heading)
+        return x, y
+
+    def _heading(self, x: Any, y: Any, others: list[Any]) -> Any:
+        if self.tape is None:
+            return self.heading
+        return self.tape.run([x, y, *others])[self.tape.slot(self.heading)]
+
+    @staticmethod
+    def x_of(end: Any) -> Any:
+        return end[0]
+
+    @staticmethod
+    def y_of(end: Any) -> Any:
+        return end[1]

@@ -1,0 +1,258 @@
+"""The operators that Scenic adds to Python's: distances, angles, relative positions, visibility.
+
+Spec section 6; operands left out are None and stand for the ego. Read next: `evaluation.expressions`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from scenic_lite.core.scope import Frame
+from scenic_lite.core.types import Choice, Delayed, Instance, describe_kind
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.classes import (
+    SIDES,
+    as_heading,
+    can_see,
+    is_object,
+    is_oriented,
+    oriented_point,
+    rectangle_of,
+    side_of,
+    view_of,
+)
+from scenic_lite.language.fields import follow
+from scenic_lite.language.specifier_rules import ego_of, vector_of, viewer_of
+from scenic_lite.values.geometry import (
+    angle_between,
+    as_vector,
+    distance_between,
+    is_scalar,
+    normalised,
+    rectangles_meet,
+)
+from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.regions import Region, VectorField, truth_of
+
+DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
+
+
+def degrees(frame: Frame, angle: Value) -> Value:
+    if not is_scalar(angle):
+        raise ScenicError("type", f"`deg` follows a number, not {describe_kind(angle)}")
+    return angle * (DEGREE_OF_DIALECT_2 if frame.session.dialect == 2 else math.pi / 180)
+
+
+def distance(frame: Frame, start: Value, end: Value) -> Value:
+    start = ego_of(frame) if start is None else start
+    end = ego_of(frame) if end is None else end
+    for region, other in ((start, end), (end, start)):
+        if isinstance(region, Region):
+            return region.distance(vector_of("distance to", other))
+    return distance_between(vector_of("distance from", start), vector_of("distance to", end))
+
+
+def angle(frame: Frame, start: Value, end: Value) -> Value:
+    start = ego_of(frame) if start is None else start
+    end = ego_of(frame) if end is None else end
+    return angle_between(vector_of("angle from", start), vector_of("angle to", end))
+
+
+def relative_heading(frame: Frame, heading: Value, base: Value) -> Value:
+    base = ego_of(frame) if base is None else base
+    return normalised(heading_of("relative heading of", heading) - heading_of("relative heading ... from", base))
+
+
+def apparent_heading(frame: Frame, seen: Value, viewpoint: Value) -> Value:
+    viewpoint = ego_of(frame) if viewpoint is None else viewpoint
+    line = angle_between(vector_of("apparent heading ... from", viewpoint), vector_of("apparent heading of", seen))
+    return normalised(heading_of("apparent heading of", seen) - line)
+
+
+def relative_position(frame: Frame, place: Value, base: Value) -> Value:
+    base = ego_of(frame) if base is None else base
+    return vector_of("relative position of", place) - vector_of("relative position ... from", base)
+
+
+def distance_past(frame: Frame, place: Value, base: Value) -> Value:
+    base = ego_of(frame) if base is None else base
+    offset = vector_of("distance past ... of", base) - vector_of("distance past", place)
+    return offset.rotated(-heading_of("distance past ... of", base)).y
+
+
+def heading_of(words: str, value: Value) -> Value:
+    heading = as_heading(value)
+    if heading is None:
+        raise ScenicError("type", f"`{words}` needs a heading, not {describe_kind(value)}")
+    return heading
+
+
+def field_at(frame: Frame, field: Value, place: Value) -> Value:
+    if not isinstance(field, VectorField):
+        hint = "write `new` before it" if frame.session.dialect == 3 else ""
+        raise ScenicError("type", f"`X at Y` needs a vector field or a class, not {describe_kind(field)}", hint=hint)
+    return field.heading_at(vector_of("at", place))
+
+
+def relative_to(frame: Frame, x: Value, y: Value) -> Value:
+    """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
+    if isinstance(x, VectorField | Delayed) or isinstance(y, VectorField | Delayed):
+        return field_relative(x, y)
+    random_frames = is_random_frame if frame.session.dialect == 3 else is_oriented
+    if all(is_oriented(each) or random_frames(each) for each in (x, y)):
+        raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
+    if is_oriented(y):
+        return into_frame(frame, x, y)
+    if is_oriented(x):
+        return into_frame(frame, y, x)
+    if is_scalar(x) and is_scalar(y):
+        return x + y
+    if frame.session.dialect == 3 and is_random_frame(x):
+        return x.merged([relative_to(frame, option, y) for option in x.options])
+    if frame.session.dialect == 3 and is_random_frame(y):
+        return y.merged([relative_to(frame, x, option) for option in y.options])
+    return vector_of("relative to", x) + vector_of("relative to", y)
+
+
+def is_random_frame(value: Value) -> bool:
+    """Whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
+    return isinstance(value, Choice) and all(is_oriented(option) for option in value.options)
+
+
+def into_frame(frame: Frame, offset: Value, base: Instance) -> Value:
+    """An OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
+    vector, heading = as_vector(offset), base.properties["heading"]
+    if vector is not None:
+        return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base)
+    if is_scalar(offset) and frame.session.dialect == 3:
+        return offset + heading
+    hint = f"write {base.title()}.heading" if is_scalar(offset) else ""
+    raise ScenicError("type", f"a vector is needed beside an oriented object, not {describe_kind(offset)}", hint=hint)
+
+
+def field_relative(x: Value, y: Value) -> Delayed:
+    """Headings that wait for the object's position: a field stands for its heading there."""
+    terms = [late_heading(value) for value in (x, y)]
+    needs = frozenset().union(*(needed for needed, _ in terms))
+    return Delayed(needs, lambda self: terms[0][1](self) + terms[1][1](self))
+
+
+def late_heading(value: Value) -> tuple[frozenset[str], Callable[[Instance], Value]]:
+    if isinstance(value, VectorField):
+        return frozenset({"position"}), lambda self: value.heading_at(self.properties["position"])
+    if isinstance(value, Delayed):
+        return value.needs, value.compute
+    heading = heading_of("relative to", value)
+    return frozenset(), lambda self: heading
+
+
+def offset_along(frame: Frame, start: Value, direction: Value, offset: Value) -> Value:
+    vector = vector_of("offset along", start)
+    if isinstance(direction, VectorField):
+        turn = direction.heading_at(vector)
+    else:
+        turn = heading_of("offset along", direction)
+    return vector + vector_of("offset along ... by", offset).rotated(turn)
+
+
+def sees(frame: Frame, viewer: Value, seen: Value) -> Value:
+    dialect = frame.session.dialect
+    if not frame.session.in_requirement and frame.session.drawn is None and dialect == 3:
+        raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
+    result = over_choices(lambda a, b: can_see(viewer_of(frame, a), b, dialect), viewer, seen)
+    if isinstance(result, Random) and not frame.session.in_requirement:
+        raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
+    return result
+
+
+def intersects(frame: Frame, x: Value, y: Value) -> Value:
+    return over_choices(objects_intersect, x, y)
+
+
+def objects_intersect(x: Value, y: Value) -> Value:
+    if not (is_object(x) and is_object(y)):
+        raise ScenicError("unsupported", "`intersects` is supported between objects only")
+    numbers = [part for each in (x, y) for part in rectangle_of(each)]
+    return truth_of(rectangles_meet, *numbers)
+
+
+def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:
+    """A relation of two values, of which each may be a random one of several."""
+    if isinstance(x, Choice):
+        return x.merged([over_choices(relation, option, y) for option in x.options])
+    if isinstance(y, Choice):
+        return y.merged([over_choices(relation, x, option) for option in y.options])
+    return relation(x, y)
+
+
+def follow_field(frame: Frame, field: Value, start: Value, length: Value) -> Value:
+    base = ego_of(frame) if start is None else start
+    point, heading = follow(field, vector_of("follow ... from", base), length)
+    like = base if isinstance(base, Instance) else ego_of(frame)
+    return oriented_point(point, heading, like)
+
+
+def visible_part(frame: Frame, region: Value) -> Region:
+    return visible_from(frame, region, ego_of(frame))
+
+
+def visible_from(frame: Frame, region: Value, viewer: Value) -> Region:
+    from scenic_lite.values import algebra
+
+    return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)), frame.session.dialect)
+
+
+def hidden_part(frame: Frame, region: Value) -> Region:
+    from scenic_lite.values import algebra
+
+    return algebra.remainder(region_of("not visible", region), view_of(ego_of(frame)))
+
+
+def region_of(words: str, value: Value) -> Region:
+    if not isinstance(value, Region):
+        raise ScenicError("type", f"`{words}` needs a region, not {describe_kind(value)}")
+    return value
+
+
+def side(words: str) -> Callable[[Frame, Value], Value]:
+    """The operator `front of O`, `back left of O`, ..."""
+    first, *rest = words.split()
+    name = first + "".join(word.capitalize() for word in rest)
+
+    def operator(frame: Frame, instance: Value) -> Value:
+        if not is_oriented(instance):
+            raise ScenicError("type", f"`{words} of` needs an object, not {describe_kind(instance)}")
+        return side_of(instance, name)
+
+    assert name in SIDES
+    return operator
+
+
+OPERATORS: dict[str, Callable[..., Value]] = {
+    "deg": degrees,
+    "distance": distance,
+    "angle": angle,
+    "relative heading of": relative_heading,
+    "apparent heading of": apparent_heading,
+    "relative position of": relative_position,
+    "distance past": distance_past,
+    "at": field_at,
+    "relative to": relative_to,
+    "offset by": relative_to,
+    "offset along": offset_along,
+    "can see": sees,
+    "intersects": intersects,
+    "follow": follow_field,
+    "visible": visible_part,
+    "not visible": hidden_part,
+    "visible from": visible_from,
+    "front of": side("front"),
+    "back of": side("back"),
+    "left of": side("left"),
+    "right of": side("right"),
+    "front left of": side("front left"),
+    "front right of": side("front right"),
+    "back left of": side("back left"),
+    "back right of": side("back right"),
+}

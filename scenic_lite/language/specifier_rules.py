@@ -1,0 +1,294 @@
+"""The meaning of each specifier: `at`, `in`, `ahead of`, `facing` and the rest.
+
+Spec section 5. Each function takes the frame, the node and the evaluated operands. Read next:
+`language.scenic_operators`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.core.scope import Frame, Sight
+from scenic_lite.core.types import Choice, Delayed, Instance, describe_kind
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.classes import as_heading, is_object, view_of
+from scenic_lite.language.distributions import point_in
+from scenic_lite.language.fields import follow
+from scenic_lite.language.specifiers import FIRM, LOOSE, Meaning
+from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalised
+from scenic_lite.values.graph import NOT, Value, apply
+from scenic_lite.values.regions import Filtered, RectangularRegion, Region, VectorField
+
+POSITION = {"position": FIRM}
+# For each direction: its unit step, and the property whose half lies between centre and side.
+DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
+
+
+def optional_heading(frame: Frame, priority: int = LOOSE) -> dict[str, int]:
+    """The heading that a position specifier may bring along: dialect 3 sets the parent's."""
+    return {"parentHeading" if frame.session.dialect == 3 else "heading": priority}
+
+
+def vector_of(words: str, value: Value) -> Vector:
+    vector = as_vector(value)
+    if vector is None:
+        raise ScenicError("type", f"`{words}` needs a vector, not {describe_kind(value)}", hint=vector_hint(value))
+    return vector
+
+
+def vector_hint(value: Value) -> str:
+    if isinstance(value, Region):
+        return "a point of a region is written `in region`"
+    return "a vector is written x @ y" if is_scalar(value) else ""
+
+
+def ego_of(frame: Frame) -> Instance:
+    if frame.session.ego is None:
+        raise ScenicError("name", "there is no ego yet", hint="write ego = ... before this line")
+    return frame.session.ego
+
+
+def at(frame: Frame, node: ast.AST, place: Value) -> Meaning:
+    if isinstance(place, Delayed):
+        delayed = place
+        return Meaning("at", node, POSITION, lambda self: {"position": delayed.compute(self)}, place.needs)
+    vector = vector_of("at", place)
+    return Meaning("at", node, POSITION, lambda self: {"position": vector})
+
+
+def inside(frame: Frame, node: ast.AST, region: Value) -> Meaning:
+    """`in R` and `on R`: a uniform point, with the region's orientation if it has one.
+
+    In dialect 3 also `on` an object, which is its rectangle, and `on` a point.
+    """
+    words = node.name  # type: ignore[attr-defined]
+    if words == "on" and frame.session.dialect == 3 and not isinstance(region, Region | Choice):
+        if is_object(region):
+            p = region.properties
+            region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
+        elif as_vector(region) is not None:
+            place = vector_of("on", region)
+            return Meaning(words, node, POSITION, lambda self: {"position": place})
+    oriented = check_region(words, region)
+    gives = POSITION | (
+        optional_heading(frame, 2 if words == "on" and frame.session.dialect == 3 else LOOSE) if oriented else {}
+    )
+    heading_name = next((name for name in gives if name != "position"), "heading")
+    point, heading = point_in(frame, node, region)
+    return Meaning(words, node, gives, lambda self: {"position": point, heading_name: heading})
+
+
+def check_region(words: str, region: Value) -> bool:
+    """Whether a region has an orientation. Raises ScenicError if it is none."""
+    options = region.options if isinstance(region, Choice) else (region,)
+    for option in options:
+        if not isinstance(option, Region):
+            hint = f"a place is given by `at`, not by `{words}`" if as_vector(option) is not None else ""
+            raise ScenicError("type", f"`{words}` needs a region, not {describe_kind(option)}", hint=hint)
+    return all(option.orientation is not None for option in options)
+
+
+def contained_in(frame: Frame, node: ast.AST, region: Value) -> Meaning:
+    meaning = inside(frame, node, region)
+    gives = meaning.gives | {"regionContainedIn": FIRM}
+    return Meaning(meaning.name, node, gives, lambda self: meaning.compute(self) | {"regionContainedIn": region})
+
+
+def beside(frame: Frame, node: ast.AST, anchor: Value, gap: Value = None) -> Meaning:
+    """`left of X by D` and its kin. Dialect 2 leaves out X's own extent and takes a random X for a vector."""
+    words = node.name  # type: ignore[attr-defined]
+    step_x, step_y = DIRECTIONS[words]
+    extent = "width" if step_x else "length"
+    gap = 0.0 if gap is None else gap
+    shift = Vector(gap * abs(step_x), gap * abs(step_y)) if is_scalar(gap) else vector_of(f"{words} ... by", gap)
+
+    def offset(self: Instance, other: Value) -> Vector:
+        half = (self.properties[extent] + other) / 2
+        if step_x:
+            return Vector((half + shift.x) * step_x, shift.y)
+        return Vector(shift.x, (half + shift.y) * step_y)
+
+    heading = as_heading(anchor) if isinstance(anchor, Instance | Choice) else None
+    if heading is None or (isinstance(anchor, Choice) and frame.session.dialect == 2):
+        vector = vector_of(words, anchor)
+        return Meaning(
+            words,
+            node,
+            POSITION,
+            lambda self: {"position": vector + offset(self, 0.0).rotated(self.properties["heading"])},
+            frozenset({extent, "heading"}),
+        )
+    centre = vector_of(words, anchor)
+    other = own_extent(anchor, extent) if frame.session.dialect == 3 else 0.0
+    gives = optional_heading(frame)
+    return Meaning(
+        words,
+        node,
+        POSITION | gives,
+        lambda self: {"position": centre + offset(self, other).rotated(heading), next(iter(gives)): heading},
+        frozenset({extent}),
+    )
+
+
+def own_extent(anchor: Value, extent: str) -> Value:
+    """Width or length of an object; points have none."""
+    if isinstance(anchor, Choice):
+        return anchor.merged([own_extent(option, extent) for option in anchor.options])
+    return anchor.properties[extent] if is_object(anchor) else 0.0
+
+
+def offset_by(frame: Frame, node: ast.AST, offset: Value) -> Meaning:
+    ego = ego_of(frame)
+    heading = ego.properties["heading"]
+    place = ego.properties["position"] + vector_of("offset by", offset).rotated(heading)
+    return at_with_heading(frame, node, place, heading)
+
+
+def offset_along(frame: Frame, node: ast.AST, direction: Value, offset: Value) -> Meaning:
+    ego = ego_of(frame)
+    start = ego.properties["position"]
+    turn = direction.heading_at(start) if isinstance(direction, VectorField) else as_heading(direction)
+    if turn is None:
+        raise ScenicError("type", f"`offset along` needs a heading, not {describe_kind(direction)}")
+    place = start + vector_of("offset along ... by", offset).rotated(turn)
+    return at_with_heading(frame, node, place, ego.properties["heading"])
+
+
+def beyond(frame: Frame, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> Meaning:
+    """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
+    viewpoint = ego_of(frame) if viewpoint is None else viewpoint
+    far, near_end = vector_of("beyond", anchor), vector_of("beyond ... from", viewpoint)
+    shift = Vector(0.0, gap) if is_scalar(gap) else vector_of("beyond ... by", gap)
+    place = far + shift.rotated(angle_between(near_end, far))
+    return at_with_heading(frame, node, place, 0.0)
+
+
+def at_with_heading(frame: Frame, node: ast.AST, place: Vector, heading: Value) -> Meaning:
+    """A position, and in dialect 3 a parent heading."""
+    words = node.name  # type: ignore[attr-defined]
+    if frame.session.dialect == 3:
+        gives = POSITION | optional_heading(frame)
+        return Meaning(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
+    return Meaning(words, node, POSITION, lambda self: {"position": place})
+
+
+def visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
+    """`visible [from V]`: a point of V's view; dialect 3 also demands that V sees the object, wherever it is put."""
+    viewer = viewer_of(frame, viewer)
+    return in_or_out_of_sight(frame, node, Sight(viewer, True), lambda self: view_of(viewer))
+
+
+def not_visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
+    """`not visible [from V]`: a point of the container outside V's view; dialect 3 hides all of the object."""
+    viewer = viewer_of(frame, viewer)
+    view = view_of(viewer)
+
+    def hidden(self: Instance) -> Region:
+        container = self.properties["regionContainedIn"] or frame.session.workspace
+        if container is None:
+            raise ScenicError("value", "`not visible` needs a workspace to draw from")
+        return Filtered(container, lambda point: apply(NOT, view.contains(point), kind="truth"))
+
+    return in_or_out_of_sight(frame, node, Sight(viewer, False), hidden)
+
+
+def in_or_out_of_sight(frame: Frame, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]) -> Meaning:
+    """A position drawn from a region that depends on what can be seen."""
+    dialect = frame.session.dialect
+    words = "visible" if sight.wanted else "not visible"
+
+    def compute(self: Instance) -> dict[str, Value]:
+        return {"position": point_in(frame, node, region_for(self))[0]}
+
+    def demand(self: Instance) -> None:
+        if dialect == 3:
+            frame.session.sights.append((self, sight))
+
+    gives = {"position": LOOSE if dialect == 3 else FIRM}
+    return Meaning(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
+
+
+def viewer_of(frame: Frame, viewer: Value) -> Instance:
+    if viewer is None:
+        return ego_of(frame)
+    if not isinstance(viewer, Instance):
+        raise ScenicError("type", f"only a Point or an object can see, not {describe_kind(viewer)}")
+    return viewer
+
+
+def following(frame: Frame, node: ast.AST, field: Value, start: Value, distance: Value) -> Meaning:
+    start = vector_of("following ... from", ego_of(frame) if start is None else start)
+    end, heading = follow(field, start, distance)
+    gives = POSITION | optional_heading(frame)
+    return Meaning("following", node, gives, lambda self: {"position": end, next(reversed(gives)): heading})
+
+
+def facing(frame: Frame, node: ast.AST, direction: Value) -> Meaning:
+    if isinstance(direction, VectorField):
+        field = direction
+        return heading_meaning(frame, node, lambda self: field.heading_at(self.properties["position"]), {"position"})
+    if isinstance(direction, Delayed):
+        return heading_meaning(frame, node, direction.compute, direction.needs)
+    heading = as_heading(direction)
+    if heading is None:
+        raise ScenicError(
+            "type", f"`facing` needs a heading, not {describe_kind(direction)}", hint=facing_hint(direction)
+        )
+    return heading_meaning(frame, node, lambda self: heading, set())
+
+
+def facing_hint(value: Value) -> str:
+    return "a point is faced by `facing toward`" if as_vector(value) is not None else ""
+
+
+def facing_toward(frame: Frame, node: ast.AST, target: Value) -> Meaning:
+    vector = vector_of("facing toward", target)
+    return heading_meaning(frame, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
+
+
+def facing_away(frame: Frame, node: ast.AST, target: Value) -> Meaning:
+    vector = vector_of("facing away from", target)
+    return heading_meaning(frame, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
+
+
+def apparently_facing(frame: Frame, node: ast.AST, turn: Value, viewpoint: Value = None) -> Meaning:
+    """Heading `turn` as seen from the viewpoint; dialect 3 sets the yaw, on top of the parent's heading."""
+    start = vector_of("apparently facing ... from", ego_of(frame) if viewpoint is None else viewpoint)
+    name = "yaw" if frame.session.dialect == 3 else "heading"
+
+    def compute(self: Instance) -> dict[str, Value]:
+        return {name: angle_between(start, self.properties["position"]) + turn}
+
+    return Meaning("apparently facing", node, {name: FIRM}, compute, frozenset({"position"}))
+
+
+def heading_meaning(frame: Frame, node: ast.AST, compute: Callable[[Instance], Value], needs: Any) -> Meaning:
+    """A firm heading; dialect 3 normalises it."""
+    finish = normalised if frame.session.dialect == 3 else lambda heading: heading
+    return Meaning("facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs))
+
+
+SPECIFIERS: dict[str, Callable[..., Meaning]] = {
+    "at": at,
+    "in": inside,
+    "on": inside,
+    "contained in": contained_in,
+    "left of": beside,
+    "right of": beside,
+    "ahead of": beside,
+    "behind": beside,
+    "offset by": offset_by,
+    "offset along": offset_along,
+    "beyond": beyond,
+    "visible": visible,
+    "not visible": not_visible,
+    "following": following,
+    "facing": facing,
+    "facing toward": facing_toward,
+    "facing away from": facing_away,
+    "facing directly toward": facing_toward,
+    "facing directly away from": facing_away,
+    "apparently facing": apparently_facing,
+}

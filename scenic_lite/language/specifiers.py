@@ -1,0 +1,230 @@
+"""Specifiers: what each gives and needs, and how an instance's properties are resolved from them.
+
+Spec sections 4 and 5; the differences between the dialects are section 13. Read next: `language.specifier_rules`, the
+meaning of each specifier.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from scenic_lite.core.scope import Frame, near
+from scenic_lite.core.types import Behavior, BehaviorCall, Delayed, Instance, ScenicClass
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.alternatives import one_behavior
+from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
+from scenic_lite.values.geometry import normalised
+from scenic_lite.values.graph import Value
+
+FIRM, LOOSE = 1, 3  # priorities: a firm specification beats a loose one
+
+
+@dataclass(frozen=True, eq=False)
+class Meaning:
+    """One specifier with its operands evaluated.
+
+    `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given;
+    `always` is what it means besides, even where stronger specifiers give all that it would.
+    """
+
+    name: str
+    node: ast.AST
+    gives: dict[str, int]
+    compute: Callable[[Instance], dict[str, Value]]
+    needs: frozenset[str] = frozenset()
+    always: Callable[[Instance], None] | None = None
+
+
+@dataclass(eq=False)
+class Resolution:
+    """The properties of one instance, computed each after what it needs."""
+
+    frame: Frame
+    instance: Instance
+    winners: dict[str, Meaning]
+    done: set[int] = field(default_factory=set)
+    waiting: list[Meaning] = field(default_factory=list)
+
+    def settle(self, meaning: Meaning) -> None:
+        """Compute what `meaning` gives, after what it needs."""
+        if id(meaning) in self.done:
+            return
+        if meaning in self.waiting:
+            raise self.frame.error(
+                "specifier", f"`{meaning.name}` depends on itself", meaning.node, self._circle(meaning)
+            )
+        self.waiting.append(meaning)
+        for need in sorted(meaning.needs):
+            if need not in self.winners:
+                raise self._missing(meaning, need)
+            self.settle(self.winners[need])
+        self.waiting.pop()
+        self.done.add(id(meaning))
+        try:
+            self._compute(meaning)
+        except ScenicError as error:
+            raise self.frame.placed(error, meaning.node) from None
+
+    def _compute(self, meaning: Meaning) -> None:
+        if meaning.always is not None:
+            meaning.always(self.instance)
+        if not any(self.winners.get(name) is meaning for name in meaning.gives):
+            return
+        owned = next(iter(meaning.gives))
+        with self.frame.session.owned(self.instance, owned):
+            given = meaning.compute(self.instance)
+        for name, value in given.items():
+            if self.winners.get(name) is meaning:
+                self.instance.properties[name] = checked(name, value, self.frame.session.dialect)
+
+    def _missing(self, meaning: Meaning, need: str) -> ScenicError:
+        message = f"`{meaning.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
+        return self.frame.error("specifier", message, meaning.node, near(need, self.winners))
+
+    def _circle(self, meaning: Meaning) -> str:
+        others = [each.name for each in self.waiting[self.waiting.index(meaning) + 1 :]]
+        return f"through `{'`, `'.join(others)}`" if others else ""
+
+
+def make(frame: Frame, cls: ScenicClass, meanings: list[Meaning], instance: Instance) -> Instance:
+    """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
+    refuse_final(frame, cls, meanings)
+    if frame.session.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
+        refuse_heading(frame, cls, meanings)
+    winners = strongest(frame, meanings)
+    for name in cls.property_names():
+        if name not in winners:
+            winners[name] = default_of(frame, cls, name, instance)
+    if frame.session.dialect == 3 and cls.derives_from(ORIENTED_POINT):
+        split_heading(frame, cls, winners, instance)
+    resolution = Resolution(frame, instance, winners)
+    for meaning in [*meanings, *winners.values()]:
+        resolution.settle(meaning)
+    instance.properties.pop("parentHeading", None)
+    if cls.derives_from(OBJECT):
+        limit = frame.session.budget.limits.objects
+        if len(frame.session.objects) >= limit:
+            raise ScenicError("budget", f"evaluation budget exceeded: more than {limit} objects")
+        frame.session.objects.append(instance)
+    return instance
+
+
+def refuse_final(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+    """Raise ScenicError where a specifier gives a property that its class calls final, or a name that is taken."""
+    for meaning in meanings:
+        for name in meaning.gives:
+            if any("final" in default.attributes for default in cls.defaults_of(name)):
+                raise frame.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
+            if name in SIDES:
+                raise frame.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
+
+
+def refuse_heading(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+    """Raise ScenicError where a class without a heading is to face somewhere."""
+    for meaning in meanings:
+        if "facing" in meaning.name:
+            hint = "an OrientedPoint has one"
+            raise frame.error("specifier", f"a {cls.name} has no heading for `{meaning.name}`", meaning.node, hint)
+
+
+def strongest(frame: Frame, meanings: list[Meaning]) -> dict[str, Meaning]:
+    """For each property the specifier that sets it. Raises ScenicError where two are equally strong."""
+    seen: dict[str, Meaning] = {}
+    winners: dict[str, Meaning] = {}
+    for meaning in meanings:
+        if meaning.name in seen:
+            raise frame.error("specifier", f"`{meaning.name}` is given twice", meaning.node)
+        seen[meaning.name] = meaning
+        for name in meaning.gives:
+            winners[name] = stronger(frame, name, winners.get(name), meaning)
+    return winners
+
+
+def stronger(frame: Frame, name: str, old: Meaning | None, new: Meaning) -> Meaning:
+    if old is None or new.gives[name] < old.gives[name]:
+        return new
+    if new.gives[name] == old.gives[name]:
+        raise frame.error("specifier", f"`{old.name}` and `{new.name}` both set the {name}", new.node)
+    return old
+
+
+def default_of(frame: Frame, cls: ScenicClass, name: str, instance: Instance) -> Meaning:
+    """The class's default for a property, as a specifier; `additive` ones collect those of all bases."""
+    defaults = cls.defaults_of(name)
+    needs = frozenset().union(*(default.needs for default in defaults[:1]))
+    if "additive" in defaults[0].attributes:
+        everything = frozenset().union(*(default.needs for default in defaults))
+        return Meaning(
+            f"default of {name}",
+            instance_node(instance),
+            {name: LOOSE},
+            lambda self: {name: tuple(default.compute(self) for default in defaults)},
+            everything,
+        )
+    compute = defaults[0].compute
+    return Meaning(
+        f"default of {name}", instance_node(instance), {name: LOOSE}, lambda self: {name: compute(self)}, needs
+    )
+
+
+def instance_node(instance: Instance) -> ast.AST:
+    """A node at the place where the instance is made, to blame for its defaults."""
+    place = instance.place
+    return ast.Pass(
+        lineno=place.line, col_offset=place.column, end_lineno=place.end_line, end_col_offset=place.end_column
+    )
+
+
+def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], instance: Instance) -> None:
+    """Dialect 3: unless set firmly, heading = that of the parent + yaw, and the class's default is the parent's."""
+    node = instance_node(instance)
+    heading, yaw = winners["heading"], winners.get("yaw")
+    if yaw is not None and not heading.name.startswith("default"):
+        raise frame.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
+    if heading.name.startswith("default"):
+        parent = winners["heading"].compute
+        needs = winners["heading"].needs
+        winners.setdefault(
+            "parentHeading",
+            Meaning(
+                "parent heading",
+                node,
+                {"parentHeading": LOOSE},
+                lambda self: {"parentHeading": parent(self)["heading"]},
+                needs,
+            ),
+        )
+        winners.setdefault("yaw", Meaning("yaw", node, {"yaw": LOOSE}, lambda self: {"yaw": 0.0}))
+        winners["heading"] = Meaning(
+            "heading",
+            node,
+            {"heading": LOOSE},
+            lambda self: {"heading": normalised(self.properties["parentHeading"] + self.properties["yaw"])},
+            frozenset({"parentHeading", "yaw"}),
+        )
+
+
+def with_property(frame: Frame, node: ast.expr, name: str, value: Value) -> Meaning:
+    """`with name value`."""
+    if name == "behavior":
+        value = frame.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(frame, node, value)
+    if isinstance(value, Delayed):
+        delayed = value
+        return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs)
+    return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: value})
+
+
+def warn_of_unknown(frame: Frame, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
+    """A property that the class does not declare is allowed, but looks like a slip if a declared one is near."""
+    known = cls.property_names()
+    if name in known:
+        frame.session.declared.add(frame.place(node))
+        return
+    hint = near(name, known)
+    is_behavior = isinstance(frame.module_names.get(name), Behavior)
+    if is_behavior:
+        hint = f"did you mean 'behavior {name}()'?"
+    if hint or isinstance(value, BehaviorCall):
+        frame.warn(f"{cls.name} has no property '{name}'", node, hint or "a behavior is attached by 'with behavior'")

@@ -1,0 +1,154 @@
+"""Load a program: parse it, walk its tree once, and hand what it made to `Program`.
+
+The evaluation itself is spread over `frame`, `expressions`, `calls`, `statements` and `modules`. Read next:
+`core.scope`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from scenic_lite.core.domain import Domain
+from scenic_lite.core.scope import Session, Source, near
+from scenic_lite.core.types import Namespace
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.evaluation.assignments import unpack
+from scenic_lite.evaluation.calls import CALLS, call
+from scenic_lite.evaluation.expressions import EXPRESSIONS
+from scenic_lite.evaluation.functions import BUILTINS
+from scenic_lite.evaluation.modular import set_up_main
+from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
+from scenic_lite.evaluation.statements import STATEMENTS
+from scenic_lite.language.requirements import settle
+from scenic_lite.scene.program import Program
+from scenic_lite.scene.pruning import prune
+from scenic_lite.syntax.dialect import dialect_of
+
+
+def load(
+    source: str | Path,
+    domain: Domain | None = None,
+    dialect: int | None = None,
+    scenario: str | None = None,
+    params: Mapping[str, object] | None = None,
+    model: str | None = None,
+) -> Program:
+    """Read a Scenic program.
+
+    A Path, or a str that names an existing file or ends in `.scenic`, is read; another str is program text.
+
+    `dialect` is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). Without it, a first line `# scenic: 2` or
+    `# scenic: 3` decides; without that, a program that makes its objects with `new` is of dialect 3, any other of 2.
+    `scenario` names the modular scenario to run; without it, that is `Main`, or the only one. `params` are global
+    parameters that win over whatever the program sets. `model` is a module whose names the program gets in place of
+    those of its own `model` statement or of the domain's default model.
+
+    Raises ScenicError, with a place in the text, for whatever is wrong with the program; ValueError or TypeError for an
+    argument that means nothing.
+    """
+    text, file, folder = text_of(source)
+    session = new_session(domain, dialect_of(text, file, dialect))
+    override(session, file, params or {}, model)
+    session.root = folder
+    own = source_of(text, file, folder)
+    run_file(session, text, own)
+    set_up_main(session, own, scenario)
+    doubt_overrides(session, own)
+    settle(session)
+    if session.ego is None and needs_ego(session):
+        raise no_ego(session, own)
+    prune(session)
+    return Program(session, own, text, warnings_of(session))
+
+
+def override(session: Session, file: str, params: Mapping[str, object], model: str | None) -> None:
+    """Set what the caller decides and the program cannot change."""
+    if not isinstance(params, Mapping):
+        raise TypeError(f"params maps names to values, it is no {type(params).__name__}")
+    for name, value in params.items():
+        if not isinstance(name, str):
+            raise TypeError(f"the name of a parameter is a text, not {name!r}")
+        if not is_plain(value):
+            raise TypeError(f"the parameter '{name}' must be a number, a text, a truth value, None, or a list of them")
+        session.params[name] = value
+        session.param_places[name] = Place(file, 1, 0, 1, 1)
+    session.fixed_params = frozenset(params)
+    if model is not None and not isinstance(model, str):
+        raise TypeError(f"model is the name of a module, not {model!r}")
+    session.model = model
+
+
+def doubt_overrides(session: Session, own: Source) -> None:
+    """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
+    unset = Place(own.file, 1, 0, 1, 1)
+    known = {name for name, place in session.param_places.items() if place != unset}
+    known |= session.domain.params if session.domain else frozenset()
+    for name in sorted(session.fixed_params - known):
+        hint = near(name, known)
+        if hint:
+            message = f"the program sets no parameter '{name}', which its caller overrides"
+            session.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
+
+
+def is_plain(value: object) -> bool:
+    """Whether a value is one that the text of a program could hold too."""
+    if isinstance(value, list | tuple):
+        return all(is_plain(each) for each in value)
+    if isinstance(value, dict):
+        return all(is_plain(each) for pair in value.items() for each in pair)
+    return value is None or type(value) in (bool, int, float, str)
+
+
+def warnings_of(session: Session) -> tuple[ScenicError, ...]:
+    """What the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
+    warnings = {(warning.place, warning.message): warning for warning in session.warnings}
+    warned = {place for place, _ in warnings}
+    for doubt in session.doubts:
+        settled = doubt.place in session.declared and doubt.hint.startswith("did you mean")
+        if doubt.place not in warned and not settled:
+            warnings[doubt.place, doubt.message] = doubt
+    return tuple(warnings.values())
+
+
+def no_ego(session: Session, source: Source) -> ScenicError:
+    """The error for a program without an ego, at its first object."""
+    own = (each.place for each in session.objects if each.place.file == source.file)
+    where = next(own, Place(source.file, 1, 0, 1, 1))
+    hint = "write ego = ... before one of its objects"
+    return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
+
+
+def text_of(source: str | Path) -> tuple[str, str, Path | None]:
+    """Text, name to print, and folder of a source."""
+    if not isinstance(source, str | Path):
+        raise TypeError(f"load takes the path or the text of a program, not {type(source).__name__}")
+    if isinstance(source, Path) or source.endswith(".scenic") or is_file(source):
+        path = Path(source)
+        return read(path), path.name, path.parent
+    return source, "<program>", None
+
+
+def is_file(source: str) -> bool:
+    if "\n" in source or len(source) > 1000:
+        return False
+    try:
+        return Path(source).is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def new_session(domain: Domain | None, dialect: int) -> Session:
+    """A session that knows all of the language and nothing yet of a program."""
+    params: dict = {}
+    builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", params)}
+    session = Session(domain, dialect, EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
+    session.params = params
+    return session
+
+
+def needs_ego(session: Session) -> bool:
+    """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
+    if session.dialect == 2:
+        return session.main is None or not session.main.behavior.scenario.compose
+    return any(each.properties["requireVisible"] is True for each in session.objects)

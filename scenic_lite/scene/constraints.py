@@ -1,0 +1,229 @@
+"""The rules every scene must pass: objects apart, inside their containers, seen where they must be; the program's own.
+
+Spec section 9, step 2. Overlaps and rectangular containers are tested for all objects at once, since they are tested
+for every scene; the rest are nodes of the graph. Read next: `scene.program`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.core.scope import Session
+from scenic_lite.core.types import Instance
+from scenic_lite.errors import Place, ScenicError
+from scenic_lite.language.classes import can_see, outline, rectangle_of
+from scenic_lite.values.geometry import rectangles_meet
+from scenic_lite.values.graph import NOT, OR, Random, Value, apply
+from scenic_lite.values.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
+
+BLOCK = 8192  # numbers in one array while rules are tested
+
+
+class Rule(NamedTuple):
+    """One thing that a scene must satisfy: `label` as the report prints it, and where it comes from."""
+
+    label: str
+    place: Place
+    kind: str  # "require", "containment", "overlap", "visibility"
+    probability: float = 1.0  # below 1: a soft requirement, in force in that share of the scenes
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """The rectangles of all objects in N scenes, arrays [O, N], or [O, 1] where they never vary.
+
+    Objects come first so that what belongs to one of them, or to one rule, is contiguous.
+    """
+
+    x: Any
+    y: Any
+    heading: Any
+    width: Any
+    length: Any
+
+    def of(self, objects: Any) -> tuple[Any, ...]:
+        """x, y, heading, width, length of some objects."""
+        return tuple(part[objects] for part in (self.x, self.y, self.heading, self.width, self.length))
+
+
+class Overlaps:
+    """Tests every pair of objects that may not overlap."""
+
+    def __init__(self, objects: list[Instance]) -> None:
+        strict = [i for i, each in enumerate(objects) if each.properties["allowCollisions"] is False]
+        pairs = [(i, j) for j in strict for i in strict if i < j]
+        self.first = np.array([i for i, _ in pairs], dtype=int)
+        self.second = np.array([j for _, j in pairs], dtype=int)
+        self.rules = [
+            Rule(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap") for i, j in pairs
+        ]
+
+    def members(self) -> list[tuple[int, ...]]:
+        """The objects that each rule is about."""
+        return list(zip(self.first.tolist(), self.second.tolist(), strict=True))
+
+    def fails(self, outlines: Outlines) -> Any:
+        """[pairs, N]: whether the two meet."""
+        upright = outlines.heading.shape[1] == 1 and not outlines.heading.any()
+        test = upright_meet if upright else turned_meet
+        parts = [
+            test(*outlines.of(self.first[block]), *outlines.of(self.second[block]))
+            for block in blocks(len(self.first), outlines)
+        ]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def blocks(count: int, outlines: Outlines) -> list[slice]:
+    """Cut `count` rows so that what is computed at once stays in the processor's cache."""
+    size = max(1, BLOCK // max(1, outlines.x.shape[1]))
+    return [slice(start, start + size) for start in range(0, count, size)]
+
+
+def upright_meet(*numbers: Any) -> Any:
+    """As `rectangles_meet` for headings that are all 0, the usual case."""
+    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
+    return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
+
+
+def turned_meet(*numbers: Any) -> Any:
+    """As `rectangles_meet`, which is asked only about those whose circumscribed circles meet: few, as a rule."""
+    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
+    dx, dy = ax - bx, ay - by
+    reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
+    meets = dx * dx + dy * dy <= reach * reach
+    near = np.nonzero(meets)
+    if len(near[0]):
+        meets[near] = rectangles_meet(*(np.broadcast_to(each, meets.shape)[near] for each in numbers))
+    return meets
+
+
+class Containment:
+    """Tests the objects whose container is one fixed rectangle."""
+
+    def __init__(self, region: RectangularRegion, objects: list[Instance], where: list[int], label: str) -> None:
+        self.region = region
+        self.where = np.array(where, dtype=int)
+        self.rules = [Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment") for i in where]
+        self.half = (region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS)
+        self.axis = (float(np.cos(region.heading)), float(np.sin(region.heading)))
+
+    def members(self) -> list[tuple[int, ...]]:
+        """The objects that each rule is about."""
+        return [(i,) for i in self.where.tolist()]
+
+    def fails(self, outlines: Outlines) -> Any:
+        """[objects, N]: whether a rectangle sticks out, by its extent along the container's axes."""
+        parts = [self._sticks_out(*outlines.of(self.where[block])) for block in blocks(len(self.where), outlines)]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def _sticks_out(self, x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
+        (c, s), position = self.axis, self.region.position
+        dx, dy = x - position.x, y - position.y
+        turn_c, turn_s = np.abs(np.cos(heading - self.region.heading)), np.abs(np.sin(heading - self.region.heading))
+        across, along = (width * turn_c + length * turn_s) / 2, (width * turn_s + length * turn_c) / 2
+        inside = np.abs(dx * c + dy * s) + across <= self.half[0]
+        return ~(inside & (np.abs(dy * c - dx * s) + along <= self.half[1]))
+
+
+class Checks(NamedTuple):
+    """All rules of a program in the order of their columns: arrays first, then nodes of the graph."""
+
+    batched: tuple[Overlaps | Containment, ...]
+    nodes: tuple[tuple[Rule, Value], ...]  # the node is true where the rule holds
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        return (*(rule for each in self.batched for rule in each.rules), *(rule for rule, _ in self.nodes))
+
+
+def checks_of(session: Session, objects: list[Instance]) -> Checks:
+    """Every rule that the objects and requirements of a session imply."""
+    batched: list[Overlaps | Containment] = []
+    nodes: list[tuple[Rule, Value]] = []
+    overlaps = Overlaps(objects)
+    if overlaps.rules:
+        batched.append(overlaps)
+    for region, (where, label) in containers(session, objects).items():
+        if isinstance(region, RectangularRegion) and region.fixed():
+            batched.append(Containment(region, objects, where, label))
+            continue
+        for i in where:
+            rule = Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
+            nodes.append((rule, region.contains_corners(outline(objects[i]))))
+    nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session, objects)]
+    for requirement in session.requirements:
+        if requirement.condition is True:
+            continue
+        rule = Rule(requirement.label, requirement.place, "require", requirement.probability)
+        nodes.append((rule, requirement.condition))
+    return Checks(tuple(batched), tuple(nodes))
+
+
+def rules_of_requirements(session: Session, checks: Checks) -> list[int | None]:
+    """Which rule each requirement is; None for one that holds in every scene."""
+    at = len(checks.rules) - sum(each.condition is not True for each in session.requirements)
+    places: list[int | None] = []
+    for each in session.requirements:
+        places.append(None if each.condition is True else at)
+        at += each.condition is not True
+    return places
+
+
+def containers(session: Session, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
+    """The objects that each container must hold: its own region if it has one, else the workspace."""
+    result: dict[Any, tuple[list[int], str]] = {}
+    for i, instance in enumerate(objects):
+        own = instance.properties["regionContainedIn"]
+        region = session.workspace if own is None else own
+        if region is None or isinstance(region, Everywhere):
+            continue
+        if not isinstance(region, Region):
+            raise ScenicError("type", "regionContainedIn must be a region", instance.place)
+        label = "the workspace" if own is None else "its region"
+        result.setdefault(region, ([], label))[0].append(i)
+    return result
+
+
+def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+    """Overlap rules for pairs of which one allows collisions in some scenes only."""
+    for j, b in enumerate(objects):
+        for a in objects[:j]:
+            allowed = [each.properties["allowCollisions"] for each in (a, b)]
+            if any(isinstance(each, Random) for each in allowed) and True not in allowed:
+                meets = truth_of(rectangles_meet, *rectangle_of(a), *rectangle_of(b))
+                excused = apply(OR, *allowed, kind="truth")
+                rule = Rule(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
+                yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
+
+
+def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Value]]:
+    """What the ego must see, unless `requireVisible` is switched off."""
+    nodes = []
+    for instance in objects:
+        wanted = instance.properties["requireVisible"]
+        if wanted is False or instance is session.ego or session.ego is None:
+            continue
+        seen = can_see(session.ego, instance, session.dialect)
+        if isinstance(wanted, Random):
+            seen = apply(OR, seen, apply(NOT, wanted, kind="truth"), kind="truth")
+        rule = Rule(f"{instance.title()} is not visible from {session.ego.title()}", instance.place, "visibility")
+        if seen is not True:
+            nodes.append((rule, seen))
+    return nodes
+
+
+def sights(session: Session, objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+    """What the specifiers `visible` and `not visible` of dialect 3 demand, of objects that came to be."""
+    made = {id(each) for each in objects}
+    for instance, (viewer, wanted) in session.sights:
+        if id(instance) not in made:
+            continue
+        seen = can_see(viewer, instance, session.dialect)
+        label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"
+        holds = seen if wanted else apply(NOT, seen, kind="truth")
+        if holds is not True:
+            yield Rule(label, instance.place, "visibility"), holds

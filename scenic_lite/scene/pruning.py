@@ -1,0 +1,243 @@
+"""Pruning: a point is drawn only from where its object has room in its container, not from all that the program names.
+
+The valid scenes and their distribution stay the same, since whatever is left out would be rejected; fewer levels are
+invalid. Only objects that stand at such a point itself, or at a fixed step from it, are pruned: not those with noise.
+Spec section 9. Read next: `scene.constraints`, which tests what is left.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from scenic_lite.core.scope import DrawnPoint, Session
+from scenic_lite.core.types import Instance
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.distributions import show_coordinates, span_between
+from scenic_lite.scene.bounds import bounds_of
+from scenic_lite.scene.constraints import containers
+from scenic_lite.values.geometry import TURN, Vector
+from scenic_lite.values.graph import Column, Random, Tape, Value, columns_of, is_number
+from scenic_lite.values.polygons import PolygonalRegion
+from scenic_lite.values.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
+
+SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
+ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
+LARGEST_NUMBER = 1e12  # in a region; areas of larger ones may overflow
+LARGEST_NODE = 10_000  # random operations behind a width that are looked through
+
+
+class Demand(NamedTuple):
+    """What the point of one object must satisfy: `container` has room for the object.
+
+    `right`, `up`: the fixed step from the point to the object; `radius`: of a circle that the object always holds.
+    """
+
+    container: Region
+    right: float
+    up: float
+    radius: float
+
+    @property
+    def step(self) -> Vector:
+        return Vector(self.right, self.up)
+
+
+def prune(session: Session) -> None:
+    """Draw the points of a session's objects from the parts of their regions in which the objects fit.
+
+    What is cut off is what Scenic cuts off, so that shares of valid draws can be compared: the container's rim, as far
+    in as the radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
+    ScenicError where an object fits nowhere.
+    """
+    points = {id(part): i for i, each in enumerate(session.points) for part in (each.point.x, each.point.y)}
+    parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
+    for container, (where, label) in containers(session, session.objects).items():
+        for instance in [session.objects[i] for i in where] if is_fixed_area(container) else []:
+            found = near_point(points, session, instance.properties["position"])
+            if found is None or not is_fixed_area(session.points[found[0]].region):
+                continue
+            at, right, up = found
+            base, demand = session.points[at].region, Demand(container, right, up, inner_radius(instance))
+            if session.dialect == 3 and base is session.workspace:
+                continue
+            known = parts.setdefault(demand, {})
+            if base not in known:
+                known[base] = common_part(base, demand)
+            part = known[base]
+            if part is None:
+                raise does_not_fit(session, instance, label)
+            if part is not base:
+                draw_from(session, at, part)
+
+
+def is_fixed_area(region: Region) -> bool:
+    """Whether a region is the same in every scene, has an area, and is known by its boundary."""
+    if not isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion):
+        return False
+    return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
+
+
+def near_point(points: dict[int, int], session: Session, position: Vector) -> tuple[int, float, float] | None:
+    """The index of the drawn point that a position is, and the fixed step from there."""
+    (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
+    at = points.get(id(x))
+    if at is None or session.points[at].point.x is not x or session.points[at].point.y is not y:
+        return None
+    return at, right, up
+
+
+def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
+    """A value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
+    step = 0.0
+    while isinstance(value, Random) and id(value) not in points and value.operation in (np.add, np.subtract):
+        first, second = value.inputs
+        if is_number(second):
+            step += second if value.operation is np.add else -second
+            value = first
+        elif is_number(first) and value.operation is np.add:
+            step, value = step + first, second
+        else:
+            break
+    return value, step
+
+
+def inner_radius(instance: Instance) -> float:
+    """A lower bound of the radius of an object's inner circle in every scene."""
+    return min(max(0.0, least(instance.properties[name])) / 2 for name in ("width", "length"))
+
+
+def least(value: Value) -> float:
+    """A lower bound; -inf if none is known."""
+    if not isinstance(value, Random):
+        return float(value)
+    columns = list(columns_of(value))
+    try:
+        tape = Tape([value], columns, LARGEST_NODE)
+    except ScenicError:
+        return -math.inf
+    return bounds_of(tape, columns)[tape.slot(value)][0]
+
+
+def does_not_fit(session: Session, instance: Instance, label: str) -> ScenicError:
+    place = instance.place
+    message = f"{instance.title()} does not fit into {label}"
+    hint = "nowhere in the region from which its position is drawn is there room for it"
+    return ScenicError("value", message, place, hint=hint, source_line=session.sources[place.file].line(place.line))
+
+
+# ------------------------------------------------------------ one point
+
+
+def draw_from(session: Session, at: int, part: Region) -> None:
+    """Draw the point with the index `at` from a part of its region."""
+    drawn = session.points[at]
+    columns = drawn.columns
+    if drawn.point.x is columns[0] and isinstance(part, RectangularRegion):
+        narrow(columns, part)
+    else:
+        columns = redraw(session, drawn, part)
+    session.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or drawn.region)
+
+
+def common_part(base: Region, demand: Demand) -> Region | None:
+    """The part of a region that meets a demand; the region itself if that is almost all of it, None if it is empty."""
+    container = demand.container
+    if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
+        return common_rectangle(base, demand)
+    if isinstance(base, SectorRegion) and isinstance(container, SectorRegion) and base.round() and container.round():
+        return common_disc(base, demand) or common_shape(base, demand)
+    return common_shape(base, demand)
+
+
+def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
+    return abs(math.remainder(a.heading - b.heading, math.pi)) < CLOSENESS
+
+
+def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegion | None:
+    """As `common_part`, in the frame of two rectangles of the same heading."""
+    container = demand.container
+    assert isinstance(container, RectangularRegion)
+    middle = base.position.rotated(-base.heading)
+    room = (container.position - demand.step).rotated(-base.heading)
+    x = overlap(middle.x, base.width / 2, room.x, container.width / 2 - demand.radius)
+    y = overlap(middle.y, base.length / 2, room.y, container.length / 2 - demand.radius)
+    width, length = x[1] - x[0], y[1] - y[0]
+    if (min(width, length) <= 0 and base.width * base.length > 0) or min(width, length) < -CLOSENESS:
+        return None
+    if width * length >= (1 - SLIGHT) * base.width * base.length:
+        return base
+    place = Vector((x[0] + x[1]) / 2, (y[0] + y[1]) / 2).rotated(base.heading)
+    return RectangularRegion(place, base.heading, width, length)
+
+
+def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
+    """What two intervals, given by middle and half length, have in common."""
+    return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
+
+
+def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
+    """As `common_part` where that is one of the two discs; None if they overlap, or are apart."""
+    container = demand.container
+    assert isinstance(container, SectorRegion)
+    middle, radius = container.center - demand.step, container.radius - demand.radius
+    apart = (middle - base.center).length()
+    if apart + base.radius <= radius + CLOSENESS:
+        return base
+    return SectorRegion(middle, radius) if radius > 0 and apart + radius <= base.radius + CLOSENESS else None
+
+
+def common_shape(base: Region, demand: Demand) -> Region | None:
+    """As `common_part`, for regions of any shape."""
+    from scenic_lite.values import algebra, shapes
+
+    room = circumscribed(demand.container).shape()
+    if demand.radius > 0:
+        room = shapes.GROWN.scalar(room, -demand.radius)
+    whole = base.shape()
+    part = shapes.INTERSECTION.scalar(whole, shapes.moved(room, -demand.right, -demand.up))
+    if part.area >= (1 - ROUGH) * whole.area:
+        return base
+    return algebra.region_of(part, base.orientation) if part.area > 0 else None
+
+
+def circumscribed(region: Region) -> Region:
+    """A region whose polygon holds all of the given one, also its arcs."""
+    if not isinstance(region, SectorRegion):
+        return region
+    radius = region.radius / math.cos(min(region.angle, TURN) / 2 / ARC_SEGMENTS)
+    return SectorRegion(region.center, radius, region.heading, region.angle)
+
+
+# ------------------------------------------------------------ the graph
+
+
+def narrow(columns: tuple[Column, ...], part: RectangularRegion) -> None:
+    """Columns that are the coordinates themselves stay so, between nearer limits."""
+    for column, (low, span) in zip(columns, part.scales(), strict=True):
+        column.offset, column.low, column.high = low, low, low + span
+        column.span = span_between(low, low + span)
+
+
+def redraw(session: Session, drawn: DrawnPoint, part: Region) -> tuple[Column, ...]:
+    """Make the point's nodes those of another region, so that all that was computed from them follows."""
+    columns = drawn.columns
+    if drawn.point.x is columns[0]:  # its columns become nodes, of two others
+        columns = tuple(successor(session, column) for column in columns)
+    for column, (offset, span) in zip(columns, part.scales(), strict=True):
+        column.offset, column.span = offset, span
+    made = part.point(*columns)
+    for node, computed in zip((drawn.point.x, drawn.point.y), (made.x, made.y), strict=True):
+        node.operation, node.inputs = computed.operation, computed.inputs
+    show_coordinates(list(columns), drawn.point, part.bounds())
+    return columns
+
+
+def successor(session: Session, column: Column) -> Column:
+    """A new column in the place of another one."""
+    fresh = Column(column.draw_kind, column.place)
+    fresh.name, fresh.owner = column.name, column.owner
+    session.columns[next(i for i, each in enumerate(session.columns) if each is column)] = fresh
+    return fresh

@@ -1,0 +1,242 @@
+"""Scenes: what N samples of a program look like as arrays, and the plan by which a tape's registers become them.
+
+Read next: `scene.program`, which owns the plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.core.budget import exceeded
+from scenic_lite.core.types import BehaviorCall, Choice, Instance
+from scenic_lite.errors import Place
+from scenic_lite.scene.constraints import Outlines
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import Random, Tape, Value, is_number
+from scenic_lite.values.regions import Region
+
+LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
+Plan = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
+
+
+class ObjectInfo(NamedTuple):
+    """What is known of an object before any scene is drawn.
+
+    `name` in the program ("" if no variable holds it), `classes`: its class and all bases by name, most derived first;
+    `behavior`: the name of the behavior attached to it, or None; `behavior_place`: where that is written.
+    """
+
+    name: str
+    class_name: str
+    classes: tuple[str, ...]
+    place: Place
+    behavior: str | None
+    behavior_place: Place | None
+
+
+@dataclass(frozen=True, eq=False)
+class Scenes:
+    """N initial arrangements of a program's O objects.
+
+    positions: [N, O, 2], headings: [N, O] (radians, 0 along +y, anticlockwise).
+    properties: name -> list over the O objects; what is the same in every scene is a plain value (a vector is a pair),
+        what is random an array [N] (a vector [N, 2]); None where an object has no such property.
+    params: the program's parameters, in the same form.
+    behavior_arguments: for each object a dict name -> value in the same form, or None without a behavior; objects of
+        the program appear as their index in `Program.objects`.
+    ok: [N], whether every rule holds; failed: [N, R], which rules (`Program.requirements`) do not.
+    """
+
+    positions: np.ndarray
+    headings: np.ndarray
+    properties: dict[str, list[Any]]
+    params: dict[str, Any]
+    behavior_arguments: list[dict[str, Any] | None]
+    ok: np.ndarray
+    failed: np.ndarray
+
+
+def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[Random]:
+    """The random nodes that a value is made of, in order."""
+    seen = set() if seen is None else seen
+    if isinstance(value, Random):
+        yield value
+        return
+    if id(value) in seen:
+        return
+    parts = parts_of(value)
+    if parts:
+        seen.add(id(value))
+    for part in parts:
+        yield from randoms_in(part, seen)
+
+
+def refuse_huge(value: Value, what: str) -> None:
+    """Raise ScenicError if a value that scenes must hold is endless or very large when written out."""
+    count, stack = 0, [(value, 0)]
+    while stack:
+        each, depth = stack.pop()
+        count += 1
+        if count > LARGEST_VALUE or depth > DEEPEST_VALUE:
+            raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
+        if isinstance(each, list | tuple | set | dict | Choice | BehaviorCall):
+            stack += [(part, depth + 1) for part in parts_of(each)]
+
+
+def parts_of(value: Value) -> tuple[Value, ...]:
+    """What a structured value is made of."""
+    if isinstance(value, Vector):
+        return (value.x, value.y)
+    if isinstance(value, list | tuple | set):
+        return tuple(value)
+    if isinstance(value, dict):
+        return tuple(value.values())
+    if isinstance(value, Choice):
+        return (value.index, *value.options)
+    if isinstance(value, Instance):
+        return tuple(value.properties.values())
+    if isinstance(value, BehaviorCall):
+        return tuple(value.arguments.values())
+    if isinstance(value, Region):
+        return value.parameters()
+    return ()
+
+
+class Planner:
+    """Turns values into plans: how to read them from the registers of a tape. Fixed values need none."""
+
+    def __init__(self, tape: Tape, objects: list[Instance]) -> None:
+        self.tape = tape
+        self.indices = {id(instance): i for i, instance in enumerate(objects)}
+
+    def fixed(self, value: Value) -> Any:
+        """A fixed value in the form that Scenes give it."""
+        if isinstance(value, Vector):
+            return (value.x, value.y)
+        if isinstance(value, Instance):
+            index = self.indices.get(id(value))
+            return self.fixed(value.properties["position"]) if index is None else index
+        if isinstance(value, list | tuple):
+            return type(value)(self.fixed(each) for each in value)
+        if isinstance(value, dict):
+            return {key: self.fixed(each) for key, each in value.items()}
+        if isinstance(value, BehaviorCall):
+            return value.behavior.name
+        return value
+
+    def plan(self, value: Value) -> Plan | None:
+        """How to read a value that varies; None if it is fixed."""
+        if isinstance(value, Random):
+            slot = self.tape.slot(value)
+            return lambda registers, count: registers[slot]
+        if isinstance(value, BehaviorCall | Region) or not any(True for _ in self._varying(value)):
+            return None
+        if isinstance(value, Vector):
+            return self._vector(value)
+        if isinstance(value, Instance):
+            return self.plan(value.properties["position"])
+        if isinstance(value, Choice):
+            return self._choice(value)
+        if isinstance(value, dict):
+            return self._dictionary(value)
+        return self._sequence(value)
+
+    def _varying(self, value: Value) -> Iterator[Random]:
+        """Objects of the program are given by index, so that what varies of them does not matter."""
+        if isinstance(value, Instance):
+            return iter(()) if id(value) in self.indices else randoms_in(value.properties["position"])
+        if isinstance(value, list | tuple | dict):
+            parts = value.values() if isinstance(value, dict) else value
+            return (each for part in parts for each in self._varying(part))
+        return randoms_in(value)
+
+    def _vector(self, value: Vector) -> Plan:
+        parts = [self.reader(value.x), self.reader(value.y)]
+        return lambda registers, count: np.stack(
+            [np.broadcast_to(part(registers, count), count) for part in parts], axis=1
+        )
+
+    def _choice(self, value: Choice) -> Plan:
+        index = self.tape.slot(value.index)
+        readers = [self.reader(option) for option in value.options]
+
+        def read(registers: list[Any], count: int) -> Any:
+            options = [reader(registers, count) for reader in readers]
+            rows = [row_of(options[k], i) for i, k in enumerate(registers[index])]
+            return np.array(rows + [None], dtype=object)[:-1]
+
+        return read
+
+    def _sequence(self, value: Any) -> Plan:
+        kind, readers = type(value), [self.reader(each) for each in value]
+        return lambda registers, count: kind(reader(registers, count) for reader in readers)
+
+    def _dictionary(self, value: dict) -> Plan:
+        readers = {key: self.reader(each) for key, each in value.items()}
+        return lambda registers, count: {key: reader(registers, count) for key, reader in readers.items()}
+
+    def reader(self, value: Value) -> Plan:
+        """As `plan`, for fixed values too."""
+        plan = self.plan(value)
+        if plan is not None:
+            return plan
+        fixed = self.fixed(value)
+        return lambda registers, count: fixed
+
+
+def row_of(value: Any, row: int) -> Any:
+    """One sample's part of a value over the samples."""
+    if isinstance(value, np.ndarray):
+        part = value[row]
+        if isinstance(part, np.ndarray):
+            return tuple(part.tolist())
+        return part.item() if isinstance(part, np.generic) else part
+    return value
+
+
+class Arrangement:
+    """Where everyone stands: writes positions, headings and outlines from the registers."""
+
+    def __init__(self, planner: Planner, objects: list[Instance]) -> None:
+        self.count = len(objects)
+        self.fixed: dict[str, np.ndarray] = {}
+        self.random: dict[str, list[tuple[int, int]]] = {}  # part -> (object, register)
+        for part in ("x", "y", "heading", "width", "length"):
+            values = [part_of(instance, part) for instance in objects]
+            fixed = [value if is_number(value) else 0.0 for value in values]
+            self.fixed[part] = np.array(fixed, dtype=float)[:, None]  # [O, 1]
+            self.random[part] = [
+                (i, planner.tape.slot(value)) for i, value in enumerate(values) if isinstance(value, Random)
+            ]
+
+    def write(self, registers: list[Any], count: int) -> tuple[np.ndarray, np.ndarray, Outlines]:
+        """positions [N, O, 2], headings [N, O], and the objects' rectangles."""
+        x, y = self._filled("x", registers, count), self._filled("y", registers, count)
+        heading, width, length = (
+            self._filled(part, registers, count) if self.random[part] else self.fixed[part]
+            for part in ("heading", "width", "length")
+        )
+        positions = np.empty((count, self.count, 2))
+        positions[:, :, 0], positions[:, :, 1] = x.T, y.T
+        headings = np.empty((count, self.count))
+        headings[:] = heading.T
+        return positions, headings, Outlines(x, y, heading, width, length)
+
+    def _filled(self, part: str, registers: list[Any], count: int) -> np.ndarray:
+        """[O, N]."""
+        values = np.empty((self.count, count))
+        values[:] = self.fixed[part]
+        for i, slot in self.random[part]:
+            values[i] = registers[slot]
+        return values
+
+
+def part_of(instance: Instance, part: str) -> Value:
+    if part in ("x", "y"):
+        position = instance.properties["position"]
+        return position.x if part == "x" else position.y
+    return instance.properties[part]

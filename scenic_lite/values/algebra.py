@@ -1,0 +1,173 @@
+"""Regions made of regions: intersections, differences and unions, and whether regions meet or hold one another.
+
+Fixed regions are combined once. Regions that differ from scene to scene are combined in every scene (so that a point
+drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection. Spec
+section 8. Read next: `values.polygons`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import reduce
+from typing import Any
+
+import numpy as np
+import shapely
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.language.fields import patchwork
+from scenic_lite.values import shapes
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import NOT, OR, Operation, Random, Value, apply
+from scenic_lite.values.lines import GridRegion, PointSetRegion, PolylineRegion
+from scenic_lite.values.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion
+from scenic_lite.values.regions import (
+    Everywhere,
+    Filtered,
+    Nowhere,
+    RectangularRegion,
+    Region,
+    SectorRegion,
+    VectorField,
+    numbers_of,
+)
+
+
+def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
+    """The intersection, with the orientation of `a` if it has one, else of `b`.
+
+    Dialect 2 draws from `b`, and rejects by `a`, where both are random rectangles, discs or sectors: so that those
+    which overlap more are the likelier ones.
+    """
+    if isinstance(a, Everywhere) or isinstance(b, Nowhere):
+        return b
+    if isinstance(b, Everywhere) or isinstance(a, Nowhere):
+        return a
+    if a.dimension > b.dimension and b.dimension == 0:
+        a, b = b, a
+    if isinstance(a, PointSetRegion):
+        return chosen_points(a, b, kept=True)
+    if isinstance(a, Filtered) or isinstance(b, Filtered):
+        return Filtered(a, b.contains)
+    simple = RectangularRegion | SectorRegion
+    if dialect == 2 and isinstance(a, simple) and isinstance(b, simple) and not (a.fixed() and b.fixed()):
+        return Filtered(b, a.contains)
+    return made_of(shapes.INTERSECTION, a, b, a.orientation or b.orientation)
+
+
+def remainder(a: Region, b: Region) -> Region:
+    """What is in `a` and not in `b`; of a polyline it has no orientation."""
+    if isinstance(b, Everywhere):
+        return Nowhere()
+    if isinstance(b, Nowhere) or isinstance(a, Nowhere):
+        return a
+    if isinstance(a, PointSetRegion):
+        return chosen_points(a, b, kept=False)
+    if isinstance(a, Filtered | Everywhere) or isinstance(b, Filtered | PointSetRegion):
+        return Filtered(a, lambda point: apply(NOT, b.contains(point), kind="truth"))
+    return made_of(shapes.DIFFERENCE, a, b, a.orientation if a.dimension == 2 else None)
+
+
+def union(a: Region, b: Region) -> Region:
+    """Uniform over the whole, also where the two overlap; each part keeps its orientation."""
+    if isinstance(a, Everywhere) or isinstance(b, Nowhere):
+        return a
+    if isinstance(b, Everywhere) or isinstance(a, Nowhere):
+        return b
+    return made_of(shapes.UNION, a, b, patchwork([a, b]))
+
+
+def union_of(regions: Iterable[Region]) -> Region:
+    """Of any number of regions."""
+    nothing: Region = Nowhere()
+    return reduce(union, regions, nothing)
+
+
+def made_of(operation: Operation, a: Region, b: Region, orientation: VectorField | None) -> Region:
+    dimension = max(a.dimension, b.dimension) if operation is shapes.UNION else min(a.dimension, b.dimension)
+    if operation is shapes.DIFFERENCE:
+        dimension = a.dimension
+    shape = apply(operation, a.shape(), b.shape(), kind="any")
+    return ShapeRegion(shape, orientation, dimension) if isinstance(shape, Random) else region_of(shape, orientation)
+
+
+def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
+    """The region of a fixed shape, whatever it turned out to be."""
+    if shape.is_empty:
+        return Nowhere()
+    if shapely.get_num_coordinates(shape) > MOST_CORNERS:
+        raise ScenicError("budget", f"evaluation budget exceeded: a region of more than {MOST_CORNERS:,} corners")
+    if shape.area > 0:
+        return PolygonalRegion(shape, orientation)
+    if shape.length > 0:
+        chains = [[tuple(point) for point in line.coords] for line in shapely.get_parts(shape)]
+        return PolylineRegion(chains, orientation)
+    return PointSetRegion([tuple(point) for point in shapely.get_coordinates(shape)], orientation)
+
+
+def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
+    """The points of a set that lie in another region, or those that do not."""
+    inside = [other.contains(Vector(float(x), float(y))) for x, y in points.points]
+    if any(isinstance(each, Random) for each in inside):
+        return Filtered(points, other.contains if kept else lambda p: apply(NOT, other.contains(p), kind="truth"))
+    left = [tuple(point) for point, each in zip(points.points, inside, strict=True) if bool(each) is kept]
+    return PointSetRegion(left, points.orientation or other.orientation) if left else Nowhere()
+
+
+def meet(a: Region, b: Region) -> Value:
+    """Whether two regions have a common point."""
+    for first, second in ((a, b), (b, a)):
+        if isinstance(first, Everywhere | Nowhere):
+            return isinstance(first, Everywhere) and not isinstance(second, Nowhere)
+        if isinstance(first, PointSetRegion):
+            inside = [second.contains(Vector(float(x), float(y))) for x, y in first.points]
+            return reduce(lambda some, each: apply(OR, some, each, kind="truth"), inside)
+    return apply(shapes.MEET, a.shape(), b.shape(), kind="truth")
+
+
+def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
+    """Whether all of `b` lies in `a`, or within `tolerance` of it."""
+    if isinstance(a, Everywhere) or isinstance(b, Nowhere):
+        return True
+    if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
+        return False
+    shape = a.shape() if tolerance == 0 else apply(shapes.GROWN, a.shape(), tolerance, kind="any")
+    return apply(shapes.HOLDS_SHAPE, shape, b.shape(), kind="truth")
+
+
+def grown(region: Region, by: Value) -> Region:
+    """The region and all points within a distance of it (for a negative one, what is so deep inside)."""
+    shape = apply(shapes.GROWN, region.shape(), by, kind="any")
+    return ShapeRegion(shape) if isinstance(shape, Random) else region_of(shape)
+
+
+def boundary(region: Region) -> Region:
+    """Of a fixed polygon, as polylines."""
+    shape = fixed_shape(region).boundary
+    lines = shape.geoms if hasattr(shape, "geoms") else [shape]
+    return PolylineRegion([[tuple(point) for point in line.coords] for line in lines])
+
+
+def fixed_shape(region: Region) -> Any:
+    shape = region.shape()
+    if isinstance(shape, Random):
+        raise ScenicError("unsupported", "this can be asked of a fixed region only")
+    return shape
+
+
+def size_of(region: Region) -> Value:
+    """Area, length or number of points."""
+    if region.dimension == 0:
+        return len(region.points) if isinstance(region, PointSetRegion) else None
+    return apply(shapes.AREA if region.dimension == 2 else shapes.LENGTH, region.shape())
+
+
+def depth_of_middle(region: Region) -> Value:
+    """How far the middle of a region's bounds is from its boundary; 0 outside."""
+    return numbers_of(middle_depths, region.shape())
+
+
+def middle_depths(shape: Any) -> Any:
+    low_x, low_y, high_x, high_y = np.moveaxis(shapely.bounds(shape), -1, 0)
+    middle = shapely.points((low_x + high_x) / 2, (low_y + high_y) / 2)
+    return np.where(shapely.contains(shape, middle), shapely.distance(shapely.boundary(shape), middle), 0.0)

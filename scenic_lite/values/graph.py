@@ -1,0 +1,330 @@
+"""Random values: nodes of an expression graph, and the tape that evaluates many of them for N samples at once.
+
+A program is walked once. Wherever an operand is random the walk makes a `Random` node instead of a number; a `Tape`
+then holds the nodes in topological order, so that N scenes cost one array operation per node, whatever N. Read next:
+`language.distributions`, which makes the columns; `scene.program`, which owns the tape.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.errors import Place, ScenicError
+
+Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
+
+
+class Operation(NamedTuple):
+    """One operation in its two readings: on Python numbers (raises like Python), on arrays [N] (gives nan instead)."""
+
+    scalar: Callable[..., Any]
+    array: Callable[..., Any]
+
+
+class Random:
+    """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
+
+    `kind` is "number", "truth", "text" or "any"; it lets mistakes be found while the program is loaded.
+    """
+
+    __slots__ = ("inputs", "kind", "operation")
+
+    def __init__(self, operation: Callable[..., Any] | None, inputs: tuple, kind: str = "number") -> None:
+        self.operation = operation
+        self.inputs = inputs
+        self.kind = kind
+
+    def __bool__(self) -> bool:
+        raise ScenicError("random-control-flow", "control flow cannot depend on a random value")
+
+    def __add__(self, other: Value) -> Value:
+        return self if is_number(other) and other == 0 else arithmetic(ADD, self, other)
+
+    def __radd__(self, other: Value) -> Value:
+        return self if is_number(other) and other == 0 else arithmetic(ADD, other, self)
+
+    def __sub__(self, other: Value) -> Value:
+        return self if is_number(other) and other == 0 else arithmetic(SUBTRACT, self, other)
+
+    def __rsub__(self, other: Value) -> Value:
+        return arithmetic(SUBTRACT, other, self)
+
+    def __mul__(self, other: Value) -> Value:
+        return scaled(self, other) if is_number(other) else arithmetic(MULTIPLY, self, other)
+
+    def __rmul__(self, other: Value) -> Value:
+        return scaled(self, other) if is_number(other) else arithmetic(MULTIPLY, other, self)
+
+    def __truediv__(self, other: Value) -> Value:
+        return arithmetic(DIVIDE, self, other)
+
+    def __rtruediv__(self, other: Value) -> Value:
+        return arithmetic(DIVIDE, other, self)
+
+    def __floordiv__(self, other: Value) -> Value:
+        return arithmetic(FLOOR_DIVIDE, self, other)
+
+    def __rfloordiv__(self, other: Value) -> Value:
+        return arithmetic(FLOOR_DIVIDE, other, self)
+
+    def __mod__(self, other: Value) -> Value:
+        return arithmetic(MODULO, self, other)
+
+    def __rmod__(self, other: Value) -> Value:
+        return arithmetic(MODULO, other, self)
+
+    def __pow__(self, other: Value) -> Value:
+        return arithmetic(POWER, self, other)
+
+    def __rpow__(self, other: Value) -> Value:
+        return arithmetic(POWER, other, self)
+
+    def __neg__(self) -> Value:
+        return arithmetic(NEGATE, self)
+
+    def __pos__(self) -> Value:
+        return self
+
+    def __abs__(self) -> Value:
+        return arithmetic(ABSOLUTE, self)
+
+
+class Column(Random):
+    """One column of θ, already scaled: `low + (θ + 1) / 2 · span`; the leaf of the graph.
+
+    `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
+    program's units; `owner` says to whom the value belongs until a variable gives it a better name. `pruning` may turn
+    it into a node of other columns: then it has an operation.
+    """
+
+    __slots__ = ("draw_kind", "high", "low", "name", "offset", "options", "owner", "place", "shown", "span")
+
+    def __init__(self, draw_kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> None:
+        super().__init__(None, ())
+        self.draw_kind = draw_kind
+        self.place = place
+        self.offset = offset
+        self.span = span
+        self.low = min(offset, offset + span)
+        self.high = max(offset, offset + span)
+        self.shown: Random = self
+        self.name = ""
+        self.owner: Any = None
+        self.options: tuple = ()  # of a choice among structured values, whose index is shown
+
+
+def is_number(value: Value) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value:
+    """`operation` on numbers at once, or as a new node if an operand is random."""
+    if any(isinstance(operand, Random) for operand in operands):
+        return Random(operation.array, operands, kind)
+    return operation.scalar(*operands)
+
+
+def arithmetic(operation: Operation, *operands: Value) -> Value:
+    """As `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
+    kinds = {kind_of(operand) for operand in operands}
+    if kinds <= {"number", "truth"}:
+        return apply(operation, *(as_number(operand) for operand in operands))
+    if kinds == {"text"} and operation is ADD:
+        return Random(operation.array, operands, "text")
+    raise TypeError("arithmetic needs numbers")
+
+
+def as_number(value: Value) -> Value:
+    """A truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
+    return Random(to_integers, (value,)) if isinstance(value, Random) and value.kind == "truth" else value
+
+
+def kind_of(value: Value) -> str:
+    if isinstance(value, Random):
+        return value.kind
+    if isinstance(value, bool | np.bool_):
+        return "truth"
+    if isinstance(value, int | float | np.number):
+        return "number"
+    return "text" if isinstance(value, str) else "other"
+
+
+def scaled(value: Random, factor: float) -> Value:
+    if factor == 1:
+        return value
+    return 0.0 if factor == 0 and value.kind == "number" else arithmetic(MULTIPLY, value, factor)
+
+
+def array_power(base: Any, exponent: Any) -> Any:
+    """Powers of integers with a fixed exponent stay integers; all others are fractions, whatever the row."""
+    if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
+        return np.power(base, exponent)
+    return np.float_power(base, exponent)
+
+
+def real_power(base: Any, exponent: Any) -> Any:
+    """`base ** exponent`. Raises ValueError where that is no real number, as of -2 ** 0.5."""
+    result = base**exponent
+    if isinstance(result, complex):
+        raise ValueError(f"({base:g}) ** {exponent:g} is no real number")
+    return result
+
+
+def plain_round(value: Any, digits: Any = None) -> Any:
+    """Python's `round` on an array: to integers without `digits`."""
+    if digits is None:
+        return to_integers(np.rint(value))
+    return np.round(value, digits)
+
+
+def to_integers(value: Any) -> Any:
+    """Truncate to int64; what is no finite number becomes the least of them."""
+    return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
+
+
+def each_text(value: Any) -> Any:
+    """`str` of each element, as Python writes it."""
+    texts = [str(element.item() if hasattr(element, "item") else element) for element in value]
+    return np.array(texts + [None], dtype=object)[:-1]
+
+
+ADD = Operation(operator.add, np.add)
+SUBTRACT = Operation(operator.sub, np.subtract)
+MULTIPLY = Operation(operator.mul, np.multiply)
+DIVIDE = Operation(operator.truediv, np.true_divide)
+FLOOR_DIVIDE = Operation(operator.floordiv, np.floor_divide)
+MODULO = Operation(operator.mod, np.mod)
+POWER = Operation(real_power, array_power)
+NEGATE = Operation(operator.neg, np.negative)
+ABSOLUTE = Operation(abs, np.absolute)
+LESS = Operation(operator.lt, np.less)
+LESS_EQUAL = Operation(operator.le, np.less_equal)
+GREATER = Operation(operator.gt, np.greater)
+GREATER_EQUAL = Operation(operator.ge, np.greater_equal)
+EQUAL = Operation(operator.eq, np.equal)
+NOT_EQUAL = Operation(operator.ne, np.not_equal)
+AND = Operation(lambda a, b: bool(a) and bool(b), np.logical_and)
+OR = Operation(lambda a, b: bool(a) or bool(b), np.logical_or)
+NOT = Operation(operator.not_, np.logical_not)
+WHERE = Operation(lambda c, a, b: a if c else b, np.where)
+MINIMUM = Operation(min, np.minimum)
+MAXIMUM = Operation(max, np.maximum)
+SINE = Operation(math.sin, np.sin)
+COSINE = Operation(math.cos, np.cos)
+SQUARE_ROOT = Operation(math.sqrt, np.sqrt)
+HYPOTENUSE = Operation(math.hypot, np.hypot)
+ARC_TANGENT = Operation(math.atan2, np.arctan2)
+INTEGER = Operation(int, to_integers)
+FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float))
+ROUND = Operation(round, plain_round)
+TEXT = Operation(str, each_text)
+
+
+class Table:
+    """Look up constants by a random index: the options of `Uniform(1, 5, 9)`."""
+
+    def __init__(self, options: Iterable[Value]) -> None:
+        options = list(options)
+        plain = all(is_number(option) for option in options) or all(isinstance(option, bool) for option in options)
+        self.options = np.array(options) if plain else np.array(options + [None], dtype=object)[:-1]
+
+    def __call__(self, index: Any) -> Any:
+        return self.options[index]
+
+
+def pick(index: Any, *options: Any) -> Any:
+    """options[index] row by row; index [N], each option a scalar or [N]."""
+    stacked = np.stack([np.broadcast_to(option, index.shape) for option in options])  # [K, N]
+    return stacked[index, np.arange(len(index))]
+
+
+def select(index: Random, options: tuple) -> Random:
+    """The random choice among numbers or texts, themselves random or not."""
+    kinds = {kind_of(option) for option in options}
+    kind = kinds.pop() if len(kinds) == 1 else "any"
+    if any(isinstance(option, Random) for option in options):
+        return Random(pick, (index, *options), kind)
+    return Random(Table(options), (index,), kind)
+
+
+def columns_of(*values: Value) -> Iterator[Column]:
+    """The columns that random values are computed from, each once."""
+    seen: set[int] = set()
+    stack = list(reversed(values))
+    while stack:
+        node = stack.pop()
+        if not isinstance(node, Random) or id(node) in seen:
+            continue
+        seen.add(id(node))
+        if isinstance(node, Column) and node.operation is None:
+            yield node
+        stack.extend(reversed(node.inputs))
+
+
+class Tape:
+    """The nodes needed for some outputs, flat and in topological order; equal operations on equal inputs once."""
+
+    def __init__(self, outputs: Iterable[Random], columns: Iterable[Column], limit: int) -> None:
+        self.registers: list[Any] = []
+        self.steps: list[tuple[Callable[..., Any], tuple[int, ...], int]] = []
+        self._slots: dict[Any, int] = {}  # node, constant or (operation, inputs) -> register
+        self._limit = limit
+        for column in columns:
+            self._slots[id(column)] = self._register(None)
+        self.dim = len(self.registers)
+        self.slots = {id(output): self._place(output) for output in outputs}
+
+    def slot(self, value: Random) -> int:
+        return self.slots[id(value)]
+
+    def find(self, value: Random) -> int | None:
+        """The register of any value that is computed on the way to the outputs."""
+        return self._slots.get(id(value))
+
+    def run(self, columns: Any) -> list[Any]:
+        """Evaluate every node. columns [D, N] (scaled); returns the registers, each [N] or a constant."""
+        registers = self.registers.copy()
+        registers[: self.dim] = columns
+        for operation, inputs, out in self.steps:
+            registers[out] = operation(*[registers[i] for i in inputs])
+        return registers
+
+    def _register(self, value: Any) -> int:
+        self.registers.append(value)
+        return len(self.registers) - 1
+
+    def _place(self, root: Random) -> int:
+        """Give `root` and all it is computed from a register, inputs first (without recursion: graphs may be deep)."""
+        stack = [root]
+        while stack:
+            node = stack[-1]
+            waiting = [i for i in node.inputs if isinstance(i, Random) and id(i) not in self._slots]
+            if id(node) in self._slots or not waiting:
+                stack.pop()
+                if id(node) not in self._slots:
+                    self._slots[id(node)] = self._step(node)
+            else:
+                stack.extend(waiting)
+        return self._slots[id(root)]
+
+    def _step(self, node: Random) -> int:
+        assert node.operation is not None, "a column that was not announced"
+        inputs = tuple(self._slots[id(i)] if isinstance(i, Random) else self._constant(i) for i in node.inputs)
+        key = (node.operation, inputs)
+        if key not in self._slots:
+            if len(self.steps) >= self._limit:
+                raise ScenicError("budget", f"evaluation budget exceeded: more than {self._limit:,} random operations")
+            self._slots[key] = self._register(None)
+            self.steps.append((node.operation, inputs, self._slots[key]))
+        return self._slots[key]
+
+    def _constant(self, value: Any) -> int:
+        key = ("constant", type(value), value)
+        if key not in self._slots:
+            self._slots[key] = self._register(value)
+        return self._slots[key]

@@ -1,0 +1,236 @@
+"""Regions without area: polylines, sets of points, grids.
+
+Read next: `values.shapes`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.geometry import NORMALISE, Vector
+from scenic_lite.values.graph import AND, Random, Value, apply
+from scenic_lite.values.regions import Point2, Region, VectorField, in_frame, numbers_of, truth_of
+
+NEAR = 1e-6  # a point so near a polyline or a point lies on it
+
+
+class PolylineRegion(Region):
+    """Chains of segments. Its orientation is the heading of each segment, unless another is given."""
+
+    columns = 1
+    dimension = 1
+
+    def __init__(self, chains: list[list[Point2]], orientation: VectorField | bool | None = True) -> None:
+        """Each chain has two points or more. `orientation` True: along the segments; None: there is none."""
+        points = [np.array(chain, dtype=float) for chain in chains]
+        self.chains = points
+        self.starts = np.concatenate([chain[:-1] for chain in points])  # [S, 2]
+        self.steps = np.concatenate([np.diff(chain, axis=0) for chain in points])
+        self.lengths = np.hypot(self.steps[:, 0], self.steps[:, 1])
+        self.length = float(self.lengths.sum())
+        if not self.length > 0:
+            raise ScenicError("value", "a polyline needs at least two different points")
+        self.ends = np.cumsum(self.lengths) / self.length
+        self.headings = NORMALISE.array(np.arctan2(self.steps[:, 1], self.steps[:, 0]) - math.pi / 2)
+        self.own_direction = orientation is True
+        along = VectorField("the polyline's direction", self._heading_near)
+        self.orientation = along if isinstance(orientation, bool) else orientation
+
+    def _segment(self, u: Any) -> Any:
+        return np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
+
+    def _coordinate(self, u: Any, axis: int) -> Any:
+        which = self._segment(u)
+        left = u - (self.ends[which] - self.lengths[which] / self.length)
+        share = np.clip(left * self.length / np.maximum(self.lengths[which], 1e-300), 0.0, 1.0)
+        return self.starts[which, axis] + share * self.steps[which, axis]
+
+    def _x(self, u: Any) -> Any:
+        return self._coordinate(u, 0)
+
+    def _y(self, u: Any) -> Any:
+        return self._coordinate(u, 1)
+
+    def _heading(self, u: Any) -> Any:
+        return self.headings[self._segment(u)]
+
+    def point(self, u: Value, v: Value) -> Vector:
+        return Vector(Random(self._x, (u,)), Random(self._y, (u,)))
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...]:
+        which, share, distance = self.nearest(point.x, point.y)
+        before = self.ends[which] - self.lengths[which] / self.length
+        return (np.where(distance <= NEAR, before + share * self.lengths[which] / self.length, np.nan),)
+
+    def heading_of(self, point: Vector, u: Value) -> Value:
+        return Random(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
+
+    def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
+        """The nearest segment of each point, how far along it, and the distance."""
+        dx, dy = np.asarray(x)[..., None] - self.starts[:, 0], np.asarray(y)[..., None] - self.starts[:, 1]
+        square = np.maximum(self.lengths * self.lengths, 1e-300)
+        along = np.clip((dx * self.steps[:, 0] + dy * self.steps[:, 1]) / square, 0.0, 1.0)  # [..., S]
+        gaps = np.hypot(dx - along * self.steps[:, 0], dy - along * self.steps[:, 1])
+        which = np.argmin(gaps, axis=-1)
+        at = which[..., None]
+        return which, np.take_along_axis(along, at, -1)[..., 0], np.take_along_axis(gaps, at, -1)[..., 0]
+
+    def _heading_near(self, point: Vector) -> Value:
+        return numbers_of(lambda x, y: self.headings[self.nearest(x, y)[0]], point.x, point.y)
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(lambda x, y: self.nearest(x, y)[2] <= NEAR, point.x, point.y)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        return False
+
+    def distance(self, point: Vector) -> Value:
+        return numbers_of(lambda x, y: self.nearest(x, y)[2], point.x, point.y)
+
+    def signed_distance(self, point: Vector) -> Value:
+        """Positive on the left of the nearest segment."""
+        return numbers_of(self._signed, point.x, point.y)
+
+    def _signed(self, x: Any, y: Any) -> Any:
+        which, _, distance = self.nearest(x, y)
+        start, step = self.starts[which], self.steps[which]
+        side = step[..., 0] * (y - start[..., 1]) - step[..., 1] * (x - start[..., 0])
+        return np.where(side >= 0, distance, -distance)
+
+    def projected(self, point: Vector) -> Vector:
+        """The nearest point of the polyline."""
+        return Vector(*(numbers_of(self._project(axis), point.x, point.y) for axis in (0, 1)))
+
+    def _project(self, axis: int) -> Callable[[Any, Any], Any]:
+        def coordinate(x: Any, y: Any) -> Any:
+            which, along, _ = self.nearest(x, y)
+            return self.starts[which, axis] + along * self.steps[which, axis]
+
+        return coordinate
+
+    def along(self, distance: Value, normalized: bool = False) -> Vector:
+        """The point so far along the polyline from its start (or that share of its length)."""
+        share = distance if normalized else distance / self.length
+        x = numbers_of(lambda u: self._x(np.clip(u, 0.0, 1.0)), share)
+        return Vector(x, numbers_of(lambda u: self._y(np.clip(u, 0.0, 1.0)), share))
+
+    def __add__(self, other: Value) -> PolylineRegion:
+        """Both, each part keeping its direction."""
+        if not isinstance(other, PolylineRegion):
+            raise TypeError("a polyline and something else")
+        return PolylineRegion([chain.tolist() for chain in (*self.chains, *other.chains)])
+
+    def vertices(self) -> list[Point2]:
+        """Its points in order; where one chain ends as the next begins, once."""
+        points: list[Point2] = []
+        for chain in self.chains:
+            own = [(float(x), float(y)) for x, y in chain]
+            points += own[1:] if points and points[-1] == own[0] else own
+        return points
+
+    def shape(self) -> Any:
+        import shapely
+
+        lines = [shapely.LineString(chain) for chain in self.chains]
+        return lines[0] if len(lines) == 1 else shapely.MultiLineString(lines)
+
+    def outlines(self) -> list[Any]:
+        return self.chains
+
+
+class PointSetRegion(Region):
+    """Some points, each drawn equally often; no object fits into it."""
+
+    columns = 1
+    dimension = 0
+
+    def __init__(self, points: list[Point2], orientation: VectorField | None = None, tolerance: float = NEAR) -> None:
+        if not points:
+            raise ScenicError("value", "the region is empty")
+        self.points = np.array(points, dtype=float)
+        self.orientation = orientation
+        self.tolerance = tolerance
+
+    def _index(self, u: Any) -> Any:
+        return np.minimum((u * len(self.points)).astype(np.int64), len(self.points) - 1)
+
+    def _x(self, u: Any) -> Any:
+        return self.points[self._index(u), 0]
+
+    def _y(self, u: Any) -> Any:
+        return self.points[self._index(u), 1]
+
+    def point(self, u: Value, v: Value) -> Vector:
+        return Vector(Random(self._x, (u,)), Random(self._y, (u,)))
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...]:
+        gaps = self._gaps(point.x, point.y)
+        near = gaps.min(axis=-1) <= self.tolerance
+        return (np.where(near, (gaps.argmin(axis=-1) + 0.5) / len(self.points), np.nan),)
+
+    def _gaps(self, x: Any, y: Any) -> Any:
+        return np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(lambda x, y: self._gaps(x, y).min(axis=-1) <= self.tolerance, point.x, point.y)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        return False
+
+    def distance(self, point: Vector) -> Value:
+        return numbers_of(lambda x, y: self._gaps(x, y).min(axis=-1), point.x, point.y)
+
+    def outlines(self) -> list[Any]:
+        return [point[None] for point in self.points]
+
+    def shape(self) -> Any:
+        import shapely
+
+        return shapely.MultiPoint(self.points)
+
+
+class GridRegion(PointSetRegion):
+    """The free cells of a grid of obstacles: a point lies in it if the nearest grid point is free.
+
+    grid [Y, X] of 0 (free) and 1 (obstacle), the lowest row first; `step` and `origin` are (x, y).
+    """
+
+    def __init__(self, grid: Any, step: Point2, origin: Point2, orientation: VectorField | None = None) -> None:
+        self.grid = np.array(grid)
+        self.step, self.origin = step, origin
+        super().__init__(self._places(self.grid == 0), orientation)
+        self.obstacles = np.array(self._places(self.grid == 1)).reshape(-1, 2)
+
+    def _places(self, chosen: Any) -> list[Point2]:
+        rows, columns = np.nonzero(chosen)
+        (step_x, step_y), (x, y) = self.step, self.origin
+        return [(float(x + step_x * i), float(y + step_y * j)) for j, i in zip(rows, columns, strict=True)]
+
+    def _free(self, x: Any, y: Any) -> Any:
+        i = np.rint((np.asarray(x) - self.origin[0]) / self.step[0])
+        j = np.rint((np.asarray(y) - self.origin[1]) / self.step[1])
+        height, width = self.grid.shape
+        inside = (i >= 0) & (i < width) & (j >= 0) & (j < height)
+        i, j = np.where(inside, i, 0).astype(int), np.where(inside, j, 0).astype(int)
+        return inside & (self.grid[j, i] == 0)
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(self._free, point.x, point.y)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        """The corners are free, and no obstacle's grid point lies in the rectangle."""
+        inside = Region.contains_corners(self, corners)
+        numbers = [part for corner in corners for part in (corner.x, corner.y)]
+        return apply(AND, inside, truth_of(self._unobstructed, *numbers), kind="truth")
+
+    def _unobstructed(self, *numbers: Any) -> Any:
+        x0, y0, x1, y1, x2, y2 = (np.asarray(each)[..., None] for each in numbers[:6])
+        heading = np.arctan2(y0 - y1, x0 - x1)  # of the front side, from left to right
+        across, along = in_frame(self.obstacles[:, 0] - (x0 + x2) / 2, self.obstacles[:, 1] - (y0 + y2) / 2, heading)
+        half_width, half_length = np.hypot(x0 - x1, y0 - y1) / 2, np.hypot(x1 - x2, y1 - y2) / 2
+        return ~((np.abs(across) <= half_width) & (np.abs(along) <= half_length)).any(axis=-1)

@@ -1,0 +1,343 @@
+"""Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
+
+Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), goes back from
+the point to them, and says whether points and rectangles lie in it. Spec section 8. Read next: `values.polygons`, for
+regions of any shape; `language.fields`; `values.algebra`, which combines regions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from scenic_lite.errors import ScenicError
+from scenic_lite.values.geometry import TURN, Vector, corners, cosine, in_sector, sine
+from scenic_lite.values.graph import AND, MAXIMUM, Operation, Value, apply, is_number
+
+Point2 = tuple[float, float]
+ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
+CLOSENESS = 1e-9  # a point this near a boundary belongs to it
+
+
+class VectorField:
+    """A heading for every point; `heading_at` is given a vector. Followed in steps no longer than `longest_step`."""
+
+    def __init__(
+        self, name: str, heading_at: Callable[[Vector], Value], least_steps: int = 4, longest_step: float | None = 5.0
+    ) -> None:
+        self.name, self.heading_at = name, heading_at
+        self.least_steps, self.longest_step = least_steps, longest_step
+
+
+class Region:
+    """What every region can do."""
+
+    orientation: VectorField | None = None
+    columns = 2  # of θ, for a point drawn from it
+    dimension = 2
+
+    def scales(self) -> list[tuple[float, float]]:
+        """Offset and span of the numbers that `point` wants, for each column."""
+        return [(0.0, 1.0)] * self.columns
+
+    def point(self, u: Value, v: Value) -> Vector:
+        """The point for two uniform numbers, scaled as `scales` says."""
+        raise NotImplementedError
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        """The numbers in [0, 1] from which `point` would make a known point (arrays [N]), one for each column.
+
+        nan outside the region. None if there is no such inverse: they are searched for then.
+        """
+        return None
+
+    def heading_of(self, point: Vector, u: Value) -> Value:
+        """The orientation at a point that was drawn with `u`; None if the region has none."""
+        return self.orientation.heading_at(point) if self.orientation else None
+
+    def contains(self, point: Vector) -> Value:
+        raise NotImplementedError
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        """Whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
+        inside = self.contains(corners[0])
+        for corner in corners[1:]:
+            inside = apply(AND, inside, self.contains(corner), kind="truth")
+        return inside
+
+    def distance(self, point: Vector) -> Value:
+        """From a point, 0 inside. Raises ScenicError where it is endless."""
+        from scenic_lite.values import shapes
+
+        return apply(shapes.DISTANCE, self.shape(), point.x, point.y)
+
+    def shape(self) -> Value:
+        """Its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
+        raise ScenicError("unsupported", f"{title(self)} cannot be combined with another region here")
+
+    def bounds(self) -> tuple[float, float, float, float] | None:
+        """Low x, high x, low y, high y; None if random or endless."""
+        try:
+            points = np.concatenate(self.outlines())
+        except ScenicError:
+            return None
+        (low_x, low_y), (high_x, high_y) = points.min(axis=0), points.max(axis=0)
+        return float(low_x), float(high_x), float(low_y), float(high_y)
+
+    def outlines(self) -> list[Any]:
+        """Its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
+        raise ScenicError("unsupported", f"{title(self)} has no fixed outline")
+
+    def vertices(self) -> list[Point2] | None:
+        """The points of a polyline, which can be counted and walked through; None for other regions."""
+        return None
+
+    def fixed(self) -> bool:
+        """Whether it is the same in every scene."""
+        return all(is_number(part) for part in self.parameters())
+
+    def parameters(self) -> tuple[Value, ...]:
+        """What it is made of, and may be random."""
+        return ()
+
+
+class RectangularRegion(Region):
+    def __init__(self, position: Vector, heading: Value, width: Value, length: Value) -> None:
+        self.position, self.heading, self.width, self.length = position, heading, width, length
+
+    def parameters(self) -> tuple[Value, ...]:
+        return self.position.x, self.position.y, self.heading, self.width, self.length
+
+    def corners(self) -> list[Vector]:
+        return corners(self.position, self.heading, self.width, self.length)
+
+    def scales(self) -> list[tuple[float, float]]:
+        if not self.fixed():
+            return [(0.0, 1.0)] * 2
+        if self.heading == 0:  # straight into the program's coordinates, so that no operation is left to do
+            x, y = self.position.x, self.position.y
+            return [(x - self.width / 2, self.width), (y - self.length / 2, self.length)]
+        return [(-self.width / 2, self.width), (-self.length / 2, self.length)]
+
+    def point(self, u: Value, v: Value) -> Vector:
+        if self.fixed():
+            return Vector(u, v) if self.heading == 0 else self.position + Vector(u, v).rotated(self.heading)
+        offset = Vector((u - 0.5) * self.width, (v - 0.5) * self.length)
+        return self.position + offset.rotated(self.heading)
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        if not self.fixed():
+            return None
+        offset = (point - self.position).rotated(-self.heading)
+        return part_of(offset.x + self.width / 2, self.width), part_of(offset.y + self.length / 2, self.length)
+
+    def contains(self, point: Vector) -> Value:
+        return truth_of(in_rectangle, point.x, point.y, *self.parameters())
+
+    def distance(self, point: Vector) -> Value:
+        return numbers_of(from_rectangle, point.x, point.y, *self.parameters())
+
+    def outlines(self) -> list[Any]:
+        if not self.fixed():
+            return super().outlines()
+        corners = [(each.x, each.y) for each in self.corners()]
+        return [np.array([*corners, corners[0]])]
+
+    def shape(self) -> Value:
+        from scenic_lite.values import shapes
+
+        return apply(shapes.RECTANGLE, *self.parameters(), kind="any")
+
+
+class SectorRegion(Region):
+    """A disc, or the part of one within `angle` / 2 of `heading`."""
+
+    def __init__(self, center: Vector, radius: Value, heading: Value = 0.0, angle: Value = TURN) -> None:
+        self.center, self.radius, self.heading, self.angle = center, radius, heading, angle
+
+    def parameters(self) -> tuple[Value, ...]:
+        return self.center.x, self.center.y, self.radius, self.heading, self.angle
+
+    def round(self) -> bool:
+        """Whether it is known to be a whole disc."""
+        return is_number(self.angle) and self.angle >= TURN
+
+    def point(self, u: Value, v: Value) -> Vector:
+        turn = self.heading + (v - 0.5) * self.angle
+        reach = self.radius * apply(ROOT, u)
+        return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        if not self.fixed():
+            return None
+        delta = point - self.center
+        reach = np.hypot(delta.x, delta.y)
+        turn = np.arctan2(delta.y, delta.x) - math.pi / 2 - self.heading
+        turn = np.where(reach > 0, turn - TURN * np.rint(turn / TURN), 0.0)
+        along = part_of(reach, self.radius)
+        return along * along, part_of(turn + self.angle / 2, self.angle)
+
+    def contains(self, point: Vector) -> Value:
+        delta = point - self.center
+        reach = self.radius + CLOSENESS
+        return truth_of(in_sector, delta.x, delta.y, reach, self.heading, self.angle)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        """Exact, also where the sector is more than half a disc and so not convex."""
+        inside = super().contains_corners(corners)
+        if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
+            return inside
+        sides = [self.heading + self.angle * 0.5, self.heading - self.angle * 0.5]
+        for side in sides:
+            end = Vector(self.center.x - self.radius * sine(side), self.center.y + self.radius * cosine(side))
+            numbers = [part for each in (self.center, end, *corners) for part in (each.x, each.y)]
+            inside = apply(AND, inside, truth_of(stays_aside, *numbers), kind="truth")
+        return inside
+
+    def distance(self, point: Vector) -> Value:
+        if self.round():
+            return apply(MAXIMUM, (point - self.center).length() - self.radius, 0.0)
+        return super().distance(point)
+
+    def outlines(self) -> list[Any]:
+        return [sector_rings(*self.parameters())[0]] if self.fixed() else super().outlines()
+
+    def shape(self) -> Value:
+        from scenic_lite.values import shapes
+
+        return apply(shapes.SECTOR, *self.parameters(), kind="any")
+
+
+class Everywhere(Region):
+    def point(self, u: Value, v: Value) -> Vector:
+        raise ScenicError("value", "a point cannot be drawn from everywhere", hint="name a bounded region")
+
+    def contains(self, point: Vector) -> Value:
+        return True
+
+    def distance(self, point: Vector) -> Value:
+        return 0.0
+
+
+class Nowhere(Region):
+    def point(self, u: Value, v: Value) -> Vector:
+        raise ScenicError("value", "a point cannot be drawn from nowhere")
+
+    def contains(self, point: Vector) -> Value:
+        return False
+
+    def distance(self, point: Vector) -> Value:
+        return math.inf
+
+
+class Filtered(Region):
+    """The points of `region` that pass a test: drawn from `region`, and scenes that fail are rejected.
+
+    For intersections and differences that have no shape. Drawing adds `test` to the program's requirements.
+    """
+
+    def __init__(self, region: Region, test: Callable[[Vector], Value]) -> None:
+        self.region, self.test = region, test
+        self.columns, self.dimension = region.columns, region.dimension
+        self.orientation = region.orientation
+
+    def scales(self) -> list[tuple[float, float]]:
+        return self.region.scales()
+
+    def point(self, u: Value, v: Value) -> Vector:
+        return self.region.point(u, v)
+
+    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
+        return self.region.uniforms(point)
+
+    def heading_of(self, point: Vector, u: Value) -> Value:
+        return self.region.heading_of(point, u)
+
+    def contains(self, point: Vector) -> Value:
+        return apply(AND, self.region.contains(point), self.test(point), kind="truth")
+
+    def outlines(self) -> list[Any]:
+        return self.region.outlines()
+
+
+ROOT = Operation(math.sqrt, np.sqrt)
+
+
+def title(region: Region) -> str:
+    """A region in a message."""
+    return type(region).__name__
+
+
+def part_of(value: Any, whole: float) -> Any:
+    """value / whole where it lies in [0, 1], up to rounding; nan elsewhere."""
+    share = np.asarray(value, dtype=float) / whole if whole > 0 else np.where(np.abs(value) <= CLOSENESS, 0.5, np.nan)
+    slack = CLOSENESS * 10 / whole if whole > 0 else 0.0
+    return np.where((share >= -slack) & (share <= 1 + slack), np.clip(share, 0.0, 1.0), np.nan)
+
+
+def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
+    """A test written for arrays, on numbers or random values."""
+    return apply(Operation(quietly(test, bool), test), *operands, kind="truth")
+
+
+def numbers_of(function: Callable[..., Any], *operands: Value) -> Value:
+    """A number computed by a function written for arrays."""
+    return apply(Operation(quietly(function, float), function), *operands)
+
+
+def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callable[..., Any]:
+    """The same function on numbers; what is infinite is in no region, and no reason for a warning."""
+
+    def of_numbers(*numbers: Value) -> Any:
+        with np.errstate(all="ignore"):
+            return kind(function(*numbers))
+
+    return of_numbers
+
+
+def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
+    """Whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
+    across, along = in_frame(x - cx, y - cy, heading)
+    return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
+
+
+def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
+    """The distance of points from an oriented rectangle, 0 inside."""
+    across, along = in_frame(x - cx, y - cy, heading)
+    return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
+
+
+def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
+    """A displacement as seen in a frame turned by `heading`."""
+    c, s = np.cos(heading), np.sin(heading)
+    return dx * c + dy * s, dy * c - dx * s
+
+
+def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
+    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
+    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
+    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
+    whole = angle >= TURN
+    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
+    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
+    return np.stack([xs, ys], axis=-1)
+
+
+def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
+    """Whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
+    p, q = (x, y), (end_x, end_y)
+    points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
+    crossed: Any = False
+    for a, b in zip(points, points[1:] + points[:1], strict=True):
+        apart = turn_of(p, q, a) * turn_of(p, q, b) < -CLOSENESS
+        crossed = crossed | (apart & (turn_of(a, b, p) * turn_of(a, b, q) < -CLOSENESS))
+    return np.logical_not(crossed)
+
+
+def turn_of(a: Any, b: Any, c: Any) -> Any:
+    """Twice the signed area of a triangle: positive if it runs anticlockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -1,0 +1,1 @@
+"""Students: networks, rollouts, PPO."""

@@ -1,0 +1,86 @@
+"""What a student experiences in T steps of N environments, and how good each action turned out (GAE).
+
+Read next: `learning.worker`, which fills rollouts, then `learning.ppo`, which learns from them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import torch
+from gymnasium.spaces import Discrete, Space
+from torch import Tensor
+
+from ued.learning.networks import is_image
+
+
+@dataclass
+class Rollout:
+    """T steps of N environments. Episodes run on from one rollout to the next.
+
+    Attributes:
+        observation: `[T, N, size]`, images as uint8, what was seen before the action.
+        action: `[T, N]` or `[T, N, K]` as the policy drew it.
+        log_prob, value, reward: `[T, N]`.
+        terminated: `[T, N]` the episode ended in this step, and nothing follows.
+        truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
+        final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0.
+        train: `[T, N]` the student is to learn from this step; otherwise it was only to be seen how it fares.
+        last_value: `[N]` value of the observation after the last step.
+    """
+
+    observation: Tensor
+    action: Tensor
+    log_prob: Tensor
+    value: Tensor
+    reward: Tensor
+    terminated: Tensor
+    truncated: Tensor
+    final_value: Tensor
+    train: Tensor
+    last_value: Tensor
+
+    @classmethod
+    def empty(cls, num_steps: int, num_envs: int, observation_space: Space, action_space: Space) -> Rollout:
+        """Allocate a rollout for these spaces of one environment."""
+        assert observation_space.shape is not None and action_space.shape is not None
+        shape = (num_steps, num_envs)
+        seen = torch.uint8 if is_image(observation_space) else torch.float32
+        kind = torch.int64 if isinstance(action_space, Discrete) else torch.float32
+        return cls(
+            observation=torch.zeros(*shape, *observation_space.shape, dtype=seen),
+            action=torch.zeros(*shape, *action_space.shape, dtype=kind),
+            log_prob=torch.zeros(shape),
+            value=torch.zeros(shape),
+            reward=torch.zeros(shape),
+            terminated=torch.zeros(shape, dtype=torch.bool),
+            truncated=torch.zeros(shape, dtype=torch.bool),
+            final_value=torch.zeros(shape),
+            train=torch.ones(shape, dtype=torch.bool),
+            last_value=torch.zeros(num_envs),
+        )
+
+    def columns(self, envs: Tensor) -> Rollout:
+        """Give a copy with the environments `envs` (bool `[N]`) only."""
+        each = {item.name: getattr(self, item.name) for item in fields(self)}
+        last_value = each.pop("last_value")[envs]
+        return Rollout(**{name: value[:, envs] for name, value in each.items()}, last_value=last_value)
+
+
+def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
+    """Give generalised advantage estimates `[T, N]` (Schulman et al. 2016, equation 16).
+
+    What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
+    observation after a truncation. The sum over later steps stops at either.
+    """
+    done = rollout.terminated | rollout.truncated
+    next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])
+    next_value = torch.where(done, rollout.final_value.masked_fill(rollout.terminated, 0.0), next_value)
+    delta = rollout.reward + gamma * next_value - rollout.value  # [T, N]
+    decay = gamma * gae_lambda * (~done).float()
+    advantage = torch.zeros_like(delta)
+    running = torch.zeros_like(rollout.last_value)
+    for t in reversed(range(len(delta))):
+        running = delta[t] + decay[t] * running
+        advantage[t] = running
+    return advantage

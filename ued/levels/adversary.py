@@ -1,0 +1,218 @@
+"""The adversary: a learned teacher that proposes θ in one step, a bandit with a random vector z as its context.
+
+A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3), or a Beta distribution does, as in CLUTR. The
+vector z lets the same weights propose many different levels; the entropy bonus is measured in θ's own space, because
+the entropy of the Gaussian before squashing is largest where tanh saturates, and would drive all levels into the
+corners. Read next: `levels.teacher`.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import softplus
+
+from ued.config import AdversaryConfig
+from ued.learning.networks import Gaussian, linear, mlp
+
+# tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
+UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
+LOG_STD_RANGE = (-5.0, 1.0)
+BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
+MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+
+
+class Proposals(NamedTuple):
+    """What the adversary proposed, with what it needs in order to learn from it: arrays of float32.
+
+    z `[n, Z]` the context; raw `[n, D]` what was drawn: θ before tanh, or θ itself; log_prob `[n]` of raw.
+    """
+
+    z: np.ndarray
+    raw: np.ndarray
+    log_prob: np.ndarray
+
+
+class ThetaPolicy(Protocol):
+    """A distribution over θ for each row of a batch, drawn as `raw` `[B, D]`."""
+
+    def sample(self, generator: torch.Generator) -> Tensor: ...
+    def log_prob(self, raw: Tensor) -> Tensor: ...
+    def theta_entropy(self, generator: torch.Generator) -> Tensor: ...
+
+
+class Squashed(Gaussian):
+    """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
+        super().__init__(mean, (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE))
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Estimate the entropy `[B]` of θ from one sample each that gradients flow through.
+
+        H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution.
+        """
+        raw = self.sample(generator)
+        return self.entropy() + (2 * (math.log(2) - raw - softplus(-2 * raw))).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        """Give θ `[n, D]` for what was drawn."""
+        return np.tanh(raw.astype(np.float64))
+
+
+class Beta:
+    """θ = raw = 2 b - 1, each b from a Beta distribution with both parameters above 1: one hump (Chou et al. 2017)."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        # Both parameters begin near 1, which is uniform.
+        alpha, beta = (1 + softplus(4 * x - 3) for x in (one, other))
+        self.beta = torch.distributions.Beta(alpha, beta, validate_args=False)
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        one, other = (
+            torch._standard_gamma(c, generator=generator) for c in (self.beta.concentration1, self.beta.concentration0)
+        )
+        return (2 * one / (one + other) - 1).clamp(-BETA_EDGE, BETA_EDGE)
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        return (self.beta.log_prob((raw + 1) / 2) - math.log(2)).sum(-1)
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Give the entropy `[B]` of θ, exactly."""
+        return (self.beta.entropy() + math.log(2)).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        """Give θ `[n, D]` for what was drawn."""
+        return raw.astype(np.float64)
+
+
+DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "beta": Beta}
+
+
+class AdversaryNetwork(nn.Module):
+    """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units."""
+
+    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int) -> None:
+        super().__init__()
+        self.distribution = DISTRIBUTIONS[config.distribution]
+        self.torso = mlp(context_size, config.hidden_size, 2, generator)
+        self.heads = nn.ModuleList(linear(config.hidden_size, dim, 0.01, generator) for _ in range(2))
+        self.value = linear(config.hidden_size, 1, 1.0, generator)
+
+    def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
+        features = self.torso(z)
+        return self.distribution(*(head(features) for head in self.heads)), self.value(features)[:, 0]
+
+
+class Adversary:
+    """Proposes levels and learns from the regret that they caused, by PPO's clipped objective on one-step episodes.
+
+    Args:
+        dim: D.
+        config: its network and its learning.
+        generator: of its weights and draws.
+        context_size: entries of the context where this is no random vector; see `propose`.
+
+    Raises `ValueError` where there is nothing to propose (D = 0).
+    """
+
+    def __init__(
+        self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int | None = None
+    ) -> None:
+        if dim < 1:
+            raise ValueError(
+                "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
+                "columns); use domain randomisation, or give the program a random value"
+            )
+        self.dim, self.config, self.generator = dim, config, generator
+        self.context_size = context_size or config.context_size
+        self.network = AdversaryNetwork(dim, config, generator, self.context_size)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
+        self.scale = RunningScale()
+
+    @torch.inference_mode()
+    def propose(self, count: int, context: np.ndarray | None = None) -> Proposals:
+        """Draw `count` proposals, from random vectors or from this context `[count, context_size]`."""
+        if context is None:
+            z = torch.empty(count, self.context_size).normal_(generator=self.generator)
+        else:
+            z = torch.as_tensor(context, dtype=torch.float32)
+        policy, _ = self.network(z)
+        raw = policy.sample(self.generator)
+        return Proposals(z.numpy(), raw.numpy(), policy.log_prob(raw).numpy())
+
+    def theta(self, proposals: Proposals) -> np.ndarray:
+        """Give the proposed θ, float64 `[n, D]` in [-1, 1]."""
+        return self.network.distribution.theta(proposals.raw)
+
+    def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
+        """Learn from the regret `[n]` of these proposals; give the means of the losses over the epochs."""
+        self.scale.track(regret)
+        target = torch.as_tensor(self.scale(regret), dtype=torch.float32)
+        z, raw, log_prob = (torch.as_tensor(a) for a in (proposals.z, proposals.raw, proposals.log_prob))
+        logs = [self._epoch(z, raw, log_prob, target) for _ in range(self.config.update_epochs)]
+        return {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
+
+    def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> dict[str, float]:
+        config = self.config
+        policy, value = self.network(z)
+        ratio = (policy.log_prob(raw) - log_prob).exp()  # tanh's Jacobian is the same above and below
+        advantage = target - value.detach()
+        clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
+        policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()
+        value_loss = 0.5 * ((value - target) ** 2).mean()
+        entropy = policy.theta_entropy(self.generator).mean()
+        loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+        self.optimizer.zero_grad()
+        loss.backward()
+        grad_norm = nn.utils.clip_grad_norm_(self.network.parameters(), config.max_grad_norm)
+        self.optimizer.step()
+        return {
+            "policy_loss": policy_loss.item(),
+            "value_loss": value_loss.item(),
+            "entropy": entropy.item(),
+            "grad_norm": grad_norm.item(),
+        }
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give weights, optimiser, regret statistics and generator."""
+        return {
+            "network": copy.deepcopy(self.network.state_dict()),  # torch gives its own tensors, which learning changes
+            "optimizer": copy.deepcopy(self.optimizer.state_dict()),
+            "generator": self.generator.get_state(),
+            "scale": [self.scale.mean, self.scale.square, self.scale.weight],
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(copy.deepcopy(state["optimizer"]))
+        self.generator.set_state(state["generator"])
+        self.scale.mean, self.scale.square, self.scale.weight = state["scale"]
+
+
+class RunningScale:
+    """Shift and scale numbers by mean and deviation of the recent past, which forgets as students change."""
+
+    DECAY = 0.9  # per batch
+
+    def __init__(self) -> None:
+        self.mean = self.square = self.weight = 0.0  # of an average that starts at 0 and is corrected for that
+
+    def track(self, values: np.ndarray) -> None:
+        """Take a batch into the statistics."""
+        self.mean = self.DECAY * self.mean + (1 - self.DECAY) * float(values.mean())
+        self.square = self.DECAY * self.square + (1 - self.DECAY) * float((values**2).mean())
+        self.weight = self.DECAY * self.weight + (1 - self.DECAY)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        mean, square = self.mean / self.weight, self.square / self.weight
+        return (values - mean) / (max(square - mean**2, 0.0) ** 0.5 + 1e-3)

@@ -1,0 +1,205 @@
+"""The buffer of levels that PLR, ACCEL and REPAIRED replay: one structured array, a row per level.
+
+Which level is replayed follows its score and how long ago it was last played (Jiang et al. 2021b, section 3.2):
+
+    P = (1 - staleness_coef) P_score + staleness_coef P_stale
+    P_score ~ rank^(-1 / temperature), or max(score, 0)^(1 / temperature);  P_stale ~ now - last played
+
+Read next: `methods.plr`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ued.config import BufferConfig
+from ued.levels.record import NONE, Origin, make_trials
+
+EPSILON = 1e-8  # so that a power of 0 is no division by 0
+
+
+def slot_dtype(level: np.dtype) -> np.dtype:
+    """Give the record of a level in the buffer.
+
+    id: unique in a run; level; score; best: the best return ever made on it; stamp: when it was last played, or put
+    in; born: when it was put in; played: how often it was replayed; parent: id of the level it was made from, or NONE;
+    generation: edits between it and a random level.
+    """
+    return np.dtype(
+        [
+            ("id", np.int64),
+            ("level", level),
+            ("score", np.float64),
+            ("best", np.float64),
+            ("stamp", np.int64),
+            ("born", np.int64),
+            ("played", np.int32),
+            ("parent", np.int64),
+            ("generation", np.int32),
+        ]
+    )
+
+
+class LevelBuffer:
+    """At most `capacity` levels, the most worthwhile ones seen so far.
+
+    Args:
+        level: the record of a level.
+        config: capacity, priorities, staleness.
+    """
+
+    def __init__(self, level: np.dtype, config: BufferConfig) -> None:
+        self.config = config
+        self._slots = np.zeros(config.capacity, slot_dtype(level))
+        self._count = 0
+        self._rows: dict[bytes, int] = {}  # which row holds a level, by its program and θ
+        self._score_weights: np.ndarray | None = None  # until a score changes
+        self.now = 0  # trials so far: the clock of staleness
+        self.next_id = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    @property
+    def slots(self) -> np.ndarray:
+        """The levels `[n]`, records of `slot_dtype`; a view."""
+        return self._slots[: self._count]
+
+    @property
+    def fill(self) -> float:
+        """Share of the capacity in use."""
+        return self._count / self.config.capacity
+
+    # ------------------------------------------------------------ what is replayed
+
+    def weights(self) -> np.ndarray:
+        """Give the probability `[n]` with which each level is replayed next."""
+        share = self.config.staleness_coef
+        if self._score_weights is None:
+            self._score_weights = self._by_score()
+        age = (self.now - self.slots["stamp"]).astype(float)
+        total = age.sum()
+        stale = age / total if total > 0 else 1 / max(len(age), 1)
+        return (1 - share) * self._score_weights + share * stale
+
+    def _by_score(self) -> np.ndarray:
+        score, exponent = self.slots["score"], 1 / self.config.temperature
+        if self.config.priority == "rank":
+            rank = np.empty(len(score))
+            rank[np.argsort(-score, kind="stable")] = np.arange(1, len(score) + 1)
+            weight = rank**-exponent
+        else:  # relative to the largest, so that a small temperature does not overflow
+            positive = np.maximum(score, 0.0) + EPSILON
+            weight = (positive / positive.max(initial=EPSILON)) ** exponent
+        return weight / weight.sum() if len(weight) else weight
+
+    def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw `count` levels to replay; give their rows `[count]`. They count as played now."""
+        cumulated = np.cumsum(self.weights())
+        rows = np.searchsorted(cumulated, rng.random(count) * cumulated[-1], side="right")
+        rows = np.minimum(rows, self._count - 1)
+        self.slots["stamp"][rows] = self.now + 1 + np.arange(count)
+        np.add.at(self.slots["played"], rows, 1)
+        self.now += count
+        return rows
+
+    def replays(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw `count` levels and give them as trials of the record `dtype`, each with a new seed."""
+        slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
+        trials = make_trials(dtype, slots["level"], Origin.REPLAYED)
+        trials["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
+        trials["slot"] = slots["id"]
+        return trials
+
+    # ------------------------------------------------------------ what is kept
+
+    def find(self, ids: np.ndarray) -> np.ndarray:
+        """Give the row `[k]` of each of these ids, NONE for a level that is no longer kept."""
+        if not self._count:
+            return np.full(len(ids), NONE)
+        order = np.argsort(self.slots["id"])
+        place = np.searchsorted(self.slots["id"], ids, sorter=order)
+        rows = order[np.minimum(place, self._count - 1)]
+        return np.where(self.slots["id"][rows] == ids, rows, NONE)
+
+    def rescore(self, rows: np.ndarray, score: np.ndarray, best: np.ndarray) -> None:
+        """Write the new scores `[k]` and best returns `[k]` of levels that were replayed."""
+        self.slots["score"][rows] = score
+        np.fmax.at(self.slots["best"], rows, best)
+        self._score_weights = None
+
+    def offer(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray | None = None) -> int:
+        """Offer new levels `[k]` with scores, best returns, and ids of the levels they were made from; count the kept.
+
+        A full buffer gives up the levels that it would replay least, each for one with at least its score. A level that
+        it holds already keeps the better score. Of edits whose parent is gone the generation is counted anew.
+        """
+        rows = self._as_slots(levels, score, best, np.full(len(levels), NONE) if parents is None else parents)
+        self.now += len(levels)
+        rows = rows[[not self._is_kept(row) for row in rows]]
+        free = min(len(rows), self.config.capacity - self._count)
+        for row in rows[:free]:
+            self._put(self._count, row)
+        return free + self._displace(rows[free:])
+
+    def _as_slots(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray) -> np.ndarray:
+        rows: np.ndarray = np.zeros(len(levels), self._slots.dtype)
+        rows["level"], rows["score"], rows["best"], rows["parent"] = levels, score, best, parents
+        rows["stamp"] = rows["born"] = self.now + np.arange(len(levels))
+        mothers = self.find(parents)
+        known = (parents != NONE) & (mothers != NONE)
+        rows["generation"][parents != NONE] = 1
+        rows["generation"][known] += self._slots["generation"][mothers[known]]
+        return rows
+
+    def _is_kept(self, row: np.void) -> bool:
+        twin = self._rows.get(_key(row["level"]), NONE) if self.config.no_duplicates else NONE
+        if twin == NONE:
+            return False
+        better = max(row["score"], self._slots["score"][twin])
+        self.rescore(np.array([twin]), np.array([better]), np.array([row["best"]]))
+        return True
+
+    def _displace(self, rows: np.ndarray) -> int:
+        """Let levels `[k]`, the best of them first, take the places of those that would be replayed least."""
+        if not len(rows):
+            return 0
+        rows = rows[np.argsort(-rows["score"], kind="stable")]
+        least = np.argsort(self.weights(), kind="stable")[: len(rows)]
+        rows = rows[: len(least)]
+        stronger = rows["score"] >= self.slots["score"][least]
+        for place, row in zip(least[stronger], rows[stronger], strict=True):
+            self._put(int(place), row)
+        return int(stronger.sum())
+
+    def _put(self, place: int, row: np.void) -> None:
+        if place < self._count:
+            self._rows.pop(_key(self._slots["level"][place]), None)
+        elif self.config.no_duplicates and _key(row["level"]) in self._rows:
+            return  # the same level twice in one offer
+        self._slots[place] = row
+        self._slots["id"][place] = self.next_id
+        self._rows[_key(row["level"])] = place
+        self._count = max(self._count, place + 1)
+        self.next_id += 1
+        self._score_weights = None
+
+    # ------------------------------------------------------------ save and resume
+
+    def state_dict(self) -> dict[str, Any]:
+        """Give the levels and the clock."""
+        return {"slots": self.slots.copy(), "now": self.now, "next_id": self.next_id}
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` gave."""
+        self._count = len(state["slots"])
+        self._slots[: self._count] = state["slots"]
+        self._rows = {_key(level): row for row, level in enumerate(self.slots["level"])}
+        self._score_weights = None
+        self.now, self.next_id = state["now"], state["next_id"]
+
+
+def _key(level: np.void) -> bytes:
+    return level["program"].tobytes() + level["theta"].tobytes()

@@ -1,0 +1,67 @@
+"""What can be told of the levels of an update, whatever the method: where they lie, where from, how students fared.
+
+These numbers tell a curriculum that collapses from one that works: a teacher stuck on few levels has a low entropy and
+coverage; one that aims too high has a low success rate; regret that is luck pays it for chance (see `regret_split`).
+Read next: `training`, which logs them in every update.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ued.levels.record import Origin, mean_returns
+
+BINS = 10  # of each column of θ
+
+
+def level_metrics(trials: np.ndarray) -> dict[str, float]:
+    """Give counts by origin, the spread of θ and the success rate of settled trials `[L]`."""
+    counts = np.bincount(trials["origin"], minlength=len(Origin))
+    metrics = {"levels": float(len(trials))}
+    metrics |= {f"levels/{origin.name.lower()}": float(counts[origin]) for origin in Origin}
+    if not len(trials):
+        return metrics
+    returns = trials["returns"][:, 0]
+    metrics["success"] = float((returns[~np.isnan(returns)] > 0).mean())
+    score = trials["score"][~np.isnan(trials["score"])]
+    if len(score):
+        metrics["score"] = float(score.mean())
+    return metrics | theta_metrics(trials["level"]["theta"])
+
+
+def theta_metrics(theta: np.ndarray) -> dict[str, float]:
+    """Give how widely levels θ `[L, D]` are spread; nothing for fewer than two.
+
+    theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
+    theta_entropy: sum of the columns' entropies in nats, from histograms of 10 bins with Miller and Madow's correction
+        (1955); uniform levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
+    theta_coverage: share of the bins that hold a level, divided by what as many uniform levels would reach.
+    """
+    count, dim = theta.shape
+    if not dim or count < 2:
+        return {}
+    bins = np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1)
+    tally = np.stack([np.bincount(column, minlength=BINS) for column in bins.T])  # [D, BINS]
+    share = tally / count
+    entropy = -np.sum(share * np.log(np.where(tally > 0, share, 1.0)), 1) + np.log(2 / BINS)
+    entropy += ((tally > 0).sum(1) - 1) / (2 * count)
+    reached = (tally > 0).mean() / (1 - (1 - 1 / BINS) ** count)
+    return {
+        "theta_std": float(theta.std(0).mean()),
+        "theta_entropy": float(np.minimum(entropy, np.log(2)).sum()),
+        "theta_coverage": float(min(reached, 1.0)),
+    }
+
+
+def regret_split(trials: np.ndarray, fixed: bool) -> dict[str, float]:
+    """Give regret `[L]` as it is scored, and split into skill (difference of students' means) and luck (the rest).
+
+    With outcomes by chance, the best of several episodes exceeds their mean even between equal students; that part
+    says nothing about the level. Skill is what student 1, the antagonist, has above student 0, or without fixed parts
+    what the best student has above the mean of all: means over all levels, since on each the best is so by luck, too.
+    """
+    if not len(trials):
+        return {}
+    means, score = mean_returns(trials).mean(0), float(trials["score"].mean())
+    skill = float(means[1] - means[0] if fixed else means.max() - means.mean())
+    return {"regret": score, "regret/skill": skill, "regret/luck": score - skill}

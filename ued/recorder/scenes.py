@@ -1,0 +1,122 @@
+"""Scenes as a Rerun recording: one after the other on the timeline `scene`, each with what its θ means.
+
+Entities: `/scene/ground`, the lines that never change; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`,
+what θ means. Read next: `recorder.recorder`, the recording of a whole curriculum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+BACKGROUND = (24, 27, 31)
+CHALK, AREA = (190, 200, 192), (84, 94, 88)
+LABELLED = 12  # objects at most: more labels than that would hide the scene
+
+
+class SceneStage(Protocol):
+    """What does not change from scene to scene: see `experiments.pictures.scene_view`."""
+
+    bounds: tuple[float, float, float, float]
+    ground: list[np.ndarray]
+    areas: list[np.ndarray]
+    classes: tuple[str, ...]
+    kinds: np.ndarray
+    labels: tuple[str, ...]
+
+    @property
+    def colours(self) -> list[tuple[int, int, int]]:
+        """Give one colour for each class."""
+
+
+class SceneRecord(NamedTuple):
+    """One scene: outlines of its objects [O, 4, 2], arrows along their headings [O, 2, 2], a card in Markdown."""
+
+    outlines: np.ndarray
+    arrows: np.ndarray
+    card: str
+
+
+def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[SceneRecord]) -> None:
+    """Write a recording of scenes. Raises OSError if the file cannot be written."""
+    import rerun
+
+    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
+        pass
+    stream = rerun.RecordingStream("regista_scenes", recording_id=name)
+    stream.set_log_time_enabled(False)
+    stream.save(path, default_blueprint=scenes_layout(stage))
+    stream.send_recording_name(name)
+    log_ground(stream, stage)
+    for index, scene in enumerate(scenes):
+        stream.set_time("scene", sequence=index)
+        log_scene(stream, stage, scene)
+    stream.disconnect()
+
+
+def log_ground(stream: Any, stage: SceneStage) -> None:
+    import rerun
+
+    infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
+    stream.log("scene", rerun.AnnotationContext(infos), static=True)
+    # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
+    stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
+    width = stage.bounds[1] - stage.bounds[0]
+    areas = rerun.LineStrips2D(stage.areas, colors=AREA, radii=width / 900, draw_order=-9)
+    stream.log("scene/ground/areas", areas, static=True)
+    ground = rerun.LineStrips2D(stage.ground, colors=CHALK, radii=width / 700, draw_order=-8)
+    stream.log("scene/ground/lines", ground, static=True)
+
+
+def log_scene(stream: Any, stage: SceneStage, scene: SceneRecord) -> None:
+    import rerun
+
+    known = np.isfinite(scene.outlines).all((1, 2))
+    kinds = stage.kinds[known]
+    colours = np.array(stage.colours, np.uint8).reshape(-1, 3)[kinds]
+    labels = [label for label, there in zip(stage.labels, known, strict=True) if there]
+    closed = [np.vstack([outline, outline[:1]]) for outline in scene.outlines[known]]
+    width = stage.bounds[1] - stage.bounds[0]
+    boxes = rerun.LineStrips2D(
+        closed, colors=colours, radii=width / 500, class_ids=kinds, labels=labels, show_labels=len(labels) <= LABELLED
+    )
+    stream.log("scene/objects", boxes)
+    heads = scene.arrows[known]
+    arrows = rerun.Arrows2D(
+        origins=heads[:, 0], vectors=heads[:, 1] - heads[:, 0], colors=colours, radii=width / 600, show_labels=False
+    )
+    stream.log("scene/headings", arrows)
+    stream.log("card", rerun.TextDocument(scene.card, media_type="text/markdown"))
+
+
+def scenes_layout(stage: SceneStage) -> Any:
+    """Give the blueprint: the scene large, its card beside it."""
+    import rerun.blueprint as rrb
+
+    x_low, x_high, y_low, y_high = stage.bounds
+    view = rrb.Spatial2DView(
+        origin="/",
+        contents=["/scene/**"],
+        name="Scene",
+        background=BACKGROUND,
+        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
+    )
+    card = rrb.TextDocumentView(origin="/card", name="What θ means")
+    return rrb.Blueprint(
+        rrb.Horizontal(view, card, column_shares=[2.2, 1]),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="scene", fps=2, play_state="Paused"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def card_of(title: str, rows: Sequence[tuple[str, str, str]], notes: Sequence[str]) -> str:
+    """Give a card in Markdown: a title, a table of name, θ and value, and sentences beneath."""
+    lines = [f"## {title}", "", "| draw | θ | means |", "|---|---|---|"]
+    lines += [f"| {name} | {theta} | {value} |" for name, theta, value in rows]
+    return "\n".join([*lines, "", *notes])
