@@ -14,22 +14,22 @@ and here the chapters of the language: `distributions`, `classes`, `specifiers`,
 """
 
 from scenic_lite.core.domain import Domain
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.loader import load
-from scenic_lite.scene.constraints import Rule
+from scenic_lite.scene.constraints import Constraint
 from scenic_lite.scene.program import Draw, Program
 from scenic_lite.scene.rejection import RejectionReport
 from scenic_lite.scene.scenes import ObjectInfo, Scenes
 
 __all__ = [
+    "Constraint",
     "Domain",
     "Draw",
     "ObjectInfo",
-    "Place",
     "Program",
     "RejectionReport",
-    "Rule",
     "Scenes",
     "ScenicError",
+    "SourceSpan",
     "load",
 ]

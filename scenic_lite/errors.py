@@ -12,7 +12,7 @@ SHOWN = 20  # further errors of the same text
 WIDEST = 160  # characters of a source line
 
 
-class Place(NamedTuple):
+class SourceSpan(NamedTuple):
     """A stretch of program text. Lines count from 1, columns from 0 (as in Python's `ast`)."""
 
     file: str
@@ -35,7 +35,7 @@ class ScenicError(Exception):
         self,
         kind: str,
         message: str,
-        place: Place | None = None,
+        place: SourceSpan | None = None,
         *,
         hint: str = "",
         source_line: str = "",
@@ -72,7 +72,7 @@ class ScenicError(Exception):
         more = len(self.also) - SHOWN
         return [*map(str, self.also[:SHOWN]), *([f"and {more} errors more"] if more > 0 else [])]
 
-    def _underlined(self, place: Place) -> list[str]:
+    def _underlined(self, place: SourceSpan) -> list[str]:
         text = self.source_line.rstrip("\n")
         end = place.end_column if place.end_line == place.line else len(text)
         start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # of the part that is shown

@@ -1,6 +1,6 @@
 """Load a program: parse it, walk its tree once, and hand what it made to `Program`.
 
-The evaluation itself is spread over `frame`, `expressions`, `calls`, `statements` and `modules`. Read next:
+The evaluation itself is spread over `scope`, `expressions`, `calls`, `statements` and `modules`. Read next:
 `core.scope`.
 """
 
@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scenic_lite.core.domain import Domain
-from scenic_lite.core.scope import Session, Source, near
+from scenic_lite.core.scope import InterpreterState, Source, near
 from scenic_lite.core.types import Namespace
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.evaluation.calls import CALLS, call
 from scenic_lite.evaluation.expressions import EXPRESSIONS
@@ -62,7 +62,7 @@ def load(
     return Program(session, own, text, warnings_of(session))
 
 
-def override(session: Session, file: str, params: Mapping[str, object], model: str | None) -> None:
+def override(session: InterpreterState, file: str, params: Mapping[str, object], model: str | None) -> None:
     """Set what the caller decides and the program cannot change."""
     if not isinstance(params, Mapping):
         raise TypeError(f"params maps names to values, it is no {type(params).__name__}")
@@ -72,16 +72,16 @@ def override(session: Session, file: str, params: Mapping[str, object], model: s
         if not is_plain(value):
             raise TypeError(f"the parameter '{name}' must be a number, a text, a truth value, None, or a list of them")
         session.params[name] = value
-        session.param_places[name] = Place(file, 1, 0, 1, 1)
+        session.param_places[name] = SourceSpan(file, 1, 0, 1, 1)
     session.fixed_params = frozenset(params)
     if model is not None and not isinstance(model, str):
         raise TypeError(f"model is the name of a module, not {model!r}")
     session.model = model
 
 
-def doubt_overrides(session: Session, own: Source) -> None:
+def doubt_overrides(session: InterpreterState, own: Source) -> None:
     """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
-    unset = Place(own.file, 1, 0, 1, 1)
+    unset = SourceSpan(own.file, 1, 0, 1, 1)
     known = {name for name, place in session.param_places.items() if place != unset}
     known |= session.domain.params if session.domain else frozenset()
     for name in sorted(session.fixed_params - known):
@@ -100,7 +100,7 @@ def is_plain(value: object) -> bool:
     return value is None or type(value) in (bool, int, float, str)
 
 
-def warnings_of(session: Session) -> tuple[ScenicError, ...]:
+def warnings_of(session: InterpreterState) -> tuple[ScenicError, ...]:
     """What the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
     warnings = {(warning.place, warning.message): warning for warning in session.warnings}
     warned = {place for place, _ in warnings}
@@ -111,10 +111,10 @@ def warnings_of(session: Session) -> tuple[ScenicError, ...]:
     return tuple(warnings.values())
 
 
-def no_ego(session: Session, source: Source) -> ScenicError:
+def no_ego(session: InterpreterState, source: Source) -> ScenicError:
     """The error for a program without an ego, at its first object."""
     own = (each.place for each in session.objects if each.place.file == source.file)
-    where = next(own, Place(source.file, 1, 0, 1, 1))
+    where = next(own, SourceSpan(source.file, 1, 0, 1, 1))
     hint = "write ego = ... before one of its objects"
     return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
 
@@ -138,16 +138,16 @@ def is_file(source: str) -> bool:
         return False
 
 
-def new_session(domain: Domain | None, dialect: int) -> Session:
+def new_session(domain: Domain | None, dialect: int) -> InterpreterState:
     """A session that knows all of the language and nothing yet of a program."""
     params: dict = {}
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", params)}
-    session = Session(domain, dialect, EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
+    session = InterpreterState(domain, dialect, EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
     session.params = params
     return session
 
 
-def needs_ego(session: Session) -> bool:
+def needs_ego(session: InterpreterState) -> bool:
     """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
     if session.dialect == 2:
         return session.main is None or not session.main.behavior.scenario.compose

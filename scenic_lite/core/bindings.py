@@ -10,20 +10,20 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 
 Names = dict[str, Any]
 COST = 4  # elements of memory that one kept name counts for
 
 
 class Bindings:
-    """All names in sight of `frame`, also for the functions of its module that a condition may call."""
+    """All names in sight of `scope`, also for the functions of its module that a condition may call."""
 
-    def __init__(self, frame: Frame) -> None:
-        self.session = frame.session
-        self.kept = [(scope, dict(scope)) for scope in scopes_of(frame)]
-        self.ego, self.workspace = frame.session.ego, frame.session.workspace
-        frame.session.budget.spend(COST * sum(len(names) for _, names in self.kept))
+    def __init__(self, scope: Scope) -> None:
+        self.session = scope.session
+        self.kept = [(scope, dict(scope)) for scope in scopes_of(scope)]
+        self.ego, self.workspace = scope.session.ego, scope.session.workspace
+        scope.session.budget.spend(COST * sum(len(names) for _, names in self.kept))
 
     @contextmanager
     def restored(self) -> Iterator[None]:
@@ -40,14 +40,14 @@ class Bindings:
             put_back(now)
 
 
-def scopes_of(frame: Frame) -> list[Names]:
+def scopes_of(scope: Scope) -> list[Names]:
     """The dictionaries that names are looked up in, innermost first."""
     scopes: list[Names] = []
-    at: Frame | None = frame
+    at: Scope | None = scope
     while at is not None:
         scopes.append(at.locals)
         at = at.outer
-    return scopes if scopes[-1] is frame.module_names else [*scopes, frame.module_names]
+    return scopes if scopes[-1] is scope.module_names else [*scopes, scope.module_names]
 
 
 def put_back(kept: list[tuple[Names, Names]]) -> None:

@@ -14,7 +14,7 @@ from scenic_lite.values.graph import Value
 
 def plain(*names: str, of: type) -> dict[str, Builtin]:
     """Methods of a Python container that cannot grow it and run no code of the program's."""
-    return {name: Builtin(name, vars(of)[name], lifted=False) for name in names}
+    return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
 
 
 def own(**functions: Callable[..., Value]) -> dict[str, Builtin]:
@@ -22,11 +22,13 @@ def own(**functions: Callable[..., Value]) -> dict[str, Builtin]:
     return {name: Builtin(name, function) for name, function in functions.items()}
 
 
-def sited(**functions: Callable[..., Value]) -> dict[str, Builtin]:
+def needs_context(**functions: Callable[..., Value]) -> dict[str, Builtin]:
     """Functions that also receive the frame and the call."""
-    return {name: Builtin(name, function, sited=True, lifted=False) for name, function in functions.items()}
+    return {
+        name: Builtin(name, function, needs_context=True, over_choices=False) for name, function in functions.items()
+    }
 
 
 def typed(name: str, function: Callable[..., Value], *types: type) -> Builtin:
     """A function that is also a type: `isinstance(x, int)`."""
-    return Builtin(name, function, sited=True, types=types, lifted=False)
+    return Builtin(name, function, needs_context=True, types=types, over_choices=False)

@@ -15,8 +15,18 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.exceptions import from_python
-from scenic_lite.errors import Place, ScenicError
-from scenic_lite.values.graph import DIVIDE, FLOOR_DIVIDE, MODULO, POWER, SQUARE_ROOT, Operation, Random, Tape, Value
+from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.values.graph import (
+    DIVIDE,
+    FLOOR_DIVIDE,
+    MODULO,
+    POWER,
+    SQUARE_ROOT,
+    Operation,
+    RandomExpr,
+    Tape,
+    Value,
+)
 
 DIVISIONS = (DIVIDE.array, FLOOR_DIVIDE.array, MODULO.array)
 FAILING: dict[Callable[..., Any], Callable[..., Any]] = {  # on arrays -> on numbers, where Python raises
@@ -25,7 +35,7 @@ FAILING: dict[Callable[..., Any], Callable[..., Any]] = {  # on arrays -> on num
 PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
 
 
-class Picky:
+class FallibleOperation:
     """An operation on arrays [N] that knows itself in which rows it fails."""
 
     def fails(self, *inputs: Any) -> Any:
@@ -38,26 +48,26 @@ class Picky:
 
 
 @dataclass(eq=False)
-class Watch:
+class Check:
     """A random value that may fail: where it stands, and when the program gets there.
 
     `guards` are conditions and what they must be; `requirement` is the one that evaluates it, by its number, or None
     for what every scene computes before any rule is tested.
     """
 
-    node: Random
+    node: RandomExpr
     guards: tuple[tuple[Value, bool], ...]
     requirement: int | None
-    place: Place | None = None
+    place: SourceSpan | None = None
     line: str = ""
 
 
 @dataclass
-class Watching:
+class RuntimeChecks:
     """What a session has noted so far, and where it stands."""
 
-    watches: dict[int, Watch] = field(default_factory=dict)
-    unplaced: list[Watch] = field(default_factory=list)  # until the expression that made them is left
+    watches: dict[int, Check] = field(default_factory=dict)
+    unplaced: list[Check] = field(default_factory=list)  # until the expression that made them is left
     guards: list[tuple[Value, bool]] = field(default_factory=list)
     requirement: int | None = None
 
@@ -81,18 +91,18 @@ class Watching:
 
     def note(self, result: Value, ways: Iterable[tuple[Value, bool]] = ()) -> None:
         """Watch a result, if its operation, or that of a part or an input of it, can fail."""
-        if isinstance(result, Random):
+        if isinstance(result, RandomExpr):
             nodes = [result, *result.inputs]
         else:
             pair = (result.x, result.y) if hasattr(result, "rotated") else result
             nodes = list(pair[:PARTS]) if isinstance(pair, tuple) else []
         for node in nodes:
-            if isinstance(node, Random) and can_fail(node.operation) and id(node) not in self.watches:
-                watch = Watch(node, (*self.guards, *ways), self.requirement)
+            if isinstance(node, RandomExpr) and can_fail(node.operation) and id(node) not in self.watches:
+                watch = Check(node, (*self.guards, *ways), self.requirement)
                 self.watches[id(node)] = watch
                 self.unplaced.append(watch)
 
-    def place(self, place: Place, line: str) -> None:
+    def place(self, place: SourceSpan, line: str) -> None:
         """Give what was noted since its place."""
         for watch in self.unplaced:
             watch.place, watch.line = place, line
@@ -100,7 +110,7 @@ class Watching:
 
 
 def can_fail(operation: Callable[..., Any] | None) -> bool:
-    return isinstance(operation, Picky) or (operation in FAILING)
+    return isinstance(operation, FallibleOperation) or (operation in FAILING)
 
 
 def failing(operation: Operation) -> Operation:
@@ -112,7 +122,7 @@ def failing(operation: Operation) -> Operation:
 class Faults:
     """The watches of one program that its scenes depend on, over the registers of its tape."""
 
-    def __init__(self, watches: Iterable[Watch], tape: Tape, rules: list[int | None]) -> None:
+    def __init__(self, watches: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
         """`rules` gives the rule of each requirement, None for one that always holds."""
         self.watches = [watch for watch in watches if watch.place is not None and reaches(tape, watch)]
         self._tape = tape
@@ -129,20 +139,20 @@ class Faults:
             masks.append(mask)
         return Found(self, registers, masks)
 
-    def rule(self, watch: Watch) -> int | None:
+    def rule(self, watch: Check) -> int | None:
         return None if watch.requirement is None else self._rules[watch.requirement]
 
-    def _inputs(self, watch: Watch, registers: list[Any]) -> list[Any]:
+    def _inputs(self, watch: Check, registers: list[Any]) -> list[Any]:
         return [self._of(each, registers) for each in watch.node.inputs]
 
     def _of(self, value: Value, registers: list[Any]) -> Any:
-        slot = self._tape.find(value) if isinstance(value, Random) else None
+        slot = self._tape.find(value) if isinstance(value, RandomExpr) else None
         return value if slot is None else registers[slot]
 
-    def _mask(self, watch: Watch, registers: list[Any]) -> Any:
+    def _mask(self, watch: Check, registers: list[Any]) -> Any:
         inputs = self._inputs(watch, registers)
         operation = watch.node.operation
-        if isinstance(operation, Picky):
+        if isinstance(operation, FallibleOperation):
             mask = operation.fails(*inputs)
         elif operation in DIVISIONS:
             mask = np.asarray(inputs[1]) == 0
@@ -154,9 +164,9 @@ class Faults:
             mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == wanted)
         return mask
 
-    def error(self, watch: Watch, registers: list[Any], row: int) -> ScenicError:
+    def error(self, watch: Check, registers: list[Any], row: int) -> ScenicError:
         operation = watch.node.operation
-        if isinstance(operation, Picky):
+        if isinstance(operation, FallibleOperation):
             error = operation.error(row)
         else:
             inputs = [np.atleast_1d(each) for each in self._inputs(watch, registers)]
@@ -195,9 +205,9 @@ class Found:
                 raise self.faults.error(watch, self.registers, int(rows.argmax()))
 
 
-def reaches(tape: Tape, watch: Watch) -> bool:
+def reaches(tape: Tape, watch: Check) -> bool:
     """Whether the tape computes the value, and what decides whether the program gets there."""
-    needed = [watch.node, *(condition for condition, _ in watch.guards if isinstance(condition, Random))]
+    needed = [watch.node, *(condition for condition, _ in watch.guards if isinstance(condition, RandomExpr))]
     return all(tape.find(each) is not None for each in needed)
 
 

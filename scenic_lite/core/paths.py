@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Session
+from scenic_lite.core.scope import InterpreterState
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import WHERE, Value, apply
 
@@ -37,7 +37,7 @@ class Way:
 class Walks:
     """All ways through a computation that gives a number; nan where one of them fails."""
 
-    def __init__(self, session: Session, compute: Callable[[], Value]) -> None:
+    def __init__(self, session: InterpreterState, compute: Callable[[], Value]) -> None:
         self.session, self.compute = session, compute
         self.count = 0
         self.fault: ScenicError | None = None

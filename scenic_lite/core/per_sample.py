@@ -14,29 +14,29 @@ import numpy as np
 
 from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.checks import Picky
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Choice, Function, Instance
+from scenic_lite.core.checks import FallibleOperation
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Function, Instance, RandomChoice
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.scenes import randoms_in
-from scenic_lite.values.graph import Column, Random, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 
-def row_by_row(frame: Frame, node: ast.expr) -> Random:
+def row_by_row(scope: Scope, node: ast.expr) -> RandomExpr:
     """The truth of a condition for each sample, evaluated one after the other."""
-    columns = tuple(columns_of(*(random for value in mentioned(frame, node) for random in randoms_in(value))))
-    return Random(RowByRow(frame, node, columns), columns, "truth")
+    columns = tuple(columns_of(*(random for value in mentioned(scope, node) for random in randoms_in(value))))
+    return RandomExpr(RowByRow(scope, node, columns), columns, "truth")
 
 
-class ByRow(Picky):
+class ByRow(FallibleOperation):
     """What is decided scene by scene: a tree, and the draws that it depends on.
 
     An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
     """
 
-    def __init__(self, frame: Frame, node: ast.AST, columns: tuple[Column, ...]) -> None:
-        self.frame, self.node, self.columns = frame, node, columns
-        self.bindings = Bindings(frame)
+    def __init__(self, scope: Scope, node: ast.AST, columns: tuple[ThetaColumn, ...]) -> None:
+        self.scope, self.node, self.columns = scope, node, columns
+        self.bindings = Bindings(scope)
         self._faults: list[ScenicError | None] = []  # one for each scene of the last call
 
     def __call__(self, *arrays: Any) -> Any:
@@ -60,7 +60,7 @@ class ByRow(Picky):
 
     def in_scene(self, draws: Iterable[Value], decide: Callable[[], Value], otherwise: Value) -> Value:
         """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
-        session = self.frame.session
+        session = self.scope.session
         row, budget = session.row, session.budget
         session.row, session.budget = dict(zip(self.columns, draws, strict=True)), budget.scene()
         try:
@@ -77,10 +77,10 @@ class ByRow(Picky):
 
     def _charge(self, spent: Budget) -> None:
         try:
-            self.frame.session.budget.charge(spent)
+            self.scope.session.budget.charge(spent)
         except ScenicError as error:
             error.hint = "write it without branches and loops on random values, or ask for fewer scenes at once"
-            raise self.frame.placed(error, self.node) from None
+            raise self.scope.placed(error, self.node) from None
 
 
 class RowByRow(ByRow):
@@ -93,16 +93,16 @@ class RowByRow(ByRow):
             return np.array([self.in_scene(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
 
     def _holds(self) -> bool:
-        return bool(self.frame.value(self.node))
+        return bool(self.scope.value(self.node))
 
 
-def mentioned(frame: Frame, node: ast.AST) -> list[Value]:
+def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
     """The values that an expression may read: of its names, of what its functions name, and of the ego."""
-    found = [frame.session.ego] if frame.session.ego is not None else []
-    return found + reached([(frame, node)])
+    found = [scope.session.ego] if scope.session.ego is not None else []
+    return found + reached([(scope, node)])
 
 
-def reached(pending: list[tuple[Frame, ast.AST]]) -> list[Value]:
+def reached(pending: list[tuple[Scope, ast.AST]]) -> list[Value]:
     """The values of all names in some trees, and in the functions and behaviors that they name."""
     found: list[Value] = []
     seen: set[int] = set()
@@ -115,7 +115,7 @@ def reached(pending: list[tuple[Frame, ast.AST]]) -> list[Value]:
                 found.append(value)
                 for part in definitions_in(value):
                     found += [*part.defaults, *part.keyword_defaults.values()]
-                    pending += [(part.frame, each) for each in body_of(part)]
+                    pending += [(part.scope, each) for each in body_of(part)]
     return found
 
 
@@ -124,14 +124,14 @@ def names_in(tree: ast.AST) -> frozenset[str]:
     return frozenset(each.id for each in ast.walk(tree) if isinstance(each, ast.Name))
 
 
-def visible(frame: Frame, name: str) -> Value:
+def visible(scope: Scope, name: str) -> Value:
     """The value of a name, or None: it may be a local of a function not yet called."""
-    at: Frame | None = frame
+    at: Scope | None = scope
     while at is not None:
         if name in at.locals:
             return at.locals[name]
         at = at.outer
-    return frame.module_names.get(name)
+    return scope.module_names.get(name)
 
 
 def definitions_in(value: Value) -> Iterator[Function | Behavior]:
@@ -148,7 +148,7 @@ def definitions_in(value: Value) -> Iterator[Function | Behavior]:
     elif isinstance(value, list | tuple):
         for each in value:
             yield from definitions_in(each)
-    elif isinstance(value, Choice):
+    elif isinstance(value, RandomChoice):
         for each in value.options:
             yield from definitions_in(each)
 

@@ -1,6 +1,6 @@
 """Where evaluation stands: the session (one load), and the frames (one module, function or class body each).
 
-`Frame.value` and `Frame.run` dispatch on the type of a node through the tables of `expressions` and `statements`; every
+`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of `expressions` and `statements`; every
 error raised below passes through here and is given its place in the program. Read next: `evaluation.expressions`.
 """
 
@@ -17,23 +17,23 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.budget import Budget, exceeded
-from scenic_lite.core.checks import Watching
+from scenic_lite.core.checks import RuntimeChecks
 from scenic_lite.core.domain import Domain
 from scenic_lite.core.exceptions import from_python, named_fault
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
-    Choice,
     Instance,
     Namespace,
+    RandomChoice,
     ScenicClass,
     Stream,
     describe_kind,
 )
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Column, Random, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class Requirement:
     """One `require`: its condition over the samples."""
 
     label: str
-    place: Place
+    place: SourceSpan
     condition: Value
     probability: float = 1.0
 
@@ -75,7 +75,7 @@ class DrawnPoint(NamedTuple):
     """
 
     region: Region
-    columns: tuple[Column, ...]
+    columns: tuple[ThetaColumn, ...]
     point: Vector
     whole: Region | None = None
 
@@ -91,30 +91,30 @@ class Watched(NamedTuple):
     """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
 
     tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
-    place: Place
-    frame: Frame
+    place: SourceSpan
+    scope: Scope
     label: str = ""  # its name, or its text
     bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
 
 
 @dataclass(eq=False)
-class Session:
+class InterpreterState:
     """Everything that loading one program has made so far."""
 
     domain: Domain | None
     dialect: int
-    expressions: dict[type, Callable[[Frame, Any], Value]]
-    statements: dict[type, Callable[[Frame, Any], Value]]
+    expressions: dict[type, Callable[[Scope, Any], Value]]
+    statements: dict[type, Callable[[Scope, Any], Value]]
     builtins: dict[str, Value]
-    call: Callable[[Frame, Value, list, dict[str, Value], ast.AST], Value]
-    unpack: Callable[[Frame, ast.expr, Value], None]
+    call: Callable[[Scope, Value, list, dict[str, Value], ast.AST], Value]
+    unpack: Callable[[Scope, ast.expr, Value], None]
     budget: Budget = field(default_factory=Budget)
     objects: list[Instance] = field(default_factory=list)
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
     sights: list[tuple[Instance, Sight]] = field(default_factory=list)
     conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
-    columns: list[Column] = field(default_factory=list)
+    columns: list[ThetaColumn] = field(default_factory=list)
     points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
@@ -123,9 +123,9 @@ class Session:
     temporal: list[Watched] = field(default_factory=list)
     scenarios: list[Behavior] = field(default_factory=list)
     main: BehaviorCall | None = None  # the modular scenario that the program is
-    main_frame: Frame | None = None
+    main_frame: Scope | None = None
     library_params: set[str] = field(default_factory=set)
-    param_places: dict[str, Place] = field(default_factory=dict)
+    param_places: dict[str, SourceSpan] = field(default_factory=dict)
     sources: dict[str, Source] = field(default_factory=dict)
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)
@@ -136,17 +136,19 @@ class Session:
     handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
     warnings: list[ScenicError] = field(default_factory=list)
     doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
-    declared: set[Place] = field(default_factory=set)  # `with` specifiers of properties that the class declares
-    watching: Watching = field(default_factory=Watching)
+    declared: set[SourceSpan] = field(default_factory=set)  # `with` specifiers of properties that the class declares
+    watching: RuntimeChecks = field(default_factory=RuntimeChecks)
     ego: Instance | None = None
     workspace: Value = None
     owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
     in_requirement: int = 0
     path: Way | None = None  # the way that is taken where a function branches on random values
-    row: dict[Random, Value] | None = None  # of one sample: the value of each random node
-    drawn: Callable[[Column], Column] | None = None  # while an episode runs: gives each new draw its value at once
+    row: dict[RandomExpr, Value] | None = None  # of one sample: the value of each random node
+    drawn: Callable[[ThetaColumn], ThetaColumn] | None = (
+        None  # while an episode runs: gives each new draw its value at once
+    )
 
-    def column(self, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:
+    def column(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
         """Draw a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
         if self.in_requirement:
             raise ScenicError(
@@ -156,7 +158,7 @@ class Session:
             )
         if len(self.columns) >= self.budget.limits.draws:
             raise exceeded(f"more than {self.budget.limits.draws:,} random values are drawn")
-        column = Column(kind, place, offset, span)
+        column = ThetaColumn(kind, place, offset, span)
         if self.drawn is not None:
             return self.drawn(column)
         column.owner = self.owner
@@ -191,7 +193,7 @@ class Session:
             self.in_requirement -= 1
 
 
-class Frame:
+class Scope:
     """The names visible at one point of the program, and the way to evaluate nodes there."""
 
     __slots__ = (
@@ -208,7 +210,9 @@ class Frame:
         "yields",
     )
 
-    def __init__(self, session: Session, source: Source, names: dict[str, Value], outer: Frame | None = None) -> None:
+    def __init__(
+        self, session: InterpreterState, source: Source, names: dict[str, Value], outer: Scope | None = None
+    ) -> None:
         self.session = session
         self.source = source
         self.locals = names
@@ -221,9 +225,9 @@ class Frame:
         self.yields: list[Value] | None = None  # of a generator: what it has given so far
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
-    def inner(self, names: dict[str, Value]) -> Frame:
+    def inner(self, names: dict[str, Value]) -> Scope:
         """A frame for a function, comprehension or class body inside this one."""
-        return Frame(self.session, self.source, names, self)
+        return Scope(self.session, self.source, names, self)
 
     # ------------------------------------------------------------ evaluation
 
@@ -265,21 +269,21 @@ class Frame:
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
-        if self.session.path is not None and isinstance(value, Random):
+        if self.session.path is not None and isinstance(value, RandomExpr):
             return self.session.path.turn(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
         return bool(value)
 
     def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
         """Raise the error for control flow on a random value, naming the branch and the draw."""
-        if isinstance(value, Choice):
+        if isinstance(value, RandomChoice):
             value = value.index
-        if not isinstance(value, Random):
+        if not isinstance(value, RandomExpr):
             return
         hint = "write it in `require`, or decide in a behavior"
         raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
 
-    def drawn_notes(self, value: Random) -> list[str]:
+    def drawn_notes(self, value: RandomExpr) -> list[str]:
         first = next(columns_of(value), None)
         if first is None or first.place.file not in self.session.sources:
             return []
@@ -305,7 +309,7 @@ class Frame:
         row = self.session.row
         return list(value) if row is None else [in_row(each, row) for each in value]
 
-    def bindings(self, generators: list[ast.comprehension]) -> Iterator[Frame]:
+    def bindings(self, generators: list[ast.comprehension]) -> Iterator[Scope]:
         """A frame for each round of a comprehension."""
         first, *rest = generators
         for element in self.elements(self.value(first.iter), first.iter):
@@ -321,11 +325,11 @@ class Frame:
 
     # ------------------------------------------------------------ places and errors
 
-    def place(self, node: ast.AST) -> Place:
+    def place(self, node: ast.AST) -> SourceSpan:
         if not isinstance(node, ast.expr | ast.stmt):
-            return Place(self.source.file, 1, 0, 1, 1)
+            return SourceSpan(self.source.file, 1, 0, 1, 1)
         end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
-        return Place(self.source.file, node.lineno, node.col_offset, end_line, end_column)
+        return SourceSpan(self.source.file, node.lineno, node.col_offset, end_line, end_column)
 
     def watch(self, result: Value) -> None:
         """Note a result that some scenes may be unable to compute."""
@@ -359,16 +363,16 @@ class Frame:
 
     def lookup(self, name: str) -> Value:
         """The value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
-        frame: Frame | None = self
-        while frame is not None:
-            if name in frame.globals:
+        scope: Scope | None = self
+        while scope is not None:
+            if name in scope.globals:
                 break
-            if name in frame.locals:
-                return frame.locals[name]
-            if name in frame.assigned:
+            if name in scope.locals:
+                return scope.locals[name]
+            if name in scope.assigned:
                 error = ScenicError("name", f"'{name}' has no value yet in this function")
                 raise named_fault("UnboundLocalError", error)
-            frame = frame.outer
+            scope = scope.outer
         if name in self.module_names:
             return self.module_names[name]
         if name in self.session.builtins:
@@ -377,35 +381,35 @@ class Frame:
 
     def visible_names(self) -> list[str]:
         names = [*self.session.builtins, "ego", "workspace"]
-        frame: Frame | None = self
-        while frame is not None:
-            names += frame.locals
-            frame = frame.outer
+        scope: Scope | None = self
+        while scope is not None:
+            names += scope.locals
+            scope = scope.outer
         return names
 
     def assign(self, name: str, value: Value) -> None:
-        self.scope_of(name)[name] = value
+        self.names_of(name)[name] = value
         name_draws(name, value)
 
-    def scope_of(self, name: str) -> dict[str, Value]:
+    def names_of(self, name: str) -> dict[str, Value]:
         """Where an assignment to the name goes."""
         if name in self.globals:
             return self.module_names
-        frame: Frame | None = self.outer if name in self.nonlocals else None
-        while frame is not None:
-            if name in frame.locals:
-                return frame.scope_of(name)
-            frame = frame.outer
+        scope: Scope | None = self.outer if name in self.nonlocals else None
+        while scope is not None:
+            if name in scope.locals:
+                return scope.names_of(name)
+            scope = scope.outer
         return self.locals
 
 
-def in_row(value: Value, row: dict[Random, Value]) -> Value:
+def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
     """What a value is in one sample."""
     if isinstance(value, Vector) and not value.fixed:
         return Vector(in_row(value.x, row), in_row(value.y, row))
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return in_row(value.options[in_row(value.index, row)], row)
-    if not isinstance(value, Random):
+    if not isinstance(value, RandomExpr):
         return value
     if value not in row:
         assert value.operation is not None, "a draw that the condition was not known to depend on"
@@ -425,10 +429,10 @@ def one_row(value: Value) -> Any:
 
 def name_draws(name: str, value: Value, inside: bool = False) -> None:
     """The first variable that holds a draw or an object names it; `inside` a container only draws that no one owns."""
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         value = value.index
-    if isinstance(value, Random):
-        for column in [each for each in (value, *near_inputs(value)) if isinstance(each, Column)]:
+    if isinstance(value, RandomExpr):
+        for column in [each for each in (value, *near_inputs(value)) if isinstance(each, ThetaColumn)]:
             if column.shown is value and not (inside and column.owner):  # of `Range(0, 1)`, `Uniform(1, 2)` ...
                 column.name = column.name or name
     elif isinstance(value, Instance):
@@ -451,12 +455,12 @@ def is_sequence(value: Value) -> bool:
     return isinstance(value, list | tuple)
 
 
-def near_inputs(value: Random) -> list[Random]:
+def near_inputs(value: RandomExpr) -> list[RandomExpr]:
     """The inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
-    found: list[Random] = []
+    found: list[RandomExpr] = []
     level = [value]
     for _ in range(4):
-        level = [each for node in level for each in node.inputs if isinstance(each, Random)][:16]
+        level = [each for node in level for each in node.inputs if isinstance(each, RandomExpr)][:16]
         found += level
     return found
 

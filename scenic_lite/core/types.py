@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.errors import Place
+from scenic_lite.errors import SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Located, Vector, as_vector
-from scenic_lite.values.graph import Random, Value, select
+from scenic_lite.values.graph import RandomExpr, Value, select
 from scenic_lite.values.regions import Region, VectorField
 
 if TYPE_CHECKING:
-    from scenic_lite.core.scope import Frame
+    from scenic_lite.core.scope import Scope
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Instance(Located):
     """A Point, OrientedPoint or Object with its properties."""
 
     cls: ScenicClass
-    place: Place
+    place: SourceSpan
     owner: Any = None  # (Instance, property) in whose specifiers it was made
     name: str = ""  # the first variable it was bound to
     properties: dict[str, Value] = field(default_factory=dict)
@@ -88,13 +88,13 @@ class Instance(Located):
 
 
 @dataclass(eq=False)
-class Choice(Located):
-    """A random one of several structured values (objects, regions, tuples); numbers and texts are `Random` instead."""
+class RandomChoice(Located):
+    """A random one of several structured values (objects, regions, tuples); numbers, texts are `RandomExpr` instead."""
 
-    index: Random
+    index: RandomExpr
     options: tuple
 
-    def merged(self, results: list[Value]) -> Value:
+    def map_options(self, results: list[Value]) -> Value:
         """The same choice among `results`, one per option."""
         return choose(self.index, results)
 
@@ -102,22 +102,22 @@ class Choice(Located):
         vectors = [as_vector(option) for option in self.options]
         if any(vector is None for vector in vectors):
             return None
-        return self.merged(vectors)
+        return self.map_options(vectors)
 
 
-def choose(index: Random, options: list[Value] | tuple) -> Value:
+def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
     """options[index], as simple a value as the options allow."""
-    if all(isinstance(option, int | float | str | Random) for option in options):
+    if all(isinstance(option, int | float | str | RandomExpr) for option in options):
         return select(index, tuple(options))
     if all(isinstance(option, Vector) for option in options):
         return Vector(
             select(index, tuple(option.x for option in options)), select(index, tuple(option.y for option in options))
         )
-    return options[0] if all(option is options[0] for option in options) else Choice(index, tuple(options))
+    return options[0] if all(option is options[0] for option in options) else RandomChoice(index, tuple(options))
 
 
 @dataclass(frozen=True, eq=False)
-class Delayed:
+class LazyValue:
     """A value that waits for properties of the object being made: `needs` names them."""
 
     needs: frozenset[str]
@@ -133,7 +133,7 @@ class Function:
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
     body: list[ast.stmt] | ast.expr
-    frame: Frame
+    scope: Scope
     assigned: frozenset[str] = frozenset()  # its local names besides its arguments
     generates: bool = False  # it has a `yield`
     owner: ScenicClass | None = None  # whose method it is
@@ -178,13 +178,13 @@ class Stream:
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A function of the language itself, from our own tables; `sited`: it also receives the Frame and the call."""
+    """A function of the language itself, from our own tables; `needs_context`: it also gets the scope and the call."""
 
     name: str
     function: Callable[..., Value]
-    sited: bool = False
+    needs_context: bool = False
     types: tuple[type, ...] = ()  # for `isinstance`, if the name is also a type
-    lifted: bool = True  # an argument that is a Choice is mapped over its options
+    over_choices: bool = True  # an argument that is a Choice is mapped over its options
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +204,7 @@ class Behavior:
     node: nodes.Behavior | nodes.Scenario
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
-    frame: Frame
+    scope: Scope
     assigned: frozenset[str] = frozenset()  # its own variables besides its arguments
 
     @property
@@ -228,13 +228,13 @@ class BehaviorCall:
 
     behavior: Behavior
     arguments: dict[str, Value]
-    place: Place
+    place: SourceSpan
     names: dict[str, Value] = field(default_factory=dict)
 
 
 def describe_kind(value: Value) -> str:
     """What a value is, for a message: "a number", "a region", ..."""
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
     if isinstance(value, Instance):
         return f"a {value.cls.name}"
@@ -257,7 +257,7 @@ KINDS: tuple[tuple[Any, str], ...] = (
     (Behavior, "a behavior without its arguments"),
     (BehaviorCall, "a behavior"),
     (Namespace, "a module"),
-    (Choice, "a random choice"),
+    (RandomChoice, "a random choice"),
     (Stream, "an iterator"),
     (Descriptor, "a method of its class"),
     (ExceptionClass, "a class of exceptions"),
@@ -265,5 +265,5 @@ KINDS: tuple[tuple[Any, str], ...] = (
     (range, "a range"),
     (list, "a list"),
     (dict, "a dictionary"),
-    (Delayed, "a value that depends on the object being made"),
+    (LazyValue, "a value that depends on the object being made"),
 )

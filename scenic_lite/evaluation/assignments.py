@@ -10,48 +10,48 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.exceptions import named_fault
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Choice, Instance, Namespace, ScenicClass, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Instance, Namespace, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of
 from scenic_lite.language.classes import checked, is_object
 from scenic_lite.scene.scenes import randoms_in
-from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.graph import RandomExpr, Value
 from scenic_lite.values.regions import Region
 
 
-def assign(frame: Frame, node: ast.Assign) -> None:
-    value = frame.value(node.value)
+def assign(scope: Scope, node: ast.Assign) -> None:
+    value = scope.value(node.value)
     for target in node.targets:
-        bind_target(frame, target, value)
+        bind_target(scope, target, value)
 
 
-def annotated(frame: Frame, node: ast.AnnAssign) -> None:
+def annotated(scope: Scope, node: ast.AnnAssign) -> None:
     if node.value is not None:
-        bind_target(frame, node.target, frame.value(node.value))
+        bind_target(scope, node.target, scope.value(node.value))
 
 
-def augmented(frame: Frame, node: ast.AugAssign) -> None:
+def augmented(scope: Scope, node: ast.AugAssign) -> None:
     """`target += value`; the container and the index of the target are evaluated once."""
     target = node.target
     if isinstance(target, ast.Name):
-        old = frame.session.ego if target.id == "ego" else frame.lookup(target.id)
-        bind_target(frame, target, changed(frame, node, old))
+        old = scope.session.ego if target.id == "ego" else scope.lookup(target.id)
+        bind_target(scope, target, changed(scope, node, old))
     elif isinstance(target, ast.Subscript):
-        container, index = frame.value(target.value), frame.value(target.slice)
-        new = changed(frame, node, item_of(frame, container, index))
-        set_item(frame, target, container, index, new)
+        container, index = scope.value(target.value), scope.value(target.slice)
+        new = changed(scope, node, item_of(scope, container, index))
+        set_item(scope, target, container, index, new)
     else:
         assert isinstance(target, ast.Attribute)
-        owner = frame.value(target.value)
-        set_attribute(frame, owner, target.attr, changed(frame, node, attribute(frame, owner, target.attr)))
+        owner = scope.value(target.value)
+        set_attribute(scope, owner, target.attr, changed(scope, node, attribute(scope, owner, target.attr)))
 
 
-def changed(frame: Frame, node: ast.AugAssign, old: Value) -> Value:
+def changed(scope: Scope, node: ast.AugAssign, old: Value) -> Value:
     """The new value; a list or set that is added to stays the same one."""
-    more = frame.value(node.value)
-    new = combined(frame, node.op, list_of(frame, node.op, old), list_of(frame, node.op, more, like=old))
+    more = scope.value(node.value)
+    new = combined(scope, node.op, list_of(scope, node.op, old), list_of(scope, node.op, more, like=old))
     if isinstance(old, list) and isinstance(new, list):
         old[:] = new
         return old
@@ -63,145 +63,145 @@ def changed(frame: Frame, node: ast.AugAssign, old: Value) -> Value:
     return new
 
 
-def list_of(frame: Frame, sign: ast.operator, value: Value, like: Value = None) -> Value:
+def list_of(scope: Scope, sign: ast.operator, value: Value, like: Value = None) -> Value:
     """What a list is extended by may be any collection."""
     if isinstance(sign, ast.Add) and isinstance(like, list) and not isinstance(value, list):
-        return frame.elements(value, sign)
+        return scope.elements(value, sign)
     return value
 
 
-def bind_target(frame: Frame, target: ast.expr, value: Value) -> None:
+def bind_target(scope: Scope, target: ast.expr, value: Value) -> None:
     """Assign to a name, several names, an element, a slice or an attribute."""
     if isinstance(target, ast.Name):
         if target.id in TRACKED:
-            TRACKED[target.id](frame, target, value)
-        frame.assign(target.id, value)
+            TRACKED[target.id](scope, target, value)
+        scope.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
-        unpack(frame, target, value)
+        unpack(scope, target, value)
     elif isinstance(target, ast.Subscript):
-        set_item(frame, target, frame.value(target.value), frame.value(target.slice), value)
+        set_item(scope, target, scope.value(target.value), scope.value(target.slice), value)
     elif isinstance(target, ast.Attribute):
-        owner = frame.value(target.value)
+        owner = scope.value(target.value)
         try:
-            set_attribute(frame, owner, target.attr, value)
+            set_attribute(scope, owner, target.attr, value)
         except ScenicError as error:
-            raise frame.placed(error, target) from None
+            raise scope.placed(error, target) from None
     else:
-        raise frame.error("syntax", "this cannot be assigned to", target)
+        raise scope.error("syntax", "this cannot be assigned to", target)
 
 
-def set_item(frame: Frame, target: ast.Subscript, container: Value, index: Value, value: Value) -> None:
+def set_item(scope: Scope, target: ast.Subscript, container: Value, index: Value, value: Value) -> None:
     """`container[index] = value`."""
     if not isinstance(container, list | dict):
-        raise frame.error("type", f"elements of {describe_kind(container)} cannot be assigned here", target)
+        raise scope.error("type", f"elements of {describe_kind(container)} cannot be assigned here", target)
     if isinstance(container, list):
-        frame.refuse_random(index, target, "the index of a list must not be random")
-    frame.session.budget.whole(index)
+        scope.refuse_random(index, target, "the index of a list must not be random")
+    scope.session.budget.whole(index)
     if isinstance(index, slice) and isinstance(container, list):
-        container[index] = frame.elements(value, target)
-        frame.session.budget.container(len(container))
+        container[index] = scope.elements(value, target)
+        scope.session.budget.container(len(container))
     else:
         container[index] = value
-        frame.session.budget.spend(1)
+        scope.session.budget.spend(1)
 
 
-def set_attribute(frame: Frame, owner: Value, name: str, value: Value) -> None:
+def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
     """`owner.name = value` of an object or a class of the program; a property keeps its type."""
     if isinstance(owner, Instance):
         if name in ("x", "y") and name not in owner.properties:  # would hide the coordinate and move nothing
             hint = f"write {owner.title()}.position = x @ y"
             raise ScenicError("type", f"the {name} of an object belongs to its position", hint=hint)
         if name in owner.properties:
-            owner.properties[name] = checked(name, value, frame.session.dialect)
+            owner.properties[name] = checked(name, value, scope.session.dialect)
         else:
             owner.attributes[name] = value
     elif isinstance(owner, ScenicClass) and owner.base is not None:
         owner.members[name] = value
     elif isinstance(owner, Namespace) and owner.open:
         owner.names[name] = value
-    elif isinstance(owner, Choice):
+    elif isinstance(owner, RandomChoice):
         raise ScenicError("type", "the attributes of a random object cannot be assigned")
     else:
         error = ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
         raise named_fault("AttributeError", error)
 
 
-def unpack(frame: Frame, target: ast.expr, value: Value) -> None:
+def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
     """`a, b = value`, or a plain name."""
     if not isinstance(target, ast.Tuple | ast.List):
-        bind_target(frame, target, value)
+        bind_target(scope, target, value)
         return
-    items = frame.elements(value, target)
+    items = scope.elements(value, target)
     stars = [i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)]
     if stars:
         after = len(target.elts) - stars[0] - 1
         if len(items) < len(target.elts) - 1:
-            raise frame.error("value", f"{len(items)} values for at least {len(target.elts) - 1} names", target)
+            raise scope.error("value", f"{len(items)} values for at least {len(target.elts) - 1} names", target)
         middle = items[stars[0] : len(items) - after]
         items = [*items[: stars[0]], middle, *items[len(items) - after :]]
     if len(items) != len(target.elts):
-        raise frame.error("value", f"{len(items)} values for {len(target.elts)} names", target)
+        raise scope.error("value", f"{len(items)} values for {len(target.elts)} names", target)
     for each, item in zip(target.elts, items, strict=True):
-        bind_target(frame, each.value if isinstance(each, ast.Starred) else each, item)
+        bind_target(scope, each.value if isinstance(each, ast.Starred) else each, item)
 
 
 # ------------------------------------------------------------ names that the language tracks
 
 
-def set_ego(frame: Frame, node: ast.AST, value: Value) -> None:
+def set_ego(scope: Scope, node: ast.AST, value: Value) -> None:
     if not is_object(value):
-        raise frame.error("type", f"ego must be an object, not {describe_kind(value)}", node)
-    frame.session.ego = value
+        raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node)
+    scope.session.ego = value
 
 
-def set_workspace(frame: Frame, node: ast.AST, value: Value) -> None:
+def set_workspace(scope: Scope, node: ast.AST, value: Value) -> None:
     hint = "write workspace = Workspace(region)"
     if not isinstance(value, Region):
-        raise frame.error("type", f"the workspace must be a region, not {describe_kind(value)}", node, hint)
+        raise scope.error("type", f"the workspace must be a region, not {describe_kind(value)}", node, hint)
     drawn = next(randoms_in(value), None)
-    if isinstance(drawn, Random):
-        raise frame.error("value", "the workspace must be fixed", node, notes=frame.drawn_notes(drawn))
-    frame.session.workspace = value
+    if isinstance(drawn, RandomExpr):
+        raise scope.error("value", "the workspace must be fixed", node, notes=scope.drawn_notes(drawn))
+    scope.session.workspace = value
 
 
-TRACKED: dict[str, Callable[[Frame, ast.AST, Value], None]] = {"ego": set_ego, "workspace": set_workspace}
+TRACKED: dict[str, Callable[[Scope, ast.AST, Value], None]] = {"ego": set_ego, "workspace": set_workspace}
 
 # ------------------------------------------------------------ del
 
 
-def delete(frame: Frame, node: ast.Delete) -> None:
+def delete(scope: Scope, node: ast.Delete) -> None:
     for target in node.targets:
-        delete_target(frame, target)
+        delete_target(scope, target)
 
 
-def delete_target(frame: Frame, target: ast.expr) -> None:
+def delete_target(scope: Scope, target: ast.expr) -> None:
     if isinstance(target, ast.Name):
-        scope = frame.scope_of(target.id)
+        names = scope.names_of(target.id)
         if target.id in TRACKED:
-            raise frame.error("unsupported", f"'{target.id}' cannot be deleted", target)
-        if target.id not in scope:
-            raise frame.error("name", f"name '{target.id}' is not defined", target)
-        del scope[target.id]
+            raise scope.error("unsupported", f"'{target.id}' cannot be deleted", target)
+        if target.id not in names:
+            raise scope.error("name", f"name '{target.id}' is not defined", target)
+        del names[target.id]
     elif isinstance(target, ast.Tuple | ast.List):
         for each in target.elts:
-            delete_target(frame, each)
+            delete_target(scope, each)
     elif isinstance(target, ast.Subscript):
-        container, index = frame.value(target.value), frame.value(target.slice)
+        container, index = scope.value(target.value), scope.value(target.slice)
         if not isinstance(container, list | dict):
-            raise frame.error("type", f"elements of {describe_kind(container)} cannot be deleted", target)
-        frame.refuse_random(index, target, "the index of what is deleted must not be random")
-        frame.session.budget.whole(index)
+            raise scope.error("type", f"elements of {describe_kind(container)} cannot be deleted", target)
+        scope.refuse_random(index, target, "the index of what is deleted must not be random")
+        scope.session.budget.whole(index)
         del container[index]
     else:
         assert isinstance(target, ast.Attribute)
-        owner = frame.value(target.value)
+        owner = scope.value(target.value)
         if not isinstance(owner, Instance) or target.attr not in owner.attributes:
-            error = frame.error("name", f"'{target.attr}' of {describe_kind(owner)} cannot be deleted", target)
+            error = scope.error("name", f"'{target.attr}' of {describe_kind(owner)} cannot be deleted", target)
             raise named_fault("AttributeError", error)
         del owner.attributes[target.attr]
 
 
-ASSIGNMENTS: dict[type, Callable[[Frame, Any], None]] = {
+ASSIGNMENTS: dict[type, Callable[[Scope, Any], None]] = {
     ast.Assign: assign,
     ast.AnnAssign: annotated,
     ast.AugAssign: augmented,

@@ -13,17 +13,17 @@ import numpy as np
 
 from scenic_lite.core.builtin_tables import own
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import Frame, near
+from scenic_lite.core.scope import Scope, near
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
     Builtin,
-    Choice,
     Descriptor,
     Function,
     Instance,
     Namespace,
+    RandomChoice,
     ScenicClass,
     Super,
     describe_kind,
@@ -40,16 +40,16 @@ from scenic_lite.language.region_members import (
     REGION_METHODS,
 )
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between
-from scenic_lite.values.graph import ABSOLUTE, MAXIMUM, Random, Value, apply
+from scenic_lite.values.graph import ABSOLUTE, MAXIMUM, RandomExpr, Value, apply
 from scenic_lite.values.regions import Region, VectorField
 
 
-def attribute(frame: Frame, value: Value, name: str) -> Value:
+def attribute(scope: Scope, value: Value, name: str) -> Value:
     """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
-    if isinstance(value, Choice):
-        return value.merged([attribute(frame, option, name) for option in value.options])
+    if isinstance(value, RandomChoice):
+        return value.map_options([attribute(scope, option, name) for option in value.options])
     if isinstance(value, Instance):
-        return of_instance(frame, value, name)
+        return of_instance(scope, value, name)
     if isinstance(value, Namespace):
         return of_namespace(value, name)
     if isinstance(value, BehaviorCall) and name in value.names:
@@ -57,12 +57,12 @@ def attribute(frame: Frame, value: Value, name: str) -> Value:
     if isinstance(value, ScenicClass):
         return of_class(value, name)
     if isinstance(value, Super):
-        return of_super(frame, value, name)
+        return of_super(scope, value, name)
     if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ExceptionClass):
         return value.name
     if isinstance(value, Builtin) and value.types:
         return of_type(value, name)
-    if isinstance(value, Random) and value.kind == "text" and name in TEXTS:
+    if isinstance(value, RandomExpr) and value.kind == "text" and name in TEXTS:
         return Bound(Builtin(name, EachText(name)), value)
     fields = next((table for kind, table in FIELDS if isinstance(value, kind)), {})
     if name in fields:
@@ -104,20 +104,20 @@ def of_type(cls: Builtin, name: str) -> Value:
     return found(known.get(name), cls, name, known)
 
 
-def of_super(frame: Frame, value: Super, name: str) -> Value:
+def of_super(scope: Scope, value: Super, name: str) -> Value:
     member = value.base.member(name)
     known = [each for cls in value.base.lineage() for each in cls.members]
-    return member_of(frame, found(member, value.receiver, name, known), value.receiver)
+    return member_of(scope, found(member, value.receiver, name, known), value.receiver)
 
 
-def member_of(frame: Frame, member: Value, instance: Value) -> Value:
+def member_of(scope: Scope, member: Value, instance: Value) -> Value:
     """A member of a class as an instance sees it."""
     if isinstance(member, Function):
         return Bound(member, instance)
     if not isinstance(member, Descriptor):
         return member
     if member.kind == "property":
-        return frame.call(member.function, [instance], {}, ast.Pass())
+        return scope.call(member.function, [instance], {}, ast.Pass())
     cls = instance.cls if isinstance(instance, Instance) else instance
     return Bound(member.function, cls) if member.kind == "classmethod" else member.function
 
@@ -142,10 +142,10 @@ class EachText:
             results = [method(text, *arguments) for text in texts]
             return np.array([*results, None], dtype=object)[:-1] if kind == "text" else np.array(results)
 
-        return Random(of_all, (text,), kind)
+        return RandomExpr(of_all, (text,), kind)
 
 
-def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
+def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     """A property, an attribute set later, a method, a side, or an attribute of the position."""
     if name in instance.properties:
         return instance.properties[name]
@@ -153,15 +153,15 @@ def of_instance(frame: Frame, instance: Instance, name: str) -> Value:
         return instance.attributes[name]
     member = instance.cls.member(name)
     if member is not None:
-        return member_of(frame, member, instance)
+        return member_of(scope, member, instance)
     if is_oriented(instance) and name in SIDES:
         return side_of(instance, name)
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
         return position.x if name == "x" else position.y
-    if name == "z" and position is not None and frame.session.dialect == 3:
+    if name == "z" and position is not None and scope.session.dialect == 3:
         return 0.0
-    if name == "distanceTo" and frame.session.dialect == 3 and is_object(instance):
+    if name == "distanceTo" and scope.session.dialect == 3 and is_object(instance):
         return Bound(DISTANCE_TO_OUTLINE, instance)
     if name in VECTOR_METHODS and position is not None:
         return Bound(VECTOR_METHODS[name], position)

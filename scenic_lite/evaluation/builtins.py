@@ -15,15 +15,15 @@ import numpy as np
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.builtin_tables import typed
 from scenic_lite.core.exceptions import NAMED, ExceptionClass, Fault, named_fault
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
     Bound,
     Builtin,
-    Choice,
     Descriptor,
     Function,
     Instance,
+    RandomChoice,
     ScenicClass,
     Stream,
     Super,
@@ -35,7 +35,7 @@ from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.containers import dictionary_of, sorted_list
 from scenic_lite.evaluation.math_builtins import NUMBERS
 from scenic_lite.evaluation.strings import represented, text_of
-from scenic_lite.values.graph import AND, OR, Operation, Random, Value, apply, kind_of
+from scenic_lite.values.graph import AND, OR, Operation, RandomExpr, Value, apply, kind_of
 
 CALLABLE = (Function, Bound, Builtin, ScenicClass, ExceptionClass, Behavior)
 TRUE_OR_FALSE = Operation(bool, lambda array: np.asarray(array) != 0)
@@ -45,127 +45,127 @@ NOTHING = object()  # no default was given
 # ------------------------------------------------------------ truth
 
 
-def every(frame: Frame, node: ast.AST, values: Value) -> Value:
+def every(scope: Scope, node: ast.AST, values: Value) -> Value:
     """`all(values)`."""
-    return folded(frame, node, values, AND, True)
+    return folded(scope, node, values, AND, True)
 
 
-def some(frame: Frame, node: ast.AST, values: Value) -> Value:
+def some(scope: Scope, node: ast.AST, values: Value) -> Value:
     """`any(values)`."""
-    return folded(frame, node, values, OR, False)
+    return folded(scope, node, values, OR, False)
 
 
-def folded(frame: Frame, node: ast.AST, values: Value, operation: Operation, start: bool) -> Value:
-    items = frame.elements(values, node)
-    if not frame.session.in_requirement:
+def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, start: bool) -> Value:
+    items = scope.elements(values, node)
+    if not scope.session.in_requirement:
         for item in items:
-            frame.refuse_random(item, node, "control flow cannot depend on a random value")
+            scope.refuse_random(item, node, "control flow cannot depend on a random value")
     return reduce(lambda a, b: apply(operation, a, b, kind="truth"), items, start)
 
 
-def truth(frame: Frame, node: ast.AST, value: Value = False) -> Value:
+def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
     """`bool(value)`."""
-    if frame.session.in_requirement and isinstance(value, Random):
+    if scope.session.in_requirement and isinstance(value, RandomExpr):
         return apply(TRUE_OR_FALSE, value, kind="truth")
-    return frame.certain_truth(value, node)
+    return scope.certain_truth(value, node)
 
 
 # ------------------------------------------------------------ containers and iteration
 
 
-def length(frame: Frame, node: ast.AST, value: Value) -> Value:
+def length(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`len(value)`; a random text has a random one."""
-    if isinstance(value, Choice):
-        return value.merged([length(frame, node, option) for option in value.options])
-    if kind_of(value) == "text" and isinstance(value, Random):
-        return Random(each_length, (value,))
+    if isinstance(value, RandomChoice):
+        return value.map_options([length(scope, node, option) for option in value.options])
+    if kind_of(value) == "text" and isinstance(value, RandomExpr):
+        return RandomExpr(each_length, (value,))
     if isinstance(value, str | dict | set | range | list | tuple):
         return len(value)
     if isinstance(value, Stream):
         raise ScenicError("type", "an iterator has no length", hint="write len(list(...))")
-    return len(frame.elements(value, node))
+    return len(scope.elements(value, node))
 
 
 def each_length(texts: Any) -> Any:
     return np.array([len(each) for each in texts], dtype=np.int64)
 
 
-def integer_range(frame: Frame, node: ast.AST, *ends: Value) -> range:
+def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
     """`range(...)`."""
     for end in ends:
-        frame.refuse_random(end, node, "a range cannot have random ends")
+        scope.refuse_random(end, node, "a range cannot have random ends")
     numbers = range(*ends)
     try:
         count = len(numbers)
     except OverflowError:
         raise exceeded("a range of more elements than can be counted") from None
-    if count > frame.session.budget.limits.elements:
-        frame.session.budget.container(count)
+    if count > scope.session.budget.limits.elements:
+        scope.session.budget.container(count)
     return numbers
 
 
-def make_list(frame: Frame, node: ast.AST, values: Value = ()) -> Value:
-    if isinstance(values, Choice):
-        return values.merged([make_list(frame, node, option) for option in values.options])
-    return frame.elements(values, node)
+def make_list(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
+    if isinstance(values, RandomChoice):
+        return values.map_options([make_list(scope, node, option) for option in values.options])
+    return scope.elements(values, node)
 
 
-def make_tuple(frame: Frame, node: ast.AST, values: Value = ()) -> Value:
-    if isinstance(values, Choice):
-        return values.merged([make_tuple(frame, node, option) for option in values.options])
-    return tuple(frame.elements(values, node))
+def make_tuple(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
+    if isinstance(values, RandomChoice):
+        return values.map_options([make_tuple(scope, node, option) for option in values.options])
+    return tuple(scope.elements(values, node))
 
 
-def make_set(frame: Frame, node: ast.AST, values: Value = ()) -> set:
-    elements = frame.elements(values, node)
-    frame.session.budget.whole(elements)
+def make_set(scope: Scope, node: ast.AST, values: Value = ()) -> set:
+    elements = scope.elements(values, node)
+    scope.session.budget.whole(elements)
     return set(elements)
 
 
-def make_dictionary(frame: Frame, node: ast.AST, values: Value = (), **more: Value) -> dict:
-    return dictionary_of(frame, node, values) | more
+def make_dictionary(scope: Scope, node: ast.AST, values: Value = (), **more: Value) -> dict:
+    return dictionary_of(scope, node, values) | more
 
 
-def numbered(frame: Frame, node: ast.AST, iterable: Value, start: Value = 0) -> Stream:
+def numbered(scope: Scope, node: ast.AST, iterable: Value, start: Value = 0) -> Stream:
     """`enumerate(iterable, start)`."""
-    return stream(frame, list(enumerate(frame.elements(iterable, node), start)))
+    return stream(scope, list(enumerate(scope.elements(iterable, node), start)))
 
 
-def zipped(frame: Frame, node: ast.AST, *several: Value, strict: Value = False) -> Stream:
+def zipped(scope: Scope, node: ast.AST, *several: Value, strict: Value = False) -> Stream:
     """`zip(...)`."""
-    parts = [frame.elements(values, node) for values in several]
+    parts = [scope.elements(values, node) for values in several]
     if strict and len({len(part) for part in parts}) > 1:
         raise ScenicError("value", "zip() of collections of different lengths")
-    return stream(frame, list(zip(*parts, strict=False)))
+    return stream(scope, list(zip(*parts, strict=False)))
 
 
-def backwards(frame: Frame, node: ast.AST, values: Value) -> Stream:
+def backwards(scope: Scope, node: ast.AST, values: Value) -> Stream:
     """`reversed(values)`."""
-    return stream(frame, frame.elements(values, node)[::-1])
+    return stream(scope, scope.elements(values, node)[::-1])
 
 
-def mapped(frame: Frame, node: ast.AST, function: Value, *several: Value) -> Stream:
+def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> Stream:
     """`map(function, ...)`."""
-    parts = [frame.elements(values, node) for values in several]
-    return stream(frame, [frame.call(function, list(items), {}, node) for items in zip(*parts, strict=False)])
+    parts = [scope.elements(values, node) for values in several]
+    return stream(scope, [scope.call(function, list(items), {}, node) for items in zip(*parts, strict=False)])
 
 
-def filtered(frame: Frame, node: ast.AST, function: Value, values: Value) -> Stream:
+def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Stream:
     """`filter(function, values)`; which elements are kept must not be random."""
     kept = []
-    for item in frame.elements(values, node):
-        test = item if function is None else frame.call(function, [item], {}, node)
-        if frame.certain_truth(test, node):
+    for item in scope.elements(values, node):
+        test = item if function is None else scope.call(function, [item], {}, node)
+        if scope.certain_truth(test, node):
             kept.append(item)
-    return stream(frame, kept)
+    return stream(scope, kept)
 
 
-def iterator(frame: Frame, node: ast.AST, values: Value) -> Stream:
+def iterator(scope: Scope, node: ast.AST, values: Value) -> Stream:
     """`iter(values)`."""
-    return values if isinstance(values, Stream) else stream(frame, frame.elements(values, node))
+    return values if isinstance(values, Stream) else stream(scope, scope.elements(values, node))
 
 
-def following(frame: Frame, node: ast.AST, iterator: Value, default: Value = NOTHING) -> Value:
+def following(scope: Scope, node: ast.AST, iterator: Value, default: Value = NOTHING) -> Value:
     """`next(iterator, default)`."""
     if not isinstance(iterator, Stream):
         hint = "write next(iter(...))"
@@ -178,46 +178,46 @@ def following(frame: Frame, node: ast.AST, iterator: Value, default: Value = NOT
     return default
 
 
-def stream(frame: Frame, items: list) -> Stream:
-    frame.session.budget.container(len(items))
+def stream(scope: Scope, items: list) -> Stream:
+    scope.session.budget.container(len(items))
     return Stream(items)
 
 
 # ------------------------------------------------------------ texts
 
 
-def text(frame: Frame, node: ast.AST, value: Value = "") -> Value:
+def text(scope: Scope, node: ast.AST, value: Value = "") -> Value:
     """`str(value)`."""
-    return text_of(frame, value)
+    return text_of(scope, value)
 
 
-def formatted(frame: Frame, node: ast.AST, value: Value, spec: Value = "") -> Value:
+def formatted(scope: Scope, node: ast.AST, value: Value, spec: Value = "") -> Value:
     """`format(value, spec)`."""
-    return text_of(frame, value, spec)
+    return text_of(scope, value, spec)
 
 
-def character(frame: Frame, node: ast.AST, number: Value) -> str:
+def character(scope: Scope, node: ast.AST, number: Value) -> str:
     return chr(number)
 
 
-def code(frame: Frame, node: ast.AST, character: Value) -> int:
+def code(scope: Scope, node: ast.AST, character: Value) -> int:
     return ord(character)
 
 
-def printed(frame: Frame, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
+def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
     """`print`: a program that is loaded has nobody to talk to; the values are written for their errors only."""
     for value in values:
-        text_of(frame, value)
+        text_of(scope, value)
 
 
 # ------------------------------------------------------------ types and attributes
 
 
-def is_instance(frame: Frame, node: ast.AST, value: Value, types: Value) -> Value:
+def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
     """`isinstance(value, types)`; of a random choice, if all its options agree or in a requirement."""
-    if isinstance(value, Choice):
-        answers = [is_instance(frame, node, option, types) for option in value.options]
-        return answers[0] if len(set(answers)) == 1 else value.merged(answers)
+    if isinstance(value, RandomChoice):
+        answers = [is_instance(scope, node, option, types) for option in value.options]
+        return answers[0] if len(set(answers)) == 1 else value.map_options(answers)
     return any(is_of(value, each) for each in (types if isinstance(types, tuple) else (types,)))
 
 
@@ -231,55 +231,55 @@ def is_of(value: Value, cls: Value) -> bool:
     raise ScenicError("type", f"isinstance needs a class, not {describe_kind(cls)}")
 
 
-def is_subclass(frame: Frame, node: ast.AST, cls: Value, types: Value) -> bool:
+def is_subclass(scope: Scope, node: ast.AST, cls: Value, types: Value) -> bool:
     if not isinstance(cls, ScenicClass | ExceptionClass):
         raise ScenicError("type", f"issubclass needs a class, not {describe_kind(cls)}")
     several = types if isinstance(types, tuple) else (types,)
     return any(each is base for each in several for base in cls.lineage())
 
 
-def type_of(frame: Frame, node: ast.AST, value: Value) -> Value:
+def type_of(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`type(value)`: the function of that name, or the class."""
     if isinstance(value, Instance | Fault):
         return value.cls
     if value is None:
         return NONE_TYPE
-    frame.refuse_random(value, node, "the type of a random value")
+    scope.refuse_random(value, node, "the type of a random value")
     found = [each for each in TYPES.values() if type(value) in each.types]
     if not found:
         raise ScenicError("unsupported", f"the type of {describe_kind(value)}", hint="write isinstance(x, ...)")
     return found[0]
 
 
-def has_attribute(frame: Frame, node: ast.AST, value: Value, name: Value) -> bool:
+def has_attribute(scope: Scope, node: ast.AST, value: Value, name: Value) -> bool:
     """`hasattr(value, name)`."""
-    return get_attribute(frame, node, value, name, NOTHING) is not NOTHING
+    return get_attribute(scope, node, value, name, NOTHING) is not NOTHING
 
 
-def get_attribute(frame: Frame, node: ast.AST, value: Value, name: Value, *default: Value) -> Value:
+def get_attribute(scope: Scope, node: ast.AST, value: Value, name: Value, *default: Value) -> Value:
     """`getattr(value, name[, default])`, from the same tables as `value.name`."""
     if not isinstance(name, str):
         raise ScenicError("type", f"the name of an attribute is a text, not {describe_kind(name)}")
     try:
-        return attribute(frame, value, name)
+        return attribute(scope, value, name)
     except ScenicError as error:
         if error.kind != "name" or not default:
             raise
         return default[0]
 
 
-def attribute_to(frame: Frame, node: ast.AST, value: Value, name: Value, new: Value) -> None:
+def attribute_to(scope: Scope, node: ast.AST, value: Value, name: Value, new: Value) -> None:
     """`setattr(value, name, new)`."""
-    set_attribute(frame, value, name, new)
+    set_attribute(scope, value, name, new)
 
 
 def can_be_called(value: Value) -> bool:
     return isinstance(value, CALLABLE)
 
 
-def own_super(frame: Frame, node: ast.AST) -> Super:
+def own_super(scope: Scope, node: ast.AST) -> Super:
     """`super()` in a method."""
-    at: Frame | None = frame
+    at: Scope | None = scope
     while at is not None and at.method is None:
         at = at.outer
     if at is None or at.method is None or at.method[0].base is None:
@@ -288,10 +288,10 @@ def own_super(frame: Frame, node: ast.AST) -> Super:
 
 
 def descriptor(kind: str) -> Builtin:
-    return Builtin(kind, lambda function: Descriptor(kind, function), lifted=False)
+    return Builtin(kind, lambda function: Descriptor(kind, function), over_choices=False)
 
 
-NONE_TYPE = typed("NoneType", lambda frame, node: None, type(None))
+NONE_TYPE = typed("NoneType", lambda scope, node: None, type(None))
 TYPES: dict[str, Builtin] = {
     "int": NUMBERS["int"],
     "float": NUMBERS["float"],
@@ -307,30 +307,30 @@ PYTHON: dict[str, Value] = (
     TYPES
     | NAMED
     | {
-        "all": Builtin("all", every, sited=True, lifted=False),
-        "any": Builtin("any", some, sited=True, lifted=False),
-        "len": Builtin("len", length, sited=True, lifted=False),
-        "enumerate": Builtin("enumerate", numbered, sited=True, lifted=False),
-        "zip": Builtin("zip", zipped, sited=True, lifted=False),
-        "reversed": Builtin("reversed", backwards, sited=True, lifted=False),
-        "sorted": Builtin("sorted", sorted_list, sited=True, lifted=False),
-        "map": Builtin("map", mapped, sited=True, lifted=False),
-        "filter": Builtin("filter", filtered, sited=True, lifted=False),
-        "iter": Builtin("iter", iterator, sited=True, lifted=False),
-        "next": Builtin("next", following, sited=True, lifted=False),
-        "repr": Builtin("repr", represented, sited=True, lifted=False),
-        "format": Builtin("format", formatted, sited=True, lifted=False),
-        "chr": Builtin("chr", character, sited=True, lifted=False),
-        "ord": Builtin("ord", code, sited=True, lifted=False),
-        "print": Builtin("print", printed, sited=True, lifted=False),
-        "isinstance": Builtin("isinstance", is_instance, sited=True, lifted=False),
-        "issubclass": Builtin("issubclass", is_subclass, sited=True, lifted=False),
-        "type": Builtin("type", type_of, sited=True, lifted=False),
-        "hasattr": Builtin("hasattr", has_attribute, sited=True, lifted=False),
-        "getattr": Builtin("getattr", get_attribute, sited=True, lifted=False),
-        "setattr": Builtin("setattr", attribute_to, sited=True, lifted=False),
-        "callable": Builtin("callable", can_be_called, lifted=False),
-        "super": Builtin("super", own_super, sited=True, lifted=False),
+        "all": Builtin("all", every, needs_context=True, over_choices=False),
+        "any": Builtin("any", some, needs_context=True, over_choices=False),
+        "len": Builtin("len", length, needs_context=True, over_choices=False),
+        "enumerate": Builtin("enumerate", numbered, needs_context=True, over_choices=False),
+        "zip": Builtin("zip", zipped, needs_context=True, over_choices=False),
+        "reversed": Builtin("reversed", backwards, needs_context=True, over_choices=False),
+        "sorted": Builtin("sorted", sorted_list, needs_context=True, over_choices=False),
+        "map": Builtin("map", mapped, needs_context=True, over_choices=False),
+        "filter": Builtin("filter", filtered, needs_context=True, over_choices=False),
+        "iter": Builtin("iter", iterator, needs_context=True, over_choices=False),
+        "next": Builtin("next", following, needs_context=True, over_choices=False),
+        "repr": Builtin("repr", represented, needs_context=True, over_choices=False),
+        "format": Builtin("format", formatted, needs_context=True, over_choices=False),
+        "chr": Builtin("chr", character, needs_context=True, over_choices=False),
+        "ord": Builtin("ord", code, needs_context=True, over_choices=False),
+        "print": Builtin("print", printed, needs_context=True, over_choices=False),
+        "isinstance": Builtin("isinstance", is_instance, needs_context=True, over_choices=False),
+        "issubclass": Builtin("issubclass", is_subclass, needs_context=True, over_choices=False),
+        "type": Builtin("type", type_of, needs_context=True, over_choices=False),
+        "hasattr": Builtin("hasattr", has_attribute, needs_context=True, over_choices=False),
+        "getattr": Builtin("getattr", get_attribute, needs_context=True, over_choices=False),
+        "setattr": Builtin("setattr", attribute_to, needs_context=True, over_choices=False),
+        "callable": Builtin("callable", can_be_called, over_choices=False),
+        "super": Builtin("super", own_super, needs_context=True, over_choices=False),
         "staticmethod": descriptor("staticmethod"),
         "classmethod": descriptor("classmethod"),
         "property": descriptor("property"),

@@ -11,23 +11,23 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import Frame, near
+from scenic_lite.core.scope import Scope, near
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
     Builtin,
-    Choice,
-    Delayed,
     Function,
     Instance,
+    LazyValue,
+    RandomChoice,
     ScenicClass,
     Stream,
     describe_kind,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.specifier_rules import SPECIFIERS
-from scenic_lite.language.specifiers import Meaning, make, warn_of_unknown, with_property
+from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
@@ -47,58 +47,58 @@ class Return(Exception):
         self.value = value
 
 
-def call_node(frame: Frame, node: ast.Call) -> Value:
-    function = frame.value(node.func)
-    return call(frame, function, *arguments_of(frame, function, node), node)
+def call_node(scope: Scope, node: ast.Call) -> Value:
+    function = scope.value(node.func)
+    return call(scope, function, *arguments_of(scope, function, node), node)
 
 
-def arguments_of(frame: Frame, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
+def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
     """What a call gives by place and by name."""
     arguments: list[Value] = []
     for argument in node.args:
         if isinstance(argument, ast.Starred):
-            arguments += starred(frame, function, argument)
+            arguments += starred(scope, function, argument)
         else:
-            arguments.append(frame.value(argument))
+            arguments.append(scope.value(argument))
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
-        value = frame.value(keyword.value)
-        for name, each in mapping(frame, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
+        value = scope.value(keyword.value)
+        for name, each in mapping(scope, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
             if name in keywords:
-                raise frame.error("type", f"the argument '{name}' is given twice", keyword.value)
+                raise scope.error("type", f"the argument '{name}' is given twice", keyword.value)
             keywords[name] = each
     return arguments, keywords
 
 
-def mapping(frame: Frame, keyword: ast.keyword, value: Value) -> dict[str, Value]:
+def mapping(scope: Scope, keyword: ast.keyword, value: Value) -> dict[str, Value]:
     """What `**` spreads in a call."""
     if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
         message = f"`**` needs a dictionary with names as keys, not {describe_kind(value)}"
-        raise frame.error("type", message, keyword.value)
+        raise scope.error("type", message, keyword.value)
     return value
 
 
-def starred(frame: Frame, function: Value, argument: ast.Starred) -> list[Value]:
+def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]:
     """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
-    value = frame.value(argument.value)
-    if isinstance(value, Choice) and isinstance(function, Builtin) and function.name == "Uniform":
-        return [value.merged([function.function(frame, argument, *option) for option in value.options])]
-    return frame.elements(value, argument)
+    value = scope.value(argument.value)
+    if isinstance(value, RandomChoice) and isinstance(function, Builtin) and function.name == "Uniform":
+        return [value.map_options([function.function(scope, argument, *option) for option in value.options])]
+    return scope.elements(value, argument)
 
 
-def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
     """Call whatever can be called."""
-    if isinstance(function, Choice):
-        return function.merged([call(frame, each, arguments, keywords, node) for each in function.options])
+    if isinstance(function, RandomChoice):
+        return function.map_options([call(scope, each, arguments, keywords, node) for each in function.options])
     if isinstance(function, Bound):
-        return call(frame, function.function, [function.receiver, *arguments], keywords, node)
+        return call(scope, function.function, [function.receiver, *arguments], keywords, node)
     if isinstance(function, Builtin):
-        return call_builtin(frame, function, arguments, keywords, node)
+        return call_builtin(scope, function, arguments, keywords, node)
     if isinstance(function, Function):
-        return call_function(frame, function, arguments, keywords, node)
+        return call_function(scope, function, arguments, keywords, node)
     if isinstance(function, Behavior):
         bound = bind(function.name, function.node.args, function, arguments, keywords)
-        return BehaviorCall(function, bound, frame.place(node))
+        return BehaviorCall(function, bound, scope.place(node))
     if isinstance(function, ExceptionClass):
         if keywords:
             raise ScenicError("type", f"{function.name}() takes no keyword arguments")
@@ -111,22 +111,22 @@ def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Val
     raise ScenicError("type", f"{describe_kind(function)} cannot be called", hint=hint)
 
 
-def call_builtin(frame: Frame, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
     for i, argument in enumerate(arguments):
-        if isinstance(argument, Delayed):
+        if isinstance(argument, LazyValue):
             raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
-        if isinstance(argument, Choice) and function.lifted:
+        if isinstance(argument, RandomChoice) and function.over_choices:
             before, after = arguments[:i], arguments[i + 1 :]
-            return argument.merged(
-                [call_builtin(frame, function, [*before, each, *after], keywords, node) for each in argument.options]
+            return argument.map_options(
+                [call_builtin(scope, function, [*before, each, *after], keywords, node) for each in argument.options]
             )
-    if not function.sited:
-        frame.session.budget.whole(arguments)
-    given = [frame, node, *arguments] if function.sited else arguments
+    if not function.needs_context:
+        scope.session.budget.whole(arguments)
+    given = [scope, node, *arguments] if function.needs_context else arguments
     check_signature(function, given, keywords)
     result = function.function(*given, **keywords)
-    frame.session.budget.keep(result)
-    frame.watch(result)
+    scope.session.budget.keep(result)
+    scope.watch(result)
     return result
 
 
@@ -140,23 +140,23 @@ def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) 
         signature.bind(*given, **keywords)
     except TypeError:
         names = [str(each).split(":")[0].split("=")[0] for each in signature.parameters.values()]
-        names = names[2:] if function.sited else names
-        count = len(given) - (2 if function.sited else 0) + len(keywords)
+        names = names[2:] if function.needs_context else names
+        count = len(given) - (2 if function.needs_context else 0) + len(keywords)
         usage = f"write {function.name}({', '.join(names)})"
         number = "1 argument" if count == 1 else f"{count} arguments"
         raise ScenicError("type", f"{function.name} does not take {number}", hint=usage) from None
 
 
 def call_function(
-    frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+    scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Run a function of the program; an error inside a library is shown where the program called it."""
-    inner = function.frame.inner(bind(function.name, function.arguments, function, arguments, keywords))
+    inner = function.scope.inner(bind(function.name, function.arguments, function, arguments, keywords))
     inner.assigned = function.assigned
     inner.yields = [] if function.generates else None
     if function.owner is not None and arguments:
         inner.method = (function.owner, arguments[0])
-    budget = frame.session.budget
+    budget = scope.session.budget
     budget.enter()
     try:
         if isinstance(function.body, ast.expr):
@@ -166,18 +166,18 @@ def call_function(
         if inner.yields is None:
             return result.value
     except ScenicError as error:
-        raise seen_from(frame, function, node, error) from None
+        raise seen_from(scope, function, node, error) from None
     finally:
         budget.leave()
     return None if inner.yields is None else Stream(inner.yields)
 
 
-def seen_from(frame: Frame, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
+def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
     """An error of a library function, moved to the call in the user's program."""
-    if not function.frame.source.library or frame.source.library or error.place is None:
+    if not function.scope.source.library or scope.source.library or error.place is None:
         return error
     where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
-    return frame.error(error.kind, error.message, node, error.hint, [where, *error.notes])
+    return scope.error(error.kind, error.message, node, error.hint, [where, *error.notes])
 
 
 def bind(
@@ -217,21 +217,21 @@ def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicErr
     return ScenicError("type", f"{name}({names}): {message}")
 
 
-def lambda_of(frame: Frame, node: ast.Lambda) -> Function:
-    return function_of(frame, "lambda", node.args, node.body)
+def lambda_of(scope: Scope, node: ast.Lambda) -> Function:
+    return function_of(scope, "lambda", node.args, node.body)
 
 
 def function_of(
-    frame: Frame, name: str, arguments: ast.arguments, body: Any, owner: ScenicClass | None = None
+    scope: Scope, name: str, arguments: ast.arguments, body: Any, owner: ScenicClass | None = None
 ) -> Function:
     """A function whose defaults are evaluated now. A method does not see the names of its class."""
-    defaults, keyword_defaults = defaults_of(frame, arguments)
-    assigned, generates = scope_of(body) if isinstance(body, list) else (frozenset(), False)
-    around = frame if owner is None or frame.outer is None else frame.outer
+    defaults, keyword_defaults = defaults_of(scope, arguments)
+    assigned, generates = names_of(body) if isinstance(body, list) else (frozenset(), False)
+    around = scope if owner is None or scope.outer is None else scope.outer
     return Function(name, arguments, defaults, keyword_defaults, body, around, assigned, generates, owner)
 
 
-def scope_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
+def names_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
     """The names that a function makes its own by assigning them, and whether it has a `yield`."""
     names: set[str] = set()
     elsewhere: set[str] = set(TRACKED_NAMES)
@@ -251,51 +251,51 @@ def scope_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
     return frozenset(names - elsewhere), generates
 
 
-def defaults_of(frame: Frame, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
-    defaults = tuple(frame.value(default) for default in arguments.defaults)
+def defaults_of(scope: Scope, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
+    defaults = tuple(scope.value(default) for default in arguments.defaults)
     pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    return defaults, {each.arg: frame.value(default) for each, default in pairs if default is not None}
+    return defaults, {each.arg: scope.value(default) for each, default in pairs if default is not None}
 
 
-def new(frame: Frame, node: nodes.New) -> Value:
+def new(scope: Scope, node: nodes.New) -> Value:
     """An instance; or, where the text could also be an operator or a plain name and is no class, that."""
-    cls = frame.value(node.cls)
+    cls = scope.value(node.cls)
     if not isinstance(cls, ScenicClass):
         if not node.certain:
-            return cls if node.operator is None else frame.value(node.operator)
-        hint = near(node.cls.id, classes_in(frame)) if isinstance(node.cls, ast.Name) else ""
-        raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
-    if frame.session.in_requirement:
+            return cls if node.operator is None else scope.value(node.operator)
+        hint = near(node.cls.id, classes_in(scope)) if isinstance(node.cls, ast.Name) else ""
+        raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
+    if scope.session.in_requirement:
         raise ScenicError("type", "a requirement cannot make objects")
-    instance = Instance(cls, frame.place(node), frame.session.owner)
-    meanings = [meaning(frame, instance, each) for each in node.specifiers]
-    return make(frame, cls, meanings, instance)
+    instance = Instance(cls, scope.place(node), scope.session.owner)
+    meanings = [meaning(scope, instance, each) for each in node.specifiers]
+    return make(scope, cls, meanings, instance)
 
 
-def classes_in(frame: Frame) -> list[str]:
-    return [name for name, value in frame.module_names.items() if isinstance(value, ScenicClass)]
+def classes_in(scope: Scope) -> list[str]:
+    return [name for name, value in scope.module_names.items() if isinstance(value, ScenicClass)]
 
 
-def meaning(frame: Frame, instance: Instance, node: nodes.Specifier) -> Meaning:
+def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> ResolvedSpecifier:
     """Evaluate a specifier's operands; errors point at the specifier."""
     first = node.arguments[0] if node.arguments else None
     name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
     owned = name or ("heading" if "facing" in node.name else "position")
-    with frame.session.owned(instance, owned):
+    with scope.session.owned(instance, owned):
         try:
-            operands = [None if each is None else frame.value(each) for each in node.arguments]
+            operands = [None if each is None else scope.value(each) for each in node.arguments]
             if name:
                 value = operands[1]
-                warn_of_unknown(frame, instance.cls, node, name, value)
-                return with_property(frame, node, name, value)
+                warn_of_unknown(scope, instance.cls, node, name, value)
+                return with_property(scope, node, name, value)
             if node.name not in SPECIFIERS:
                 raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
-            return SPECIFIERS[node.name](frame, node, *operands)
+            return SPECIFIERS[node.name](scope, node, *operands)
         except ScenicError as error:
-            raise frame.placed(error, node) from None
+            raise scope.placed(error, node) from None
 
 
-CALLS: dict[type, Callable[[Frame, Any], Value]] = {
+CALLS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.Call: call_node,
     ast.Lambda: lambda_of,
     nodes.New: new,

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.scope import Frame, in_row
-from scenic_lite.core.types import Choice, describe_kind
+from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.types import RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object, outline
 from scenic_lite.values.geometry import Vector, as_vector
@@ -26,14 +26,14 @@ from scenic_lite.values.graph import (
     NOT_EQUAL,
     OR,
     Operation,
-    Random,
+    RandomExpr,
     Value,
     apply,
     kind_of,
 )
 from scenic_lite.values.regions import Region
 
-PARTS = (Random, Vector, list, tuple, Choice)  # what a list may hold that Python's own `==` does not compare
+PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # what a list may hold that Python's own `==` does not compare
 COMPARISONS: dict[type, Operation] = {
     ast.Lt: LESS,
     ast.LtE: LESS_EQUAL,
@@ -52,15 +52,15 @@ def each_holds(parts: Any, texts: Any) -> Any:
 HOLDS = Operation(lambda part, text: part in text, each_holds)
 
 
-def comparison(frame: Frame, node: ast.Compare) -> Value:
+def comparison(scope: Scope, node: ast.Compare) -> Value:
     """A chain of comparisons; random ones are allowed in requirements only."""
-    left = frame.value(node.left)
+    left = scope.value(node.left)
     result: Value = True
     for sign, operand in zip(node.ops, node.comparators, strict=True):
-        with frame.session.watching.given(*(((result, True),) if isinstance(result, Random) else ())):
-            right = frame.value(operand)
-        link = compared(frame, node, sign, left, right)
-        if isinstance(link, Random) or isinstance(result, Random):
+        with scope.session.watching.given(*(((result, True),) if isinstance(result, RandomExpr) else ())):
+            right = scope.value(operand)
+        link = compared(scope, node, sign, left, right)
+        if isinstance(link, RandomExpr) or isinstance(result, RandomExpr):
             result = apply(AND, result, link, kind="truth") if result is not True else link
         else:
             result = bool(link)
@@ -70,58 +70,58 @@ def comparison(frame: Frame, node: ast.Compare) -> Value:
     return result
 
 
-def compared(frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
+def compared(scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
     """One link of a chain of comparisons."""
     if isinstance(sign, ast.Is | ast.IsNot):
-        return identity(frame, left, right, isinstance(sign, ast.Is))
+        return identity(scope, left, right, isinstance(sign, ast.Is))
     if isinstance(sign, ast.In | ast.NotIn):
-        inside = membership(frame, node, left, right)
+        inside = membership(scope, node, left, right)
         return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
     for side in (left, right):
-        frame.session.budget.whole(side)
-        if not frame.session.in_requirement:
-            frame.refuse_random(side, node, "random values cannot be compared here")
-    if isinstance(left, Choice):
-        return left.merged([compared(frame, node, sign, option, right) for option in left.options])
-    if isinstance(right, Choice):
-        return right.merged([compared(frame, node, sign, left, option) for option in right.options])
+        scope.session.budget.whole(side)
+        if not scope.session.in_requirement:
+            scope.refuse_random(side, node, "random values cannot be compared here")
+    if isinstance(left, RandomChoice):
+        return left.map_options([compared(scope, node, sign, option, right) for option in left.options])
+    if isinstance(right, RandomChoice):
+        return right.map_options([compared(scope, node, sign, left, option) for option in right.options])
     if isinstance(sign, ast.Eq | ast.NotEq):
-        return equality(frame, sign, left, right)
+        return equality(scope, sign, left, right)
     for side in (left, right):
-        if not isinstance(side, int | float | str | Random | list | tuple | set):
+        if not isinstance(side, int | float | str | RandomExpr | list | tuple | set):
             raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
     if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
         raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
     return apply(COMPARISONS[type(sign)], left, right, kind="truth")
 
 
-def identity(frame: Frame, left: Value, right: Value, same: bool) -> Value:
+def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
     """`left is right`; outside requirements a random choice is itself and none of its options, as in real Scenic."""
-    if left is right or not frame.session.in_requirement:
+    if left is right or not scope.session.in_requirement:
         return (left is right) == same
-    if isinstance(left, Choice):
-        return left.merged([identity(frame, option, right, same) for option in left.options])
-    if isinstance(right, Choice):
-        return identity(frame, right, left, same)
+    if isinstance(left, RandomChoice):
+        return left.map_options([identity(scope, option, right, same) for option in left.options])
+    if isinstance(right, RandomChoice):
+        return identity(scope, right, left, same)
     return not same
 
 
-def equal(frame: Frame, left: Value, right: Value) -> bool:
+def equal(scope: Scope, left: Value, right: Value) -> bool:
     """Whether two values are equal that are not random."""
-    frame.session.budget.whole(left)
-    frame.session.budget.whole(right)
-    return bool(equality(frame, ast.Eq(), left, right))
+    scope.session.budget.whole(left)
+    scope.session.budget.whole(right)
+    return bool(equality(scope, ast.Eq(), left, right))
 
 
-def equality(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
     if alike(left, right) and any(isinstance(part, PARTS) for part in (*left, *right)):
-        return part_by_part(frame, sign, left, right)
+        return part_by_part(scope, sign, left, right)
     if isinstance(left, Vector) and isinstance(right, Vector):
         same = apply(
             AND, apply(EQUAL, left.x, right.x, kind="truth"), apply(EQUAL, left.y, right.y, kind="truth"), kind="truth"
         )
         return same if isinstance(sign, ast.Eq) else apply(NOT, same, kind="truth")
-    if isinstance(left, Random) or isinstance(right, Random):
+    if isinstance(left, RandomExpr) or isinstance(right, RandomExpr):
         kinds = {kind_of(left), kind_of(right)}
         if len(kinds - {"truth", "number", "any"}) and "any" not in kinds and len(kinds) > 1:
             return isinstance(sign, ast.NotEq)
@@ -133,50 +133,50 @@ def alike(left: Value, right: Value) -> bool:
     return isinstance(left, list | tuple) and type(left) is type(right) and len(left) == len(right)
 
 
-def part_by_part(frame: Frame, sign: ast.cmpop, left: Value, right: Value) -> Value:
+def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
     """Equality of two collections of the same length, with random parts."""
     result: Value = True
     for a, b in zip(left, right, strict=True):
-        if frame.session.row is not None:
-            a, b = in_row(a, frame.session.row), in_row(b, frame.session.row)
+        if scope.session.row is not None:
+            a, b = in_row(a, scope.session.row), in_row(b, scope.session.row)
         for part in (a, b):
-            if not frame.session.in_requirement:
-                frame.refuse_random(part, ast.Pass(), "random values cannot be compared here")
-        same = True if a is b else equality(frame, ast.Eq(), a, b)
+            if not scope.session.in_requirement:
+                scope.refuse_random(part, ast.Pass(), "random values cannot be compared here")
+        same = True if a is b else equality(scope, ast.Eq(), a, b)
         result = apply(AND, result, same, kind="truth")
     return result if isinstance(sign, ast.Eq) else apply(NOT, result, kind="truth")
 
 
-def membership(frame: Frame, node: ast.Compare, item: Value, container: Value) -> Value:
+def membership(scope: Scope, node: ast.Compare, item: Value, container: Value) -> Value:
     """`item in container`: a region holds points and objects, other containers elements."""
-    if isinstance(container, Choice):
-        return container.merged([membership(frame, node, item, option) for option in container.options])
+    if isinstance(container, RandomChoice):
+        return container.map_options([membership(scope, node, item, option) for option in container.options])
     if isinstance(container, Region):
         inside = in_region(container, item)
-        if isinstance(inside, Random) and not frame.session.in_requirement:
-            frame.refuse_random(inside, node, "random values cannot be compared here")
+        if isinstance(inside, RandomExpr) and not scope.session.in_requirement:
+            scope.refuse_random(inside, node, "random values cannot be compared here")
         return inside
     if kind_of(container) == "text":
         if kind_of(item) != "text":
             raise ScenicError("type", f"a text holds texts, not {describe_kind(item)}")
         for value in (item, container):
-            if not frame.session.in_requirement:
-                frame.refuse_random(value, node, "random values cannot be compared here")
+            if not scope.session.in_requirement:
+                scope.refuse_random(value, node, "random values cannot be compared here")
         return apply(HOLDS, item, container, kind="truth")
-    elements = frame.elements(container, node)
-    if not frame.session.in_requirement:
+    elements = scope.elements(container, node)
+    if not scope.session.in_requirement:
         for value in (item, *elements):
-            frame.refuse_random(value, node, "random values cannot be compared here")
+            scope.refuse_random(value, node, "random values cannot be compared here")
     result: Value = False
     for element in elements:
-        same = element is item or compared(frame, node, ast.Eq(), item, element)
+        same = element is item or compared(scope, node, ast.Eq(), item, element)
         result = apply(OR, result, same, kind="truth")
     return result
 
 
 def in_region(region: Region, item: Value) -> Value:
-    if isinstance(item, Choice):
-        return item.merged([in_region(region, option) for option in item.options])
+    if isinstance(item, RandomChoice):
+        return item.map_options([in_region(region, option) for option in item.options])
     if is_object(item):
         return region.contains_corners(outline(item))
     point = as_vector(item)

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import Picky
+from scenic_lite.core.checks import FallibleOperation
 from scenic_lite.core.exceptions import from_python, named_fault
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Builtin, Choice, Delayed, Function, Namespace, Stream, choose, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Builtin, Function, LazyValue, Namespace, RandomChoice, Stream, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.comparisons import comparison
@@ -30,7 +30,7 @@ from scenic_lite.values.graph import (
     NOT,
     OR,
     WHERE,
-    Random,
+    RandomExpr,
     Value,
     apply,
     is_number,
@@ -58,40 +58,40 @@ SIGNS: dict[type, str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
     ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^",
 }  # fmt: skip
-OPERANDS = (int, float, str, list, tuple, set, dict, Vector, Random, PolylineRegion)
+OPERANDS = (int, float, str, list, tuple, set, dict, Vector, RandomExpr, PolylineRegion)
 
 
-def constant(frame: Frame, node: ast.Constant) -> Value:
-    frame.session.budget.keep(node.value)
+def constant(scope: Scope, node: ast.Constant) -> Value:
+    scope.session.budget.keep(node.value)
     if isinstance(node.value, bytes | complex) or node.value is Ellipsis:
         raise ScenicError("unsupported", f"{type(node.value).__name__} constants are not supported")
     return node.value
 
 
-def name(frame: Frame, node: ast.Name) -> Value:
+def name(scope: Scope, node: ast.Name) -> Value:
     if node.id == "ego":
-        return ego_of(frame)
-    if node.id == "workspace" and frame.session.workspace is not None:
-        return frame.session.workspace
-    return frame.lookup(node.id)
+        return ego_of(scope)
+    if node.id == "workspace" and scope.session.workspace is not None:
+        return scope.session.workspace
+    return scope.lookup(node.id)
 
 
-def binary(frame: Frame, node: ast.BinOp) -> Value:
-    left, right = frame.value(node.left), frame.value(node.right)
-    return combined(frame, node.op, left, right)
+def binary(scope: Scope, node: ast.BinOp) -> Value:
+    left, right = scope.value(node.left), scope.value(node.right)
+    return combined(scope, node.op, left, right)
 
 
-def combined(frame: Frame, sign: ast.operator, left: Value, right: Value) -> Value:
+def combined(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
     """The result of `left sign right`, within the budget."""
     if isinstance(sign, ast.MatMult):
         return at_sign(left, right)
     if isinstance(sign, ast.Mod) and isinstance(left, str):
-        return percent(frame, left, right)
-    if isinstance(left, Choice):
-        return left.merged([combined(frame, sign, option, right) for option in left.options])
-    if isinstance(right, Choice):
-        return right.merged([combined(frame, sign, left, option) for option in right.options])
-    check_size(frame, sign, left, right)
+        return percent(scope, left, right)
+    if isinstance(left, RandomChoice):
+        return left.map_options([combined(scope, sign, option, right) for option in left.options])
+    if isinstance(right, RandomChoice):
+        return right.map_options([combined(scope, sign, left, option) for option in right.options])
+    check_size(scope, sign, left, right)
     for operand in (left, right):
         if not isinstance(operand, OPERANDS):
             pointed = as_vector(operand)
@@ -102,8 +102,8 @@ def combined(frame: Frame, sign: ast.operator, left: Value, right: Value) -> Val
         result = BINARY[type(sign)](left, right)
     except TypeError:
         raise mismatch(sign, left, right) from None
-    frame.session.budget.keep(result)
-    frame.watch(result)
+    scope.session.budget.keep(result)
+    scope.watch(result)
     return result
 
 
@@ -123,7 +123,7 @@ def mismatch(sign: ast.operator, left: Value, right: Value) -> ScenicError:
 def at_sign(x: Value, y: Value) -> Value:
     """`x @ y`, a vector."""
     for part in (x, y):
-        if not (is_number(part) or (isinstance(part, Random) and part.kind == "number")):
+        if not (is_number(part) or (isinstance(part, RandomExpr) and part.kind == "number")):
             hint = NUMBERS_FROM.get(type(part), "")
             raise ScenicError("type", f"`@` needs two numbers, not {describe_kind(part)}", hint=hint)
     return Vector(x, y)
@@ -135,9 +135,9 @@ NUMBERS_FROM: dict[type, str] = {
 }
 
 
-def check_size(frame: Frame, sign: ast.operator, left: Value, right: Value) -> None:
+def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> None:
     """Refuse what would be huge before it is made."""
-    budget = frame.session.budget
+    budget = scope.session.budget
     if isinstance(left, int) and isinstance(right, int):
         if isinstance(sign, ast.Pow) and right > 0:
             budget.integer(left.bit_length() * right)
@@ -149,91 +149,91 @@ def check_size(frame: Frame, sign: ast.operator, left: Value, right: Value) -> N
                 budget.repeated(sequence, count)
 
 
-def unary(frame: Frame, node: ast.UnaryOp) -> Value:
-    value = frame.value(node.operand)
+def unary(scope: Scope, node: ast.UnaryOp) -> Value:
+    value = scope.value(node.operand)
     if isinstance(node.op, ast.Not):
-        return negation(frame, node, value)
-    if isinstance(value, Choice):
-        return value.merged([signed(node.op, option) for option in value.options])
+        return negation(scope, node, value)
+    if isinstance(value, RandomChoice):
+        return value.map_options([signed(node.op, option) for option in value.options])
     return signed(node.op, value)
 
 
 def signed(sign: ast.unaryop, value: Value) -> Value:
     if isinstance(sign, ast.Invert) and isinstance(value, int):
         return ~value
-    if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | Random):
+    if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | RandomExpr):
         raise ScenicError("type", f"{describe_kind(value)} has no sign")
     return -value if isinstance(sign, ast.USub) else +value
 
 
-def negation(frame: Frame, node: ast.UnaryOp, value: Value) -> Value:
-    if isinstance(value, Random) and frame.session.in_requirement:
+def negation(scope: Scope, node: ast.UnaryOp, value: Value) -> Value:
+    if isinstance(value, RandomExpr) and scope.session.in_requirement:
         return apply(NOT, value, kind="truth")
-    return not frame.certain_truth(value, node.operand)
+    return not scope.certain_truth(value, node.operand)
 
 
-def boolean(frame: Frame, node: ast.BoolOp) -> Value:
+def boolean(scope: Scope, node: ast.BoolOp) -> Value:
     """`and`, `or`: with Python's short circuit, except over random values inside requirements."""
     is_and = isinstance(node.op, ast.And)
     pending: Value = None
     value: Value = None
     for operand in node.values:
-        with frame.session.watching.given(*(() if pending is None else ((pending, is_and),))):
-            value = frame.value(operand)
-        if isinstance(value, Random) and frame.session.in_requirement:
+        with scope.session.watching.given(*(() if pending is None else ((pending, is_and),))):
+            value = scope.value(operand)
+        if isinstance(value, RandomExpr) and scope.session.in_requirement:
             pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
             value = pending
-        elif frame.certain_truth(value, operand) != is_and:
+        elif scope.certain_truth(value, operand) != is_and:
             return value
         elif pending is not None:
             value = pending
     return value if pending is None else pending
 
 
-def conditional(frame: Frame, node: ast.IfExp) -> Value:
-    test = frame.value(node.test)
-    if isinstance(test, Random) and frame.session.in_requirement:
-        with frame.session.watching.given((test, True)):
-            yes = frame.value(node.body)
-        with frame.session.watching.given((test, False)):
-            return either(test, yes, frame.value(node.orelse))
-    return frame.value(node.body if frame.certain_truth(test, node.test) else node.orelse)
+def conditional(scope: Scope, node: ast.IfExp) -> Value:
+    test = scope.value(node.test)
+    if isinstance(test, RandomExpr) and scope.session.in_requirement:
+        with scope.session.watching.given((test, True)):
+            yes = scope.value(node.body)
+        with scope.session.watching.given((test, False)):
+            return either(test, yes, scope.value(node.orelse))
+    return scope.value(node.body if scope.certain_truth(test, node.test) else node.orelse)
 
 
-def either(test: Random, yes: Value, no: Value) -> Value:
+def either(test: RandomExpr, yes: Value, no: Value) -> Value:
     """yes where the test holds, else no."""
     if isinstance(yes, Vector) and isinstance(no, Vector):
         return Vector(either(test, yes.x, no.x), either(test, yes.y, no.y))
     if kind_of(yes) == "other" or kind_of(no) == "other":
-        return choose(Random(lambda truth: 1 - truth.astype(int), (test,)), [yes, no])
-    return Random(WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
+        return choose(RandomExpr(lambda truth: 1 - truth.astype(int), (test,)), [yes, no])
+    return RandomExpr(WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
 
 
-def attribute_of(frame: Frame, node: ast.Attribute) -> Value:
-    value = frame.value(node.value)
+def attribute_of(scope: Scope, node: ast.Attribute) -> Value:
+    value = scope.value(node.value)
     try:
-        return attribute(frame, value, node.attr)
+        return attribute(scope, value, node.attr)
     except ScenicError as error:
         if error.kind == "name" and error.place is None:
             named_fault("AttributeError", error)
         raise
 
 
-def subscript(frame: Frame, node: ast.Subscript) -> Value:
-    container, index = frame.value(node.value), frame.value(node.slice)
-    return item_of(frame, container, index)
+def subscript(scope: Scope, node: ast.Subscript) -> Value:
+    container, index = scope.value(node.value), scope.value(node.slice)
+    return item_of(scope, container, index)
 
 
-def item_of(frame: Frame, container: Value, index: Value) -> Value:
-    if isinstance(container, Choice):
-        if isinstance(index, Random):
-            return container.merged([item_at(frame, option, index) for option in container.options])
-        return container.merged([item_of(frame, option, index) for option in container.options])
-    if isinstance(container, Random) and container.kind == "text":
-        return Random(EachItem(index), (container,), "text")
+def item_of(scope: Scope, container: Value, index: Value) -> Value:
+    if isinstance(container, RandomChoice):
+        if isinstance(index, RandomExpr):
+            return container.map_options([item_at(scope, option, index) for option in container.options])
+        return container.map_options([item_of(scope, option, index) for option in container.options])
+    if isinstance(container, RandomExpr) and container.kind == "text":
+        return RandomExpr(EachItem(index), (container,), "text")
     if isinstance(container, Region | VectorField):
         return element_of(container, index)
-    if isinstance(index, Random | Choice):
+    if isinstance(index, RandomExpr | RandomChoice):
         hint = "write Uniform(*items) for a random element"
         raise ScenicError("random-control-flow", "the index of a list must not be random", hint=hint)
     if isinstance(container, Vector):
@@ -243,23 +243,23 @@ def item_of(frame: Frame, container: Value, index: Value) -> Value:
     if not isinstance(container, list | tuple | dict | str | range):
         hint = "it is called with round brackets" if isinstance(container, Builtin | Function) else ""
         raise ScenicError("type", f"{describe_kind(container)} has no elements to index", hint=hint)
-    frame.session.budget.whole(index)
+    scope.session.budget.whole(index)
     result = container[index]
-    frame.session.budget.keep(result) if isinstance(index, slice) else None
+    scope.session.budget.keep(result) if isinstance(index, slice) else None
     return result
 
 
-def item_at(frame: Frame, container: Value, index: Random) -> Value:
+def item_at(scope: Scope, container: Value, index: RandomExpr) -> Value:
     """An item of one of several random lists at a random place; scenes where it has no such place are rejected."""
-    items = frame.elements(container, ast.Pass())
+    items = scope.elements(container, ast.Pass())
     if isinstance(container, dict) or not items:
         raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
-    place = Random(Within(len(items)), (index,))
-    frame.watch(place)
+    place = RandomExpr(Within(len(items)), (index,))
+    scope.watch(place)
     return choose(place, items)
 
 
-class Within(Picky):
+class Within(FallibleOperation):
     """Places [N] in a list of `count` elements, counted from its end where negative."""
 
     def __init__(self, count: int) -> None:
@@ -287,119 +287,119 @@ class EachItem:
         return np.array([*(text[self.index] for text in texts), None], dtype=object)[:-1]
 
 
-def slice_of(frame: Frame, node: ast.Slice) -> slice:
-    parts = [None if part is None else frame.value(part) for part in (node.lower, node.upper, node.step)]
+def slice_of(scope: Scope, node: ast.Slice) -> slice:
+    parts = [None if part is None else scope.value(part) for part in (node.lower, node.upper, node.step)]
     return slice(*parts)
 
 
-def sequence(frame: Frame, node: ast.List | ast.Tuple | ast.Set) -> Value:
+def sequence(scope: Scope, node: ast.List | ast.Tuple | ast.Set) -> Value:
     items: list[Value] = []
     for element in node.elts:
         if isinstance(element, ast.Starred):
-            items += frame.elements(frame.value(element.value), element)
+            items += scope.elements(scope.value(element.value), element)
         else:
-            items.append(frame.value(element))
-    frame.session.budget.container(len(items))
+            items.append(scope.value(element))
+    scope.session.budget.container(len(items))
     if isinstance(node, ast.Tuple):
         return tuple(items)
-    return set_of(frame, items) if isinstance(node, ast.Set) else items
+    return set_of(scope, items) if isinstance(node, ast.Set) else items
 
 
-def set_of(frame: Frame, items: list[Value]) -> set:
-    frame.session.budget.whole(items)
+def set_of(scope: Scope, items: list[Value]) -> set:
+    scope.session.budget.whole(items)
     return set(items)
 
 
-def key_of(frame: Frame, node: ast.expr) -> Value:
+def key_of(scope: Scope, node: ast.expr) -> Value:
     """A key of a dictionary."""
-    key = frame.value(node)
-    frame.session.budget.whole(key)
+    key = scope.value(node)
+    scope.session.budget.whole(key)
     return key
 
 
-def dictionary(frame: Frame, node: ast.Dict) -> dict:
+def dictionary(scope: Scope, node: ast.Dict) -> dict:
     result: dict = {}
     for key, value in zip(node.keys, node.values, strict=True):
         if key is None:
-            result.update(mapping(frame, value))
+            result.update(mapping(scope, value))
         else:
-            result[key_of(frame, key)] = frame.value(value)
-    frame.session.budget.container(len(result))
+            result[key_of(scope, key)] = scope.value(value)
+    scope.session.budget.container(len(result))
     return result
 
 
-def mapping(frame: Frame, node: ast.expr) -> dict:
+def mapping(scope: Scope, node: ast.expr) -> dict:
     """What `**` spreads."""
-    value = frame.value(node)
+    value = scope.value(node)
     if not isinstance(value, dict):
-        raise frame.error("type", f"`**` needs a dictionary, not {describe_kind(value)}", node)
+        raise scope.error("type", f"`**` needs a dictionary, not {describe_kind(value)}", node)
     return value
 
 
-def joined(frame: Frame, node: ast.JoinedStr) -> Value:
+def joined(scope: Scope, node: ast.JoinedStr) -> Value:
     """An f-string; random parts are written row by row."""
-    return joined_texts(frame, [frame.value(part) for part in node.values])
+    return joined_texts(scope, [scope.value(part) for part in node.values])
 
 
-def formatted(frame: Frame, node: ast.FormattedValue) -> Value:
-    spec = "" if node.format_spec is None else frame.value(node.format_spec)
-    value = frame.value(node.value)
+def formatted(scope: Scope, node: ast.FormattedValue) -> Value:
+    spec = "" if node.format_spec is None else scope.value(node.format_spec)
+    value = scope.value(node.value)
     if node.conversion in (ord("r"), ord("a")):
-        value = represented(frame, node, value)
-    return text_of(frame, value, spec)
+        value = represented(scope, node, value)
+    return text_of(scope, value, spec)
 
 
-def comprehension(frame: Frame, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Value:
+def comprehension(scope: Scope, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Value:
     result: list[Value] = []
-    for inner in frame.bindings(node.generators):
+    for inner in scope.bindings(node.generators):
         result.append(inner.value(node.elt))
-        frame.session.budget.spend(1)
-    frame.session.budget.container(len(result))
+        scope.session.budget.spend(1)
+    scope.session.budget.container(len(result))
     if isinstance(node, ast.GeneratorExp):
         return Stream(result)
-    return set_of(frame, result) if isinstance(node, ast.SetComp) else result
+    return set_of(scope, result) if isinstance(node, ast.SetComp) else result
 
 
-def dictionary_comprehension(frame: Frame, node: ast.DictComp) -> dict:
-    result = {key_of(inner, node.key): inner.value(node.value) for inner in frame.bindings(node.generators)}
-    frame.session.budget.container(len(result))
+def dictionary_comprehension(scope: Scope, node: ast.DictComp) -> dict:
+    result = {key_of(inner, node.key): inner.value(node.value) for inner in scope.bindings(node.generators)}
+    scope.session.budget.container(len(result))
     return result
 
 
-def named(frame: Frame, node: ast.NamedExpr) -> Value:
-    value = frame.value(node.value)
-    at = frame
+def named(scope: Scope, node: ast.NamedExpr) -> Value:
+    value = scope.value(node.value)
+    at = scope
     while at.transparent and at.outer is not None:
         at = at.outer
     at.assign(node.target.id, value)
     return value
 
 
-def give(frame: Frame, node: ast.Yield | ast.YieldFrom) -> None:
+def give(scope: Scope, node: ast.Yield | ast.YieldFrom) -> None:
     """`yield`: kept until the function has ended; what the caller would send is None."""
-    at: Frame | None = frame
+    at: Scope | None = scope
     while at is not None and at.yields is None:
         at = at.outer
     if at is None or at.yields is None:
         raise ScenicError("syntax", "`yield` belongs into a function")
-    value = None if node.value is None else frame.value(node.value)
-    at.yields += frame.elements(value, node) if isinstance(node, ast.YieldFrom) else [value]
-    frame.session.budget.container(1)
+    value = None if node.value is None else scope.value(node.value)
+    at.yields += scope.elements(value, node) if isinstance(node, ast.YieldFrom) else [value]
+    scope.session.budget.container(1)
 
 
-def scenic_operator(frame: Frame, node: nodes.Operator) -> Value:
+def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
     operation = OPERATORS.get(node.name)
     if operation is None:
         hint = "temporal requirements belong to a later version" if node.name in TEMPORAL else ""
         raise ScenicError("unsupported", f"`{node.name}` is not yet supported", hint=hint)
-    operands = [None if operand is None else frame.value(operand) for operand in node.operands]
-    if any(isinstance(operand, Delayed) for operand in operands) and node.name not in ("relative to", "offset by"):
+    operands = [None if operand is None else scope.value(operand) for operand in node.operands]
+    if any(isinstance(operand, LazyValue) for operand in operands) and node.name not in ("relative to", "offset by"):
         raise ScenicError("unsupported", f"`{node.name}` of a value that depends on the object being made")
-    return operation(frame, *operands)
+    return operation(scope, *operands)
 
 
 TEMPORAL = ("always", "eventually", "next", "until", "implies")
-EXPRESSIONS: dict[type, Callable[[Frame, Any], Value]] = {
+EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.Constant: constant,
     ast.Name: name,
     ast.BinOp: binary,

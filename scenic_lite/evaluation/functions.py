@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, Namespace
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.builtins import PYTHON
@@ -21,12 +21,12 @@ from scenic_lite.values.geometry import NORMALISE, Vector
 from scenic_lite.values.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
 
 
-def no_shapely(frame: Frame, node: ast.AST, *shapes: Value) -> None:
+def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
     """What football's libraries import and programs have no use for: they have no objects of Shapely."""
     raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
 
 
-def outside_behavior(frame: Frame, node: ast.AST) -> None:
+def outside_behavior(scope: Scope, node: ast.AST) -> None:
     raise ScenicError("type", "simulation() has a meaning only while a behavior runs", hint="use it inside a behavior")
 
 
@@ -44,12 +44,12 @@ def plain(name: str, function: Callable[..., Value], *types: type) -> Builtin:
     return Builtin(name, function, types=types)
 
 
-def sited(name: str, function: Callable[..., Value], *types: type) -> Builtin:
-    return Builtin(name, function, sited=True, types=types, lifted=False)
+def needs_context(name: str, function: Callable[..., Value], *types: type) -> Builtin:
+    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
 
 
 DISTRIBUTIONS: dict[str, Value] = {
-    name: sited(name, function)
+    name: needs_context(name, function)
     for name, function in (
         ("Range", draw.draw_range),
         ("VerifaiRange", draw.draw_range),
@@ -75,7 +75,7 @@ SCENIC: dict[str, Value] = {
     "sqrt": plain("sqrt", of_one(SQUARE_ROOT)),
     "atan2": plain("atan2", of_two(ARC_TANGENT)),
     "normalizeAngle": plain("normalizeAngle", of_one(NORMALISE)),
-    "simulation": sited("simulation", outside_behavior),
+    "simulation": needs_context("simulation", outside_behavior),
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS
 MODULES: dict[str, Namespace] = {
@@ -84,7 +84,8 @@ MODULES: dict[str, Namespace] = {
     "pdb": Namespace("pdb", {}),
     "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),
     "scenic.core.regions": Namespace(
-        "scenic.core.regions", REGIONS | {"regionFromShapelyObject": sited("regionFromShapelyObject", no_shapely)}
+        "scenic.core.regions",
+        REGIONS | {"regionFromShapelyObject": needs_context("regionFromShapelyObject", no_shapely)},
     ),
     "scenic.core.vectors": Namespace("scenic.core.vectors", {"Vector": SCENIC["Vector"]} | REGIONS),
 }

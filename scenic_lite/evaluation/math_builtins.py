@@ -15,8 +15,8 @@ import numpy as np
 
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.checks import failing
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Builtin, Choice, choose, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Builtin, RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import TURN
 from scenic_lite.values.graph import (
@@ -29,7 +29,7 @@ from scenic_lite.values.graph import (
     MULTIPLY,
     ROUND,
     Operation,
-    Random,
+    RandomExpr,
     Value,
     apply,
     as_number,
@@ -64,21 +64,21 @@ def rounded(number: Value, ndigits: Value = None) -> Value:
     return numeric(Operation(lambda x: round(x, ndigits), lambda x: np.round(x, ndigits)), number)
 
 
-def quotient_and_rest(frame: Frame, node: ast.AST, a: Value, b: Value) -> tuple[Value, Value]:
+def quotient_and_rest(scope: Scope, node: ast.AST, a: Value, b: Value) -> tuple[Value, Value]:
     """`divmod(a, b)`."""
     for each in (a, b):
         numeric(ABSOLUTE, each)  # refuses what is no number
     return (a // b, a % b)
 
 
-def power(frame: Frame, node: ast.AST, base: Value, exp: Value, mod: Value = None) -> Value:
+def power(scope: Scope, node: ast.AST, base: Value, exp: Value, mod: Value = None) -> Value:
     """`pow(base, exp[, mod])`."""
     if mod is not None:
         if not all(isinstance(each, int) for each in (base, exp, mod)):
             raise ScenicError("type", "pow() with three arguments takes fixed integers")
         return pow(base, exp, mod)
     if isinstance(base, int) and isinstance(exp, int) and exp > 0:
-        frame.session.budget.integer(base.bit_length() * exp)
+        scope.session.budget.integer(base.bit_length() * exp)
     numeric(ABSOLUTE, base)
     numeric(ABSOLUTE, exp)
     return real_power(base, exp)
@@ -93,14 +93,14 @@ def integer(value: Value = 0, base: Value = None) -> Value:
     if base is not None:
         raise ScenicError("type", "int() takes a base only with a text")
     if kind_of(value) == "text":
-        return Random(each_integer, (value,))
+        return RandomExpr(each_integer, (value,))
     return numeric(INTEGER, value)
 
 
 def decimal(value: Value = 0.0) -> Value:
     if isinstance(value, str):
         return float(value)
-    return Random(each_decimal, (value,)) if kind_of(value) == "text" else numeric(FLOAT, value)
+    return RandomExpr(each_decimal, (value,)) if kind_of(value) == "text" else numeric(FLOAT, value)
 
 
 def each_integer(texts: Any) -> Any:
@@ -131,33 +131,33 @@ class Extreme:
     def __init__(self, operation: Operation) -> None:
         self.operation = operation
 
-    def __call__(self, frame: Frame, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
-        if len(values) == 1 and isinstance(values[0], Choice):
-            return values[0].merged([self(frame, node, option, key=key) for option in values[0].options])
+    def __call__(self, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
+        if len(values) == 1 and isinstance(values[0], RandomChoice):
+            return values[0].map_options([self(scope, node, option, key=key) for option in values[0].options])
         if not values:
             raise ScenicError("type", "min and max need at least one value")
-        items = frame.elements(values[0], node) if len(values) == 1 else list(values)
+        items = scope.elements(values[0], node) if len(values) == 1 else list(values)
         if not items:
             if default is ...:
                 raise ScenicError("value", "the least or greatest of no values")
             return default
         if key is not None:
-            return self._by_key(frame, node, items, key)
-        if any(isinstance(item, Random) for item in items) and all(kind_of(item) != "text" for item in items):
+            return self._by_key(scope, node, items, key)
+        if any(isinstance(item, RandomExpr) for item in items) and all(kind_of(item) != "text" for item in items):
             return reduce(lambda a, b: numeric(self.operation, a, b), items)
-        frame.session.budget.whole(items)
+        scope.session.budget.whole(items)
         for item in items:
-            frame.refuse_random(item, node, "random values cannot be compared here")
+            scope.refuse_random(item, node, "random values cannot be compared here")
         if len(items) == 1:
             return items[0]
         return self.operation.scalar(items)
 
-    def _by_key(self, frame: Frame, node: ast.AST, items: list, key: Value) -> Value:
-        keys = [frame.call(key, [item], {}, node) for item in items]
-        frame.session.budget.whole(keys)
-        if any(isinstance(each, Random) for each in keys) and all(kind_of(each) == "number" for each in keys):
+    def _by_key(self, scope: Scope, node: ast.AST, items: list, key: Value) -> Value:
+        keys = [scope.call(key, [item], {}, node) for item in items]
+        scope.session.budget.whole(keys)
+        if any(isinstance(each, RandomExpr) for each in keys) and all(kind_of(each) == "number" for each in keys):
             best = np.argmin if self.operation is MINIMUM else np.argmax
-            return choose(Random(BestOf(best), tuple(keys)), items)
+            return choose(RandomExpr(BestOf(best), tuple(keys)), items)
         return items[self.operation.scalar(range(len(items)), key=keys.__getitem__)]
 
 
@@ -171,22 +171,22 @@ class BestOf:
         return self.best(np.stack(np.broadcast_arrays(*keys)), axis=0)
 
 
-def total(frame: Frame, node: ast.AST, values: Value, start: Value = 0) -> Value:
+def total(scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value:
     """`sum(values, start)`."""
-    if isinstance(values, Choice):
-        return values.merged([total(frame, node, option, start) for option in values.options])
-    items = frame.elements(values, node)
+    if isinstance(values, RandomChoice):
+        return values.map_options([total(scope, node, option, start) for option in values.options])
+    items = scope.elements(values, node)
     if isinstance(start, str):
         raise ScenicError("type", "texts are not added by sum()", hint="write ''.join(texts)")
     if isinstance(start, list | tuple):
-        frame.session.budget.container(len(start) + sum(len(item) for item in items if isinstance(item, list | tuple)))
+        scope.session.budget.container(len(start) + sum(len(item) for item in items if isinstance(item, list | tuple)))
     return reduce(lambda a, b: a + b, items, start)
 
 
 # ------------------------------------------------------------ math
 
 
-def hypotenuse(frame: Frame, node: ast.AST, *sides: Value) -> Value:
+def hypotenuse(scope: Scope, node: ast.AST, *sides: Value) -> Value:
     if len(sides) == 1:
         return numeric(ABSOLUTE, *sides)
     return reduce(lambda a, b: numeric(HYPOTENUSE, a, b), sides, 0.0)
@@ -205,27 +205,27 @@ def are_close(a: Value, b: Value, rel_tol: Value = 1e-9, abs_tol: Value = 0.0) -
     return apply(operation, a, b, kind="truth")
 
 
-def product(frame: Frame, node: ast.AST, values: Value, start: Value = 1) -> Value:
+def product(scope: Scope, node: ast.AST, values: Value, start: Value = 1) -> Value:
     result = start
-    for each in frame.elements(values, node):
+    for each in scope.elements(values, node):
         result = numeric(MULTIPLY, result, each)
-        frame.session.budget.keep(result)
+        scope.session.budget.keep(result)
     return result
 
 
-def exact_sum(frame: Frame, node: ast.AST, values: Value) -> Value:
-    items = frame.elements(values, node)
-    if any(isinstance(item, Random) for item in items):
-        return total(frame, node, items, 0.0)
+def exact_sum(scope: Scope, node: ast.AST, values: Value) -> Value:
+    items = scope.elements(values, node)
+    if any(isinstance(item, RandomExpr) for item in items):
+        return total(scope, node, items, 0.0)
     return math.fsum(items)
 
 
-def distance(frame: Frame, node: ast.AST, p: Value, q: Value) -> Value:
+def distance(scope: Scope, node: ast.AST, p: Value, q: Value) -> Value:
     """`math.dist`."""
-    ends = frame.elements(p, node), frame.elements(q, node)
+    ends = scope.elements(p, node), scope.elements(q, node)
     if len(ends[0]) != len(ends[1]):
         raise ScenicError("value", "both points must have the same number of coordinates")
-    return hypotenuse(frame, node, *(a - b for a, b in zip(*ends, strict=True)))
+    return hypotenuse(scope, node, *(a - b for a, b in zip(*ends, strict=True)))
 
 
 def parts_of_number(x: Value) -> tuple[Value, Value]:
@@ -296,11 +296,11 @@ MATH: dict[str, Value] = {
     **{function.__name__: Builtin(function.__name__, fixed_integers(function)) for function in INTEGERS_ONLY},
     "trunc": Builtin("trunc", of_one(TRUNCATION)),
     "log": Builtin("log", logarithm),
-    "hypot": Builtin("hypot", hypotenuse, sited=True),
-    "dist": Builtin("dist", distance, sited=True),
+    "hypot": Builtin("hypot", hypotenuse, needs_context=True),
+    "dist": Builtin("dist", distance, needs_context=True),
     "isclose": Builtin("isclose", are_close),
-    "prod": Builtin("prod", product, sited=True),
-    "fsum": Builtin("fsum", exact_sum, sited=True),
+    "prod": Builtin("prod", product, needs_context=True),
+    "fsum": Builtin("fsum", exact_sum, needs_context=True),
     "modf": Builtin("modf", parts_of_number),
     "factorial": Builtin("factorial", factorial),
     "comb": Builtin("comb", combinations),
@@ -313,14 +313,14 @@ MATH: dict[str, Value] = {
 NUMBERS: dict[str, Value] = {
     "abs": Builtin("abs", of_one(ABSOLUTE)),
     "round": Builtin("round", rounded),
-    "divmod": Builtin("divmod", quotient_and_rest, sited=True),
-    "pow": Builtin("pow", power, sited=True),
+    "divmod": Builtin("divmod", quotient_and_rest, needs_context=True),
+    "pow": Builtin("pow", power, needs_context=True),
     "int": Builtin("int", integer, types=(int,)),
     "float": Builtin("float", decimal, types=(float,)),
     "hex": Builtin("hex", in_base(hex)),
     "oct": Builtin("oct", in_base(oct)),
     "bin": Builtin("bin", in_base(bin)),
-    "min": Builtin("min", Extreme(MINIMUM), sited=True, lifted=False),
-    "max": Builtin("max", Extreme(MAXIMUM), sited=True, lifted=False),
-    "sum": Builtin("sum", total, sited=True, lifted=False),
+    "min": Builtin("min", Extreme(MINIMUM), needs_context=True, over_choices=False),
+    "max": Builtin("max", Extreme(MAXIMUM), needs_context=True, over_choices=False),
+    "sum": Builtin("sum", total, needs_context=True, over_choices=False),
 }

@@ -8,32 +8,32 @@ happens in episodes is in `dynamics.scenarios`. Read next: `loader`.
 
 from __future__ import annotations
 
-from scenic_lite.core.scope import Frame, Session, Source, near
+from scenic_lite.core.scope import InterpreterState, Scope, Source, near
 from scenic_lite.core.types import Behavior, BehaviorCall
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.calls import bind
 
 
-def set_up_main(session: Session, source: Source, name: str | None) -> None:
+def set_up_main(session: InterpreterState, source: Source, name: str | None) -> None:
     """Run the setup of the main scenario, if there is one. Raises ScenicError if it cannot be told which one is."""
     scenario = main_of(session, source, name)
     if scenario is None:
         return
-    place = scenario.frame.place(scenario.node)
+    place = scenario.scope.place(scenario.node)
     try:
         arguments = bind(scenario.name, scenario.node.args, scenario, [], {})
     except ScenicError as error:
         error.hint = "the scenario that a program is gets no arguments: give its parameters defaults"
-        raise scenario.frame.placed(error, scenario.node) from None
+        raise scenario.scope.placed(error, scenario.node) from None
     session.main = BehaviorCall(scenario, arguments, place)
     session.main_frame = scenario_frame(session.main)
     session.monitors, session.terminations, session.records = [], [], []
     session.main_frame.run(scenario.scenario.setup)
 
 
-def main_of(session: Session, source: Source, name: str | None) -> Behavior | None:
+def main_of(session: InterpreterState, source: Source, name: str | None) -> Behavior | None:
     """The scenario that the program is, among those of its own file."""
-    known = {each.name: each for each in session.scenarios if each.frame.source is source}
+    known = {each.name: each for each in session.scenarios if each.scope.source is source}
     if name is not None:
         if name not in known:
             raise ScenicError("name", f"{source.file} has no scenario '{name}'", hint=near(name, known))
@@ -43,7 +43,7 @@ def main_of(session: Session, source: Source, name: str | None) -> Behavior | No
     if len(known) > 1:
         hint = 'call the one to run "Main", or say which one it is'
         message = f"there are several scenarios: {', '.join(known)}"
-        raise ScenicError("value", message, Place(source.file, 1, 0, 1, 1), hint=hint, source_line=source.line(1))
+        raise ScenicError("value", message, SourceSpan(source.file, 1, 0, 1, 1), hint=hint, source_line=source.line(1))
     only = next(iter(known.values()), None)
     return only if only is not None and not needs_arguments(only) else None
 
@@ -54,10 +54,10 @@ def needs_arguments(scenario: Behavior) -> bool:
     return positional > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
 
 
-def scenario_frame(call: BehaviorCall) -> Frame:
+def scenario_frame(call: BehaviorCall) -> Scope:
     """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
     call.names.clear()
     call.names.update(call.arguments)
-    frame = call.behavior.frame.inner(call.names)
-    frame.assigned = call.behavior.assigned
-    return frame
+    scope = call.behavior.scope.inner(call.names)
+    scope.assigned = call.behavior.assigned
+    return scope

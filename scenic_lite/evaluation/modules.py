@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from scenic_lite.core.exceptions import named_fault
-from scenic_lite.core.scope import Frame, Session, Source, near
+from scenic_lite.core.scope import InterpreterState, Scope, Source, near
 from scenic_lite.core.types import Namespace
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.check import check
@@ -32,7 +32,9 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
     Kept, since library files are the same for every program.
     """
     if len(text) > LARGEST_FILE:
-        raise ScenicError("budget", f"the program is longer than {LARGEST_FILE:,} characters", Place(file, 1, 0, 1, 1))
+        raise ScenicError(
+            "budget", f"the program is longer than {LARGEST_FILE:,} characters", SourceSpan(file, 1, 0, 1, 1)
+        )
     tree = parse(text, file, dialect)
     findings = check(tree, text, file, dialect)
     errors = [finding for finding in findings if finding.kind != "warning"]
@@ -64,21 +66,21 @@ def read(path: Path) -> str:
         raise ScenicError("syntax", f"{shown} is not UTF-8 text: see line {line}") from None
 
 
-def run_file(session: Session, text: str, source: Source) -> dict[str, Any]:
+def run_file(session: InterpreterState, text: str, source: Source) -> dict[str, Any]:
     """Evaluate one file in this session; returns its names, those of the domain's default model included."""
     session.sources[source.file] = source
-    frame = Frame(session, source, {})
+    scope = Scope(session, source, {})
     tree, doubts = parsed(text, source.file, session.dialect)
     if not source.library:
         session.doubts += doubts
         model = unnamed_model(session, tree)
         if model is not None:
-            take_model(frame, model, tree)
-    frame.run(tree.body)
-    return frame.locals
+            take_model(scope, model, tree)
+    scope.run(tree.body)
+    return scope.locals
 
 
-def unnamed_model(session: Session, tree: ast.Module) -> str | None:
+def unnamed_model(session: InterpreterState, tree: ast.Module) -> str | None:
     """The world model of a file that names none: the caller's, or the domain's default."""
     domain = session.domain
     if session.model is not None:
@@ -92,14 +94,14 @@ def unnamed_model(session: Session, tree: ast.Module) -> str | None:
     return domain.default_model
 
 
-def take_model(frame: Frame, name: str, node: ast.AST) -> None:
+def take_model(scope: Scope, name: str, node: ast.AST) -> None:
     """All names of a world model; its params never replace those that are set."""
-    session = frame.session
+    session = scope.session
     session.modelling += 1
     try:
-        take_all(frame, import_module(frame, name))
+        take_all(scope, import_module(scope, name))
     except ScenicError as error:
-        raise frame.placed(error, node) from None
+        raise scope.placed(error, node) from None
     finally:
         session.modelling -= 1
 
@@ -109,10 +111,10 @@ def source_of(text: str, file: str, folder: Path | None, library: bool = False) 
     return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
-def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
+def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
     """The module a program names, evaluated on its first import; a folder is a module of what was imported from it."""
-    session = frame.session
-    path, library = locate(frame, name, level)
+    session = scope.session
+    path, library = locate(scope, name, level)
     if path is None:
         return MODULES[name]
     key = str(path)
@@ -123,7 +125,7 @@ def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
             session.modules[key] = Namespace(name, {})
             return session.modules[key]
         text = read(path)
-        source = source_of(text, shown_name(frame, name, path, library), path.parent, library)
+        source = source_of(text, shown_name(scope, name, path, library), path.parent, library)
         session.importing.append(key)
         try:
             with session.own_ego():
@@ -133,49 +135,49 @@ def import_module(frame: Frame, name: str, level: int = 0) -> Namespace:
     return session.modules[key]
 
 
-def shown_name(frame: Frame, name: str, path: Path, library: bool) -> str:
+def shown_name(scope: Scope, name: str, path: Path, library: bool) -> str:
     """How errors name the file of a module."""
-    domain = frame.session.domain
+    domain = scope.session.domain
     if library and domain:
         return f"{domain.name}/{path.name}"
     return path.name if not name else f"{name.replace('.', '/')}.scenic"
 
 
-def locate(frame: Frame, name: str, level: int) -> tuple[Path | None, bool]:
+def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
     """The file or folder of a module and whether it is the domain's; none for the language's own modules.
 
     A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
     file that imports; one with dots before it in the latter and those above, as far as the program's folder.
     """
-    session = frame.session
+    session = scope.session
     library = session.domain.library if session.domain else {}
     if not level and name in library:
         return Path(library[name]), True
     if not level and name in MODULES:
         return None, False
-    for folder in folders_of(frame, level):
+    for folder in folders_of(scope, level):
         path = folder.joinpath(*name.split(".")) if name else folder
         file = path.with_name(f"{path.name}.scenic")
         found = file if name and file.is_file() else path
         if found is file or path.is_dir():
-            root = folder if frame.source.library or session.root is None else session.root
+            root = folder if scope.source.library or session.root is None else session.root
             if not found.resolve().is_relative_to(root.resolve()):
                 raise ScenicError("import", f"{found.name} is a link that leads out of the program's folder")
-            return found, frame.source.library
-    known = [*library, *MODULES, *neighbours(frame)]
+            return found, scope.source.library
+    known = [*library, *MODULES, *neighbours(scope)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
-    shown = [*reversed(files.values()), "math", "random", *neighbours(frame)]
+    shown = [*reversed(files.values()), "math", "random", *neighbours(scope)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
 
 
-def folders_of(frame: Frame, level: int) -> list[Path]:
+def folders_of(scope: Scope, level: int) -> list[Path]:
     """Where a module is looked for; `level` counts the dots before its name."""
-    own, root = frame.source.folder, frame.session.root
+    own, root = scope.source.folder, scope.session.root
     if own is None:
         return []
     if level == 0:
-        return [own] if root is None or frame.source.library else [root, own]
+        return [own] if root is None or scope.source.library else [root, own]
     folder = own
     for _ in range(level - 1):
         if root is None or folder.resolve() == root.resolve():
@@ -184,34 +186,34 @@ def folders_of(frame: Frame, level: int) -> list[Path]:
     return [folder]
 
 
-def neighbours(frame: Frame) -> list[str]:
+def neighbours(scope: Scope) -> list[str]:
     """Programs beside this one."""
-    folder = frame.source.folder
-    if folder is None or frame.source.library:
+    folder = scope.source.folder
+    if folder is None or scope.source.library:
         return []
     return sorted(path.stem for path in folder.glob("*.scenic") if path.is_file())[:20]
 
 
-def model(frame: Frame, node: nodes.Model) -> None:
+def model(scope: Scope, node: nodes.Model) -> None:
     """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
-    wanted = None if frame.source.library or frame.session.modelling else frame.session.model
-    take_model(frame, wanted or node.name, node)
+    wanted = None if scope.source.library or scope.session.modelling else scope.session.model
+    take_model(scope, wanted or node.name, node)
 
 
-def import_whole(frame: Frame, node: ast.Import) -> None:
+def import_whole(scope: Scope, node: ast.Import) -> None:
     """`import a.b as c`; without `as`, a dotted name is reached as a.b."""
     for alias in node.names:
-        module = import_module(frame, alias.name)
+        module = import_module(scope, alias.name)
         first, *rest = alias.name.split(".")
         if alias.asname or not rest:
-            frame.assign(alias.asname or first, module)
+            scope.assign(alias.asname or first, module)
         else:
-            frame.assign(first, package(frame, first, rest, module))
+            scope.assign(first, package(scope, first, rest, module))
 
 
-def package(frame: Frame, first: str, rest: list[str], module: Namespace) -> Namespace:
+def package(scope: Scope, first: str, rest: list[str], module: Namespace) -> Namespace:
     """The module `first` with one more module inside it."""
-    known = frame.locals.get(first)
+    known = scope.locals.get(first)
     top = Namespace(first, dict(known.names)) if isinstance(known, Namespace) else Namespace(first, {})
     at = top
     for part in rest[:-1]:
@@ -222,31 +224,31 @@ def package(frame: Frame, first: str, rest: list[str], module: Namespace) -> Nam
     return top
 
 
-def import_from(frame: Frame, node: ast.ImportFrom) -> None:
+def import_from(scope: Scope, node: ast.ImportFrom) -> None:
     """`from a import b as c`, `from .a import *`, `from . import a`."""
-    module = import_module(frame, node.module or "", node.level)
+    module = import_module(scope, node.module or "", node.level)
     for alias in node.names:
         if alias.name == "*":
-            take_all(frame, module)
+            take_all(scope, module)
             continue
-        if alias.name not in module.names and is_folder(frame, node):
-            inner = import_module(frame, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
-            frame.assign(alias.asname or alias.name, inner)
+        if alias.name not in module.names and is_folder(scope, node):
+            inner = import_module(scope, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
+            scope.assign(alias.asname or alias.name, inner)
         elif alias.name not in module.names:
             hint = near(alias.name, module.names)
             error = ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
             raise named_fault("ImportError", error)
         else:
-            frame.assign(alias.asname or alias.name, module.names[alias.name])
+            scope.assign(alias.asname or alias.name, module.names[alias.name])
 
 
-def is_folder(frame: Frame, node: ast.ImportFrom) -> bool:
-    path, _ = locate(frame, node.module or "", node.level)
+def is_folder(scope: Scope, node: ast.ImportFrom) -> bool:
+    path, _ = locate(scope, node.module or "", node.level)
     return path is not None and path.is_dir()
 
 
-def take_all(frame: Frame, module: Namespace) -> None:
-    frame.locals.update({name: value for name, value in module.names.items() if not name.startswith("_")})
+def take_all(scope: Scope, module: Namespace) -> None:
+    scope.locals.update({name: value for name, value in module.names.items() if not name.startswith("_")})
 
 
 def wants_default_model(tree: ast.Module, library: Any) -> bool:
@@ -259,7 +261,7 @@ def wants_default_model(tree: ast.Module, library: Any) -> bool:
     return True
 
 
-IMPORTS: dict[type, Callable[[Frame, Any], None]] = {
+IMPORTS: dict[type, Callable[[Scope, Any], None]] = {
     ast.Import: import_whole,
     ast.ImportFrom: import_from,
     nodes.Model: model,

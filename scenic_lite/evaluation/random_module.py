@@ -12,47 +12,47 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import distributions as draw
-from scenic_lite.values.graph import Random, Value, is_number
+from scenic_lite.values.graph import RandomExpr, Value, is_number
 
 MOST_SHUFFLED = 60  # elements; each costs a column of θ
 
 
-def unit(frame: Frame, node: ast.AST) -> Value:
+def unit(scope: Scope, node: ast.AST) -> Value:
     """`random()`."""
-    return draw.draw_range(frame, node, 0, 1)
+    return draw.draw_range(scope, node, 0, 1)
 
 
-def among(frame: Frame, node: ast.AST, seq: Value) -> Value:
+def among(scope: Scope, node: ast.AST, seq: Value) -> Value:
     """`choice(seq)`."""
-    return draw.draw_uniform(frame, node, *frame.elements(seq, node))
+    return draw.draw_uniform(scope, node, *scope.elements(seq, node))
 
 
-def normal(frame: Frame, node: ast.AST, mu: Value = 0.0, sigma: Value = 1.0) -> Value:
+def normal(scope: Scope, node: ast.AST, mu: Value = 0.0, sigma: Value = 1.0) -> Value:
     """`gauss(mu, sigma)`, `normalvariate(mu, sigma)`."""
-    return draw.draw_normal(frame, node, mu, sigma)
+    return draw.draw_normal(scope, node, mu, sigma)
 
 
-def integer(frame: Frame, node: ast.AST, a: Value, b: Value) -> Value:
+def integer(scope: Scope, node: ast.AST, a: Value, b: Value) -> Value:
     """`randint(a, b)`, both included."""
-    return draw.draw_integers(frame, node, a, b)
+    return draw.draw_integers(scope, node, a, b)
 
 
-def of_range(frame: Frame, node: ast.AST, *ends: Value) -> Value:
+def of_range(scope: Scope, node: ast.AST, *ends: Value) -> Value:
     """`randrange(start, stop, step)`."""
     for end in ends:
-        frame.refuse_random(end, node, "a range cannot have random ends")
+        scope.refuse_random(end, node, "a range cannot have random ends")
     numbers = range(*ends)
     if not numbers:
         raise ScenicError("value", "a choice among no values")
-    index = draw.draw_integers(frame, node, 0, len(numbers) - 1)
+    index = draw.draw_integers(scope, node, 0, len(numbers) - 1)
     return numbers.start + numbers.step * index
 
 
-def triangular(frame: Frame, node: ast.AST, low: Value = 0.0, high: Value = 1.0, mode: Value = None) -> Value:
+def triangular(scope: Scope, node: ast.AST, low: Value = 0.0, high: Value = 1.0, mode: Value = None) -> Value:
     """`triangular(low, high, mode)`, by its inverse cumulative distribution."""
     mode = (low + high) / 2 if mode is None else mode
     fixed_numbers("triangular", low, high, mode)
@@ -65,37 +65,37 @@ def triangular(frame: Frame, node: ast.AST, low: Value = 0.0, high: Value = 1.0,
         up = np.sqrt(uniform) * rise
         return low + (high - low) * np.where(uniform < peak, up, 1 - np.sqrt(1 - uniform) * fall)
 
-    return Random(quantile, (unit(frame, node),))
+    return RandomExpr(quantile, (unit(scope, node),))
 
 
-def exponential(frame: Frame, node: ast.AST, lambd: Value = 1.0) -> Value:
+def exponential(scope: Scope, node: ast.AST, lambd: Value = 1.0) -> Value:
     """`expovariate(lambd)`."""
     fixed_numbers("expovariate", lambd)
     if lambd == 0:
         raise ScenicError("value", "expovariate() needs a rate that is not 0")
-    return Random(lambda uniform: -np.log1p(-np.minimum(uniform, 1 - 2.0**-53)) / lambd, (unit(frame, node),))
+    return RandomExpr(lambda uniform: -np.log1p(-np.minimum(uniform, 1 - 2.0**-53)) / lambd, (unit(scope, node),))
 
 
-def several(frame: Frame, node: ast.AST, population: Value, weights: Value = None, *, k: Value = 1) -> list:
+def several(scope: Scope, node: ast.AST, population: Value, weights: Value = None, *, k: Value = 1) -> list:
     """`choices(population, weights, k=...)`, with replacement."""
-    items = frame.elements(population, node)
-    shares = [1.0] * len(items) if weights is None else frame.elements(weights, node)
+    items = scope.elements(population, node)
+    shares = [1.0] * len(items) if weights is None else scope.elements(weights, node)
     fixed_numbers("choices", k, *shares)
     if len(shares) != len(items) or not all(share >= 0 for share in shares) or not sum(shares) > 0:
         raise ScenicError("value", "choices() needs one weight for each value, none negative and not all 0")
-    return [draw.weighted(frame, node, items, shares) for _ in range(k)]
+    return [draw.weighted(scope, node, items, shares) for _ in range(k)]
 
 
-def sample(frame: Frame, node: ast.AST, population: Value, k: Value) -> list:
+def sample(scope: Scope, node: ast.AST, population: Value, k: Value) -> list:
     """`sample(population, k)`, without replacement."""
-    items = frame.elements(population, node)
+    items = scope.elements(population, node)
     fixed_numbers("sample", k)
     if not 0 <= k <= len(items):
         raise ScenicError("value", f"a sample of {k} from {len(items)} values")
     if k > MOST_SHUFFLED:
         raise exceeded(f"a random order of more than {MOST_SHUFFLED} values")
-    picks = [draw.draw_integers(frame, node, 0, len(items) - i - 1) for i in range(k)]
-    return [choose(Random(Pick(len(items)), tuple(picks[: i + 1])), items) for i in range(k)]
+    picks = [draw.draw_integers(scope, node, 0, len(items) - i - 1) for i in range(k)]
+    return [choose(RandomExpr(Pick(len(items)), tuple(picks[: i + 1])), items) for i in range(k)]
 
 
 class Pick:
@@ -111,14 +111,14 @@ class Pick:
         return index
 
 
-def shuffle(frame: Frame, node: ast.AST, x: Value) -> None:
+def shuffle(scope: Scope, node: ast.AST, x: Value) -> None:
     """`shuffle(x)`, in place."""
     if not isinstance(x, list):
         raise ScenicError("type", f"shuffle() needs a list, not {describe_kind(x)}")
-    x[:] = sample(frame, node, x, len(x))
+    x[:] = sample(scope, node, x, len(x))
 
 
-def seeded(frame: Frame, node: ast.AST, *seed: Value) -> None:
+def seeded(scope: Scope, node: ast.AST, *seed: Value) -> None:
     """`seed(...)`: whoever draws θ decides that."""
 
 
@@ -129,7 +129,7 @@ def fixed_numbers(name: str, *numbers: Value) -> None:
 
 
 RANDOM: dict[str, Value] = {
-    name: Builtin(name, function, sited=True, lifted=False)
+    name: Builtin(name, function, needs_context=True, over_choices=False)
     for name, function in (
         ("uniform", draw.draw_range),
         ("random", unit),

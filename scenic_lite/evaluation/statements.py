@@ -11,26 +11,26 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.exceptions import ExceptionClass
-from scenic_lite.core.scope import Frame, Watched, name_draws, near
+from scenic_lite.core.scope import Scope, Watched, name_draws, near
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Builtin,
     Default,
-    Delayed,
     Instance,
+    LazyValue,
     ScenicClass,
     describe_kind,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
-from scenic_lite.evaluation.calls import Return, defaults_of, function_of, scope_of
+from scenic_lite.evaluation.calls import Return, defaults_of, function_of, names_of
 from scenic_lite.evaluation.matching import choose_case
 from scenic_lite.evaluation.trying import TRYING
 from scenic_lite.language.classes import OBJECT
 from scenic_lite.language.requirements import mutate, require
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Random, Value, is_number
+from scenic_lite.values.graph import RandomExpr, Value, is_number
 
 
 class Break(Exception):
@@ -41,49 +41,49 @@ class Continue(Exception):
     """Ends one round of a loop."""
 
 
-def expression(frame: Frame, node: ast.Expr) -> None:
-    value = frame.value(node.value)
+def expression(scope: Scope, node: ast.Expr) -> None:
+    value = scope.value(node.value)
     if isinstance(value, ScenicClass):
-        frame.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
+        scope.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
 
 
 # ------------------------------------------------------------ control flow
 
 
-def branch(frame: Frame, node: ast.If) -> None:
-    frame.run(node.body if frame.truth(node.test) else node.orelse)
+def branch(scope: Scope, node: ast.If) -> None:
+    scope.run(node.body if scope.truth(node.test) else node.orelse)
 
 
-def repeat(frame: Frame, node: ast.For) -> None:
-    items = frame.value(node.iter)
-    for element in frame.elements(items, node.iter):
-        unpack(frame, node.target, element)
-        if not one_round(frame, node.body):
+def repeat(scope: Scope, node: ast.For) -> None:
+    items = scope.value(node.iter)
+    for element in scope.elements(items, node.iter):
+        unpack(scope, node.target, element)
+        if not one_round(scope, node.body):
             return
-        went_round(frame, items)
-    frame.run(node.orelse)
+        went_round(scope, items)
+    scope.run(node.orelse)
 
 
-def went_round(frame: Frame, items: Value) -> None:
+def went_round(scope: Scope, items: Value) -> None:
     """Count a round of a `for`; only one over a range can be of any length."""
     if isinstance(items, range):
-        frame.session.budget.round()
+        scope.session.budget.round()
     else:
-        frame.session.budget.step()
+        scope.session.budget.step()
 
 
-def repeat_while(frame: Frame, node: ast.While) -> None:
-    while frame.truth(node.test):
-        if not one_round(frame, node.body):
+def repeat_while(scope: Scope, node: ast.While) -> None:
+    while scope.truth(node.test):
+        if not one_round(scope, node.body):
             return
-        frame.session.budget.round()
-    frame.run(node.orelse)
+        scope.session.budget.round()
+    scope.run(node.orelse)
 
 
-def one_round(frame: Frame, body: list[ast.stmt]) -> bool:
+def one_round(scope: Scope, body: list[ast.stmt]) -> bool:
     """Run the body of a loop; whether the loop goes on."""
     try:
-        frame.run(body)
+        scope.run(body)
     except Continue:
         return True
     except Break:
@@ -91,123 +91,123 @@ def one_round(frame: Frame, body: list[ast.stmt]) -> bool:
     return True
 
 
-def leave_loop(frame: Frame, node: ast.Break) -> None:
+def leave_loop(scope: Scope, node: ast.Break) -> None:
     raise Break
 
 
-def next_round(frame: Frame, node: ast.Continue) -> None:
+def next_round(scope: Scope, node: ast.Continue) -> None:
     raise Continue
 
 
-def give_back(frame: Frame, node: ast.Return) -> None:
-    raise Return(None if node.value is None else frame.value(node.value))
+def give_back(scope: Scope, node: ast.Return) -> None:
+    raise Return(None if node.value is None else scope.value(node.value))
 
 
-def nothing(frame: Frame, node: ast.AST) -> None:
+def nothing(scope: Scope, node: ast.AST) -> None:
     """`pass`; and `simulator ...`, which names a program of another installation."""
 
 
-def declare_global(frame: Frame, node: ast.Global) -> None:
-    frame.globals.update(node.names)
+def declare_global(scope: Scope, node: ast.Global) -> None:
+    scope.globals.update(node.names)
 
 
-def declare_nonlocal(frame: Frame, node: ast.Nonlocal) -> None:
+def declare_nonlocal(scope: Scope, node: ast.Nonlocal) -> None:
     for name in node.names:
-        if not has_local(frame.outer, name):
+        if not has_local(scope.outer, name):
             raise ScenicError("syntax", f"no function around this one has a variable '{name}'")
-    frame.nonlocals.update(node.names)
+    scope.nonlocals.update(node.names)
 
 
-def has_local(frame: Frame | None, name: str) -> bool:
+def has_local(scope: Scope | None, name: str) -> bool:
     """Whether a function, from this one outwards, has a variable; those of the module do not count."""
-    while frame is not None and frame.locals is not frame.module_names:
-        if name in frame.locals or name in frame.assigned:
+    while scope is not None and scope.locals is not scope.module_names:
+        if name in scope.locals or name in scope.assigned:
             return True
-        frame = frame.outer
+        scope = scope.outer
     return False
 
 
-def refuse_with(frame: Frame, node: ast.With) -> None:
+def refuse_with(scope: Scope, node: ast.With) -> None:
     raise ScenicError("unsupported", "`with` blocks are not supported", hint="a program opens no files")
 
 
-def refuse_async(frame: Frame, node: ast.AST) -> None:
+def refuse_async(scope: Scope, node: ast.AST) -> None:
     raise ScenicError("unsupported", "`async` is not supported")
 
 
 # ------------------------------------------------------------ definitions
 
 
-def define_function(frame: Frame, node: ast.FunctionDef) -> None:
-    frame.assign(node.name, decorated(frame, node))
+def define_function(scope: Scope, node: ast.FunctionDef) -> None:
+    scope.assign(node.name, decorated(scope, node))
 
 
-def decorated(frame: Frame, node: ast.FunctionDef, owner: ScenicClass | None = None) -> Value:
+def decorated(scope: Scope, node: ast.FunctionDef, owner: ScenicClass | None = None) -> Value:
     """A function of the program, or what its decorators make of it."""
-    decorators = [frame.value(each) for each in node.decorator_list]
-    value: Value = function_of(frame, node.name, node.args, node.body, owner)
+    decorators = [scope.value(each) for each in node.decorator_list]
+    value: Value = function_of(scope, node.name, node.args, node.body, owner)
     for decorator, place in zip(reversed(decorators), reversed(node.decorator_list), strict=True):
-        value = frame.call(decorator, [value], {}, place)
+        value = scope.call(decorator, [value], {}, place)
     return value
 
 
-def define_class(frame: Frame, node: ast.ClassDef) -> None:
+def define_class(scope: Scope, node: ast.ClassDef) -> None:
     """A class of the language; methods see the names around the class, not those inside."""
-    base = base_of(frame, node)
+    base = base_of(scope, node)
     if isinstance(base, ExceptionClass):
-        define_exception(frame, node, base)
+        define_exception(scope, node, base)
         return
     cls = ScenicClass(node.name, base)
     if node.decorator_list:
-        raise frame.error("unsupported", "classes take no decorators", node.decorator_list[0])
-    body = frame.inner({})
+        raise scope.error("unsupported", "classes take no decorators", node.decorator_list[0])
+    body = scope.inner({})
     for statement in node.body:
         if isinstance(statement, nodes.PropertyDefault):
             if statement.name in cls.defaults:
-                raise frame.error("syntax", f"the property '{statement.name}' is declared twice", statement)
+                raise scope.error("syntax", f"the property '{statement.name}' is declared twice", statement)
             if any("final" in default.attributes for default in base.defaults_of(statement.name)):
-                raise frame.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
-            cls.defaults[statement.name] = default_of(frame, statement)
+                raise scope.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
+            cls.defaults[statement.name] = default_of(scope, statement)
         elif isinstance(statement, ast.FunctionDef):
             if statement.name == "__init__":
                 hint = "write `name: default` for each property"
-                raise frame.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
+                raise scope.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
             body.locals[statement.name] = decorated(body, statement, cls)
         elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
             body.run([statement])
         else:
-            raise frame.error("unsupported", "only properties, methods and attributes belong into a class", statement)
+            raise scope.error("unsupported", "only properties, methods and attributes belong into a class", statement)
     cls.members.update(body.locals)
-    frame.assign(node.name, cls)
+    scope.assign(node.name, cls)
 
 
-def define_exception(frame: Frame, node: ast.ClassDef, base: ExceptionClass) -> None:
+def define_exception(scope: Scope, node: ast.ClassDef, base: ExceptionClass) -> None:
     """`class Mine(ValueError): pass`."""
     for statement in node.body:
         if not isinstance(statement, ast.Pass | ast.Expr):
-            raise frame.error("unsupported", "a class of exceptions has an empty body", statement, "write pass")
-    frame.assign(node.name, ExceptionClass(node.name, base))
+            raise scope.error("unsupported", "a class of exceptions has an empty body", statement, "write pass")
+    scope.assign(node.name, ExceptionClass(node.name, base))
 
 
-def define_asynchronous(frame: Frame, node: ast.AsyncFunctionDef) -> None:
+def define_asynchronous(scope: Scope, node: ast.AsyncFunctionDef) -> None:
     """A function that nothing can call."""
-    frame.assign(node.name, Builtin(node.name, refuse_async, sited=True))
+    scope.assign(node.name, Builtin(node.name, refuse_async, needs_context=True))
 
 
-def base_of(frame: Frame, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
+def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
     if node.keywords:
-        raise frame.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
+        raise scope.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
     if not node.bases:
         return OBJECT
     if len(node.bases) > 1:
-        raise frame.error("unsupported", "a class has one base", node.bases[1])
-    base = frame.value(node.bases[0])
+        raise scope.error("unsupported", "a class has one base", node.bases[1])
+    base = scope.value(node.bases[0])
     if not isinstance(base, ScenicClass | ExceptionClass):
-        raise frame.error("type", f"{describe_kind(base)} cannot be the base of a class", node.bases[0])
+        raise scope.error("type", f"{describe_kind(base)} cannot be the base of a class", node.bases[0])
     return base
 
 
-def default_of(frame: Frame, node: nodes.PropertyDefault) -> Default:
+def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
     """A default expression, evaluated for each instance anew, with `self` in sight."""
     reads = {
         each.attr
@@ -218,77 +218,77 @@ def default_of(frame: Frame, node: nodes.PropertyDefault) -> Default:
     owners = {id(each.value) for each in ast.walk(node.value) if isinstance(each, ast.Attribute)}
     for each in ast.walk(node.value):
         if isinstance(each, ast.Name) and each.id == "self" and id(each) not in owners:
-            raise frame.error("syntax", "a default reads `self.property`, never the bare `self`", each)
+            raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", each)
 
     def compute(self: Instance) -> Value:
-        value = frame.inner({"self": self}).value(node.value)
-        return value.compute(self) if isinstance(value, Delayed) else value
+        value = scope.inner({"self": self}).value(node.value)
+        return value.compute(self) if isinstance(value, LazyValue) else value
 
     return Default(compute, frozenset(reads), tuple(node.attributes))
 
 
-def define_behavior(frame: Frame, node: nodes.Behavior) -> None:
-    defaults, keyword_defaults = defaults_of(frame, node.args)
-    behavior = Behavior(node.name, node, defaults, keyword_defaults, frame, scope_of(node.body)[0])
-    frame.assign(node.name, behavior)
-    frame.session.behaviors[node.name] = behavior
+def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
+    defaults, keyword_defaults = defaults_of(scope, node.args)
+    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(node.body)[0])
+    scope.assign(node.name, behavior)
+    scope.session.behaviors[node.name] = behavior
     if node.started:  # Scenic 2, where to define it is to start it
-        frame.session.monitors.append(BehaviorCall(behavior, {}, frame.place(node)))
+        scope.session.monitors.append(BehaviorCall(behavior, {}, scope.place(node)))
 
 
-def define_scenario(frame: Frame, node: nodes.Scenario) -> None:
-    defaults, keyword_defaults = defaults_of(frame, node.args)
-    own = scope_of([*node.setup, *node.compose])[0]
-    scenario = Behavior(node.name, node, defaults, keyword_defaults, frame, own)
-    frame.assign(node.name, scenario)
-    frame.session.scenarios.append(scenario)
+def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
+    defaults, keyword_defaults = defaults_of(scope, node.args)
+    own = names_of([*node.setup, *node.compose])[0]
+    scenario = Behavior(node.name, node, defaults, keyword_defaults, scope, own)
+    scope.assign(node.name, scenario)
+    scope.session.scenarios.append(scenario)
 
 
 # ------------------------------------------------------------ the scenario
 
 
-def set_params(frame: Frame, node: nodes.Param) -> None:
+def set_params(scope: Scope, node: nodes.Param) -> None:
     """Later params win, except that a library's never replace the program's own."""
-    session = frame.session
+    session = scope.session
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
-        value = frame.value(expression)
+        value = scope.value(expression)
         name_draws(name, value)
         if name in session.fixed_params:
-            session.param_places[name] = frame.place(place)
+            session.param_places[name] = scope.place(place)
             continue
-        if frame.source.library or session.modelling:
+        if scope.source.library or session.modelling:
             if name in session.params and name not in session.library_params:
                 continue
             session.library_params.add(name)
         else:
             session.library_params.discard(name)
-            doubt_param(frame, name, place)
-        session.params[name], session.param_places[name] = value, frame.place(place)
+            doubt_param(scope, name, place)
+        session.params[name], session.param_places[name] = value, scope.place(place)
 
 
-def doubt_param(frame: Frame, name: str, node: ast.expr) -> None:
+def doubt_param(scope: Scope, name: str, node: ast.expr) -> None:
     """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
-    known = frame.session.domain.params if frame.session.domain else frozenset()
+    known = scope.session.domain.params if scope.session.domain else frozenset()
     hint = "" if name in known else near(name, known)
     if hint:
-        frame.warn(f"nothing reads the parameter '{name}'", node, hint)
+        scope.warn(f"nothing reads the parameter '{name}'", node, hint)
 
 
-def require_monitor(frame: Frame, node: nodes.RequireMonitor) -> None:
-    value = frame.value(node.call)
+def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
+    value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
-    frame.session.monitors.append(value)
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    scope.session.monitors.append(value)
 
 
-def keep_termination(frame: Frame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
+def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
     """Evaluated by whoever runs the episode."""
     if isinstance(node, nodes.TerminateAfter):
-        duration = frame.value(node.duration)
-        if not is_number(duration) and not isinstance(duration, Random):
+        duration = scope.value(node.duration)
+        if not is_number(duration) and not isinstance(duration, RandomExpr):
             message = f"a duration is a number, not {describe_kind(duration)}"
-            raise frame.error("type", message, node.duration)
-    frame.session.terminations.append(Watched(node, frame.place(node), frame, name_of_termination(node)))
+            raise scope.error("type", message, node.duration)
+    scope.session.terminations.append(Watched(node, scope.place(node), scope, name_of_termination(node)))
 
 
 def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:
@@ -296,17 +296,17 @@ def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str
     return own or f"termination condition on line {node.lineno}"
 
 
-def keep_record(frame: Frame, node: nodes.Record) -> None:
+def keep_record(scope: Scope, node: nodes.Record) -> None:
     """`record`: evaluated in every step by whoever runs the episode."""
-    frame.session.records.append(Watched(node, frame.place(node), frame, node.name or f"record{node.lineno}"))
+    scope.session.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 
-def only_in_behavior(frame: Frame, node: ast.AST) -> None:
+def only_in_behavior(scope: Scope, node: ast.AST) -> None:
     word = type(node).__name__.lower()
     raise ScenicError("syntax", f"`{word}` belongs into a behavior")
 
 
-STATEMENTS: dict[type, Callable[[Frame, Any], Any]] = {
+STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     **ASSIGNMENTS,
     **TRYING,
     ast.Match: choose_case,

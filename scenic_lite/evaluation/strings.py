@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.builtin_tables import plain, sited
+from scenic_lite.core.builtin_tables import needs_context, plain
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import Frame, Session
-from scenic_lite.core.types import Builtin, Choice, Instance, ScenicClass, describe_kind
+from scenic_lite.core.scope import InterpreterState, Scope
+from scenic_lite.core.types import Builtin, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import INTEGER, TEXT, Random, Value, apply
+from scenic_lite.values.graph import INTEGER, TEXT, RandomExpr, Value, apply
 
 DIRECTIVE = re.compile(
     r"%(?:\((?P<key>[^()]*)\))?(?P<flags>[#0\- +]*)(?P<width>\*|\d+)?(?:\.(?P<digits>\*|\d+))?(.)", re.S
@@ -26,7 +26,7 @@ FIELD = re.compile(r"\{\{|\}\}|\{(?P<name>[^{}!:]*)(?:!(?P<conversion>[rsa]))?(?
 DEEPEST = 50  # containers inside each other that are written out
 
 
-def written(session: Session, value: Value, depth: int = 0) -> str:
+def written(session: InterpreterState, value: Value, depth: int = 0) -> str:
     """`repr(value)`; of a text too."""
     if isinstance(value, list | tuple | set | dict):
         session.budget.container(len(value))
@@ -49,7 +49,7 @@ def written(session: Session, value: Value, depth: int = 0) -> str:
     return describe_kind(value)
 
 
-def collection(session: Session, value: Any, depth: int) -> str:
+def collection(session: InterpreterState, value: Any, depth: int) -> str:
     if isinstance(value, dict):
         pairs = (f"{written(session, k, depth)}: {written(session, v, depth)}" for k, v in value.items())
         return f"{{{', '.join(pairs)}}}"
@@ -63,23 +63,23 @@ def collection(session: Session, value: Any, depth: int) -> str:
     return f"{{{inside}}}" if parts else "set()"
 
 
-def text_of(frame: Frame, value: Value, spec: str = "") -> Value:
+def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
     """`str(value)`, or its formatted text; row by row if it is random."""
     if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
         raise exceeded("a text format wider than 999")
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         if spec:
             format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
-        return Random(TEXT.array if not spec else FormatEach(spec), (value,), "text")
-    if isinstance(value, Choice):
-        return value.merged([text_of(frame, option, spec) for option in value.options])
+        return RandomExpr(TEXT.array if not spec else FormatEach(spec), (value,), "text")
+    if isinstance(value, RandomChoice):
+        return value.map_options([text_of(scope, option, spec) for option in value.options])
     if spec and not isinstance(value, int | float | str):
         raise ScenicError("type", f"{describe_kind(value)} takes no format")
     if isinstance(value, str):
         return format(value, spec)
     if isinstance(value, Fault):
         return value.text()
-    return format(value, spec) if spec else written(frame.session, value)
+    return format(value, spec) if spec else written(scope.session, value)
 
 
 class FormatEach:
@@ -93,12 +93,12 @@ class FormatEach:
         return np.array(texts + [None], dtype=object)[:-1]
 
 
-def joined(frame: Frame, pieces: list[Value]) -> Value:
+def joined(scope: Scope, pieces: list[Value]) -> Value:
     """One text of several; random ones row by row."""
     result: Value = ""
     for piece in pieces:
         result = piece if result == "" else result + piece
-        frame.session.budget.keep(result)
+        scope.session.budget.keep(result)
     return result
 
 
@@ -106,19 +106,19 @@ def whole_number(value: Value) -> Value:
     return apply(INTEGER, value)
 
 
-def represented(frame: Frame, node: Any, value: Value) -> Value:
+def represented(scope: Scope, node: Any, value: Value) -> Value:
     """`repr(value)`, of a random text or number row by row."""
-    if isinstance(value, Random) and value.kind != "text":
-        return text_of(frame, value, "")
-    if isinstance(value, Random | Choice):
+    if isinstance(value, RandomExpr) and value.kind != "text":
+        return text_of(scope, value, "")
+    if isinstance(value, RandomExpr | RandomChoice):
         raise ScenicError("unsupported", "repr() of a random value", hint="write str(x)")
-    return written(frame.session, value)
+    return written(scope.session, value)
 
 
 # ------------------------------------------------------------ formats
 
 
-def percent(frame: Frame, template: str, values: Value) -> Value:
+def percent(scope: Scope, template: str, values: Value) -> Value:
     """`template % values`; random values are written row by row."""
     given = list(values) if isinstance(values, tuple) else [values]
     by_name = isinstance(values, dict)
@@ -141,29 +141,29 @@ def percent(frame: Frame, template: str, values: Value) -> Value:
             raise ScenicError("type", "not enough values for the format")
         else:
             value = given.pop(0)
-        pieces.append(one_percent(frame, match, value))
+        pieces.append(one_percent(scope, match, value))
     if "%" in template[at:]:
         raise ScenicError("value", "the format ends in an incomplete '%'")
     if given and not by_name:
         raise ScenicError("type", "more values than the format has places for")
-    return joined(frame, [*pieces, template[at:]])
+    return joined(scope, [*pieces, template[at:]])
 
 
-def one_percent(frame: Frame, match: re.Match[str], value: Value) -> Value:
+def one_percent(scope: Scope, match: re.Match[str], value: Value) -> Value:
     """One `%5.2f`, by way of the formats of f-strings."""
     letter, flags = match[5], match["flags"]
     if letter in "rsa":
-        text = represented(frame, None, value) if letter != "s" else text_of(frame, value, "")
+        text = represented(scope, None, value) if letter != "s" else text_of(scope, value, "")
         if not match["width"] and not match["digits"]:
             return text
         digits = f".{match['digits']}" if match["digits"] else ""
-        return text_of(frame, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}{digits}")
+        return text_of(scope, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}{digits}")
     if letter == "c":
         text = chr(value) if isinstance(value, int) else value
         if not isinstance(text, str) or len(text) != 1:
             raise ScenicError("type", f"'{match[0]}' needs one character, not {describe_kind(value)}")
-        return text_of(frame, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}")
-    if isinstance(value, str) or not isinstance(value, int | float | Random):
+        return text_of(scope, text, f"{'<' if '-' in flags else '>'}{match['width'] or ''}")
+    if isinstance(value, str) or not isinstance(value, int | float | RandomExpr):
         raise ScenicError("type", f"'{match[0]}' needs a number, not {describe_kind(value)}")
     if letter in "diu":
         letter, value = "d", whole_number(value)
@@ -172,11 +172,11 @@ def one_percent(frame: Frame, match: re.Match[str], value: Value) -> Value:
     fill = "0" if "0" in flags and not align else ""
     digits = f".{match['digits']}" if match["digits"] and letter != "d" else ""
     return text_of(
-        frame, value, f"{align}{sign}{'#' if '#' in flags else ''}{fill}{match['width'] or ''}{digits}{letter}"
+        scope, value, f"{align}{sign}{'#' if '#' in flags else ''}{fill}{match['width'] or ''}{digits}{letter}"
     )
 
 
-def text_format(frame: Frame, node: Any, self: str, *values: Value, **named: Value) -> Value:
+def text_format(scope: Scope, node: Any, self: str, *values: Value, **named: Value) -> Value:
     """`self.format(...)`: places by number or by name, with a format each; no attributes and no items."""
     pieces: list[Value] = []
     at = count = 0
@@ -200,59 +200,59 @@ def text_format(frame: Frame, node: Any, self: str, *values: Value, **named: Val
         else:
             raise ScenicError("value", f"the format has a place '{{{name}}}', but no value for it")
         if match["conversion"] in ("r", "a"):
-            value = represented(frame, node, value)
-        pieces.append(text_of(frame, value, match["spec"] or ""))
-    return joined(frame, [*pieces, self[at:]])
+            value = represented(scope, node, value)
+        pieces.append(text_of(scope, value, match["spec"] or ""))
+    return joined(scope, [*pieces, self[at:]])
 
 
 # ------------------------------------------------------------ methods
 
 
-def text_join(frame: Frame, node: Any, self: str, items: Value) -> Value:
-    items = frame.elements(items, node)
-    frame.session.budget.text(sum(len(item) + len(self) for item in items if isinstance(item, str)))
-    if any(isinstance(item, Random) for item in items):
-        return joined(frame, [part for item in items for part in (self, item)][1:])
+def text_join(scope: Scope, node: Any, self: str, items: Value) -> Value:
+    items = scope.elements(items, node)
+    scope.session.budget.text(sum(len(item) + len(self) for item in items if isinstance(item, str)))
+    if any(isinstance(item, RandomExpr) for item in items):
+        return joined(scope, [part for item in items for part in (self, item)][1:])
     return self.join(items)
 
 
-def text_replace(frame: Frame, node: Any, self: str, old: str, new: str, count: int = -1) -> str:
-    frame.session.budget.text(len(self) + (len(self) + 1) * len(new))
+def text_replace(scope: Scope, node: Any, self: str, old: str, new: str, count: int = -1) -> str:
+    scope.session.budget.text(len(self) + (len(self) + 1) * len(new))
     return self.replace(old, new, count)
 
 
-def text_split(frame: Frame, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
-    frame.session.budget.container(len(self))
+def text_split(scope: Scope, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
+    scope.session.budget.container(len(self))
     return self.split(sep, maxsplit)
 
 
-def text_rsplit(frame: Frame, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
-    frame.session.budget.container(len(self))
+def text_rsplit(scope: Scope, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
+    scope.session.budget.container(len(self))
     return self.rsplit(sep, maxsplit)
 
 
-def text_lines(frame: Frame, node: Any, self: str, keepends: bool = False) -> list:
-    frame.session.budget.container(len(self))
+def text_lines(scope: Scope, node: Any, self: str, keepends: bool = False) -> list:
+    scope.session.budget.container(len(self))
     return self.splitlines(keepends)
 
 
-def text_centre(frame: Frame, node: Any, self: str, width: int, fill: str = " ") -> str:
-    frame.session.budget.text(width)
+def text_centre(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
+    scope.session.budget.text(width)
     return self.center(width, fill)
 
 
-def text_left(frame: Frame, node: Any, self: str, width: int, fill: str = " ") -> str:
-    frame.session.budget.text(width)
+def text_left(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
+    scope.session.budget.text(width)
     return self.ljust(width, fill)
 
 
-def text_right(frame: Frame, node: Any, self: str, width: int, fill: str = " ") -> str:
-    frame.session.budget.text(width)
+def text_right(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
+    scope.session.budget.text(width)
     return self.rjust(width, fill)
 
 
-def text_zeros(frame: Frame, node: Any, self: str, width: int) -> str:
-    frame.session.budget.text(width)
+def text_zeros(scope: Scope, node: Any, self: str, width: int) -> str:
+    scope.session.budget.text(width)
     return self.zfill(width)
 
 
@@ -261,7 +261,7 @@ METHODS: dict[str, Builtin] = plain(
     "endswith", "removeprefix", "removesuffix", "find", "rfind", "index", "rindex", "count", "partition", "rpartition",
     "isdigit", "isalpha", "isalnum", "isspace", "isupper", "islower", "isdecimal", "isnumeric", "isidentifier",
     "istitle", "isascii", of=str,
-) | sited(
+) | needs_context(
     join=text_join, replace=text_replace, split=text_split, rsplit=text_rsplit, splitlines=text_lines,
     center=text_centre, ljust=text_left, rjust=text_right, zfill=text_zeros, format=text_format,
 )  # fmt: skip

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.exceptions import EXCEPTIONS, ExceptionClass, Fault, fault_of, named_fault, raised
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.strings import text_of
@@ -19,93 +19,93 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 
-def attempt(frame: Frame, node: ast.Try) -> None:
+def attempt(scope: Scope, node: ast.Try) -> None:
     """`try` with any of `except`, `else`, `finally`."""
     try:
-        guarded(frame, node)
+        guarded(scope, node)
     finally:
-        frame.run(node.finalbody)
+        scope.run(node.finalbody)
 
 
-def guarded(frame: Frame, node: ast.Try) -> None:
+def guarded(scope: Scope, node: ast.Try) -> None:
     """All of it but the `finally`."""
     try:
-        frame.run(node.body)
+        scope.run(node.body)
     except ScenicError as error:
-        fault = None if decides_by_row(frame, error) else fault_of(error)
-        handler = None if fault is None else handler_for(frame, node, fault)
+        fault = None if decides_by_row(scope, error) else fault_of(error)
+        handler = None if fault is None else handler_for(scope, node, fault)
         if fault is None or handler is None:
             raise
-        handle(frame, handler, fault, error)
+        handle(scope, handler, fault, error)
     else:
-        frame.run(node.orelse)
+        scope.run(node.orelse)
 
 
-def decides_by_row(frame: Frame, error: ScenicError) -> bool:
+def decides_by_row(scope: Scope, error: ScenicError) -> bool:
     """Whether a requirement will be evaluated again, scene by scene, because of this error."""
-    session = frame.session
+    session = scope.session
     return error.kind == "random-control-flow" and bool(session.in_requirement) and session.row is None
 
 
-def handler_for(frame: Frame, node: ast.Try | nodes.TryInterrupt, fault: Fault) -> ast.ExceptHandler | None:
+def handler_for(scope: Scope, node: ast.Try | nodes.TryInterrupt, fault: Fault) -> ast.ExceptHandler | None:
     """The first `except` that holds the exception."""
     for handler in node.handlers:
         if handler.type is None:
             return handler
-        value = frame.value(handler.type)
+        value = scope.value(handler.type)
         for cls in value if isinstance(value, tuple) else (value,):
             if not isinstance(cls, ExceptionClass):
-                raise frame.error("type", f"`except` needs an exception, not {describe_kind(cls)}", handler.type)
+                raise scope.error("type", f"`except` needs an exception, not {describe_kind(cls)}", handler.type)
             if fault.cls.derives_from(cls):
                 return handler
     return None
 
 
-def handle(frame: Frame, handler: ast.ExceptHandler, fault: Fault, error: ScenicError) -> None:
+def handle(scope: Scope, handler: ast.ExceptHandler, fault: Fault, error: ScenicError) -> None:
     """Run the block of an `except`; its name ends with it."""
-    handled = frame.session.handled
+    handled = scope.session.handled
     handled.append(error)
     if handler.name is not None:
-        frame.assign(handler.name, fault)
+        scope.assign(handler.name, fault)
     try:
-        frame.run(handler.body)
+        scope.run(handler.body)
     finally:
         handled.pop()
         if handler.name is not None:
-            frame.scope_of(handler.name).pop(handler.name, None)
+            scope.names_of(handler.name).pop(handler.name, None)
 
 
-def throw(frame: Frame, node: ast.Raise) -> None:
+def throw(scope: Scope, node: ast.Raise) -> None:
     """`raise`, `raise E`, `raise E(...)`, with or without `from`."""
     if node.exc is None:
-        if not frame.session.handled:
-            raise named_fault("RuntimeError", frame.error("value", "there is no exception to raise again", node))
-        raise frame.session.handled[-1]
-    value = frame.value(node.exc)
+        if not scope.session.handled:
+            raise named_fault("RuntimeError", scope.error("value", "there is no exception to raise again", node))
+        raise scope.session.handled[-1]
+    value = scope.value(node.exc)
     if node.cause is not None:
-        frame.value(node.cause)
+        scope.value(node.cause)
     if isinstance(value, ExceptionClass):
         value = Fault(value)
     if not isinstance(value, Fault):
-        raise frame.error("type", f"`raise` needs an exception, not {describe_kind(value)}", node.exc)
+        raise scope.error("type", f"`raise` needs an exception, not {describe_kind(value)}", node.exc)
     raise raised(value)
 
 
-def certify(frame: Frame, node: ast.Assert) -> None:
-    if frame.truth(node.test):
+def certify(scope: Scope, node: ast.Assert) -> None:
+    if scope.truth(node.test):
         return
-    message: Value = None if node.msg is None else frame.value(node.msg)
-    text = "" if message is None else f": {text_of(frame, message)}"
+    message: Value = None if node.msg is None else scope.value(node.msg)
+    text = "" if message is None else f": {text_of(scope, message)}"
     error = named_fault("AssertionError", ScenicError("value", f"the assertion does not hold{text}"))
     error.fault = Fault(EXCEPTIONS["AssertionError"], () if message is None else (message,))
     raise error
 
 
-def starred(frame: Frame, node: ast.TryStar) -> None:
+def starred(scope: Scope, node: ast.TryStar) -> None:
     raise ScenicError("unsupported", "`except*` is not supported", hint="write except")
 
 
-TRYING: dict[type, Callable[[Frame, Any], None]] = {
+TRYING: dict[type, Callable[[Scope, Any], None]] = {
     ast.Try: attempt,
     ast.TryStar: starred,
     ast.Raise: throw,

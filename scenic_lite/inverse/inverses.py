@@ -18,10 +18,10 @@ from scenic_lite.values.geometry import NORMALISE, TURN
 from scenic_lite.values.graph import FLOAT, Table, pick
 
 ROUNDING = 1e-9  # of an angle
-Rule = Callable[[Knowledge, Any, tuple[int, ...], int], None]
+Constraint = Callable[[Knowledge, Any, tuple[int, ...], int], None]
 
 
-def rule_for(operation: Any) -> Rule | None:
+def rule_for(operation: Any) -> Constraint | None:
     """How to go back through an operation; None if it has no inverse."""
     return RULES_OF_TYPES.get(type(operation)) or RULES.get(operation)
 
@@ -132,8 +132,12 @@ def back_from_angle(knowledge: Knowledge, operation: Any, inputs: tuple[int, ...
     def angle(value: Any) -> Any:
         if low - ROUNDING <= -np.inf or high >= np.inf:
             return value
-        lifted = value + TURN * np.ceil((low - ROUNDING - value) / TURN)
-        return np.where((lifted > high + ROUNDING) | ((value >= low) & (value <= high)), value, lifted)
+        over_choices = value + TURN * np.ceil((low - ROUNDING - value) / TURN)
+        return np.where(
+            (over_choices > high + ROUNDING) | ((value >= low) & (value <= high)),
+            value,
+            over_choices,
+        )
 
     knowledge.solve(inputs[0], (out,), angle)
 
@@ -146,8 +150,8 @@ def square(value: Any) -> Any:
     return value * value
 
 
-RULES_OF_TYPES: dict[type, Rule] = {Table: back_from_table, Cut: back_from_cut, Integers: back_from_integers}
-RULES: dict[Any, Rule] = {
+RULES_OF_TYPES: dict[type, Constraint] = {Table: back_from_table, Cut: back_from_cut, Integers: back_from_integers}
+RULES: dict[Any, Constraint] = {
     np.add: back_from_sum,
     np.subtract: back_from_difference,
     np.multiply: back_from_product,

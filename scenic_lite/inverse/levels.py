@@ -18,7 +18,7 @@ from scenic_lite.inverse.solver import solve
 from scenic_lite.inverse.wishes import CLOSE, Wish
 from scenic_lite.scene.bounds import bounds_of
 from scenic_lite.values.geometry import TURN
-from scenic_lite.values.graph import Column, Random, Tape, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 
 if TYPE_CHECKING:
     from scenic_lite.inverse.refusals import Refusals
@@ -29,10 +29,10 @@ ROUNDING = 1e-9  # of θ, beyond its ends
 class Inverse:
     """Finds θ for a program: the tape of all that can be asked, and how to go back through it."""
 
-    def __init__(self, nodes: Iterable[Value], columns: Sequence[Column], points: Sequence[DrawnPoint]) -> None:
+    def __init__(self, nodes: Iterable[Value], columns: Sequence[ThetaColumn], points: Sequence[DrawnPoint]) -> None:
         self.columns = list(columns)
-        roots = [*(node for node in nodes if isinstance(node, Random)), *(column.shown for column in columns)]
-        roots += [part for each in points for part in (each.point.x, each.point.y) if isinstance(part, Random)]
+        roots = [*(node for node in nodes if isinstance(node, RandomExpr)), *(column.shown for column in columns)]
+        roots += [part for each in points for part in (each.point.x, each.point.y) if isinstance(part, RandomExpr)]
         roots = [root for root in roots if self._ours(root)]
         self.tape = Tape(roots, self.columns, 10**9)
         slots = self.tape.slots
@@ -42,7 +42,7 @@ class Inverse:
         self.offset = np.array([column.offset for column in columns])
         self.span = np.array([column.span for column in columns])
 
-    def _ours(self, root: Random) -> bool:
+    def _ours(self, root: RandomExpr) -> bool:
         """Whether all that a node is computed from has a column of θ."""
         ours = {id(column) for column in self.columns}
         return all(id(column) in ours for column in columns_of(root))
@@ -77,7 +77,7 @@ class Inverse:
     def _known(self, wishes: list[Wish], count: int) -> Knowledge:
         knowledge = Knowledge(self.tape, count, self.bounds)
         for wish in wishes:
-            if isinstance(wish.node, Random):
+            if isinstance(wish.node, RandomExpr):
                 slot, rows = self.slots[id(wish.node)], asked(wish.values)
                 rows = rows & ~knowledge.known[slot]
                 if rows.any():
@@ -123,7 +123,7 @@ class Inverse:
 
     def steps_for(self, wishes: list[Wish]) -> list[Any]:
         """The steps of the tape that compute what is asked."""
-        needed = {self.slots[id(wish.node)] for wish in wishes if isinstance(wish.node, Random)}
+        needed = {self.slots[id(wish.node)] for wish in wishes if isinstance(wish.node, RandomExpr)}
         steps = []
         for step in reversed(self.tape.steps):
             if step[2] in needed:
@@ -149,7 +149,7 @@ class Inverse:
         return [np.broadcast_to(self._value(wish, registers), 1)[0] for wish in wishes]
 
     def _value(self, wish: Wish, registers: list[Any]) -> Any:
-        return registers[self.slots[id(wish.node)]] if isinstance(wish.node, Random) else wish.node
+        return registers[self.slots[id(wish.node)]] if isinstance(wish.node, RandomExpr) else wish.node
 
     # ------------------------------------------------------------ what several equations decide together
 
@@ -194,7 +194,7 @@ class Inverse:
         return [sorted(group) for group in groups]
 
 
-def is_noise(column: Column) -> bool:
+def is_noise(column: ThetaColumn) -> bool:
     """Whether it is a part of what `mutate` adds."""
     return column.owner is not None and column.owner[1].startswith("noise.")
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.inverse.wishes import Wish
 from scenic_lite.scene.naming import title_of
-from scenic_lite.values.graph import Random, columns_of
+from scenic_lite.values.graph import RandomExpr, columns_of
 
 if TYPE_CHECKING:
     from scenic_lite.inverse.wishes import Subjects
@@ -59,7 +59,7 @@ class Refusals:
         which = f" in scene {row}" if len(missed) > 1 else ""
         message = f"no θ gives {self._subject(wishes[first])} {asked}{which}"
         broken = [w for w in family if missed[row, w]]
-        fixed = [w for w in broken if not isinstance(wishes[w].node, Random)]
+        fixed = [w for w in broken if not isinstance(wishes[w].node, RandomExpr)]
         place = wishes[first].place
         if fixed:
             return self.program.error(
@@ -71,7 +71,7 @@ class Refusals:
             hint = f"as far as the rest allows, {names} can give {shown([reached[w] for w in family])}"
         return self.program.error("value", message, at or place, hint)
 
-    def _reason(self, wishes: list[Wish], wanted: np.ndarray) -> tuple[str, Place | None]:
+    def _reason(self, wishes: list[Wish], wanted: np.ndarray) -> tuple[str, SourceSpan | None]:
         """A draw that would have to lie outside its limits."""
         for draw in self._draws(wishes):
             theta = wanted[self.program.draws.index(draw)]
@@ -103,7 +103,7 @@ class Refusals:
             return f"{wish.part} the value"
         return f"{self.titles[wish.owner]} the {wish.part}"
 
-    def _line(self, place: Place) -> str:
+    def _line(self, place: SourceSpan) -> str:
         return f"line {place.line}" if place.file == self.program.file else f"{place.file}, line {place.line}"
 
 

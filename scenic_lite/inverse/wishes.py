@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.scope import near
-from scenic_lite.core.types import BehaviorCall, Choice, Instance
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.scenes import Scenes, part_of, row_of
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Column, Random, Value, is_number, kind_of
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, is_number, kind_of
 from scenic_lite.values.regions import Region
 
 CLOSE = 1e-6  # relative, from 1 on: two values that agree so far are the same
@@ -32,7 +32,7 @@ class Wish(NamedTuple):
     values: Any
     owner: int | None
     part: str
-    place: Place
+    place: SourceSpan
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Subjects:
     file: str
     instances: list[Instance]
     params: dict[str, Value]
-    param_places: dict[str, Place]
-    draws: dict[str, Column]
+    param_places: dict[str, SourceSpan]
+    draws: dict[str, ThetaColumn]
 
     def named(self, key: Any) -> int | None:
         """The index of an object by its index, its label, `ego`, or its class if it is the only one of it."""
@@ -130,7 +130,7 @@ class Asked:
 
     subjects: Subjects
     owner: int | None
-    place: Place
+    place: SourceSpan
 
     @property
     def instance(self) -> Instance:
@@ -183,11 +183,11 @@ class Asked:
         return [self._wish(part, node, data) for node, data in self._leaves(part, value, wanted)]
 
     def _leaves(self, part: str, value: Value, wanted: Any) -> Iterator[tuple[Value, Any]]:
-        if isinstance(value, Random) or is_number(value) or isinstance(value, str | bool):
+        if isinstance(value, RandomExpr) or is_number(value) or isinstance(value, str | bool):
             yield value, wanted
         elif isinstance(value, Vector):
             yield from zip((value.x, value.y), self._coordinates(wanted, (2,)), strict=True)
-        elif isinstance(value, Choice):
+        elif isinstance(value, RandomChoice):
             yield value.index, self._chosen(part, value, wanted)
         elif isinstance(value, Instance):
             if not any(value is each for each in self.subjects.instances):
@@ -202,7 +202,7 @@ class Asked:
         elif wanted is not None and not isinstance(value, Region | BehaviorCall | list | tuple | None):
             raise ScenicError("type", f"{part} cannot be asked for: {value!r}", self.place)
 
-    def _chosen(self, part: str, choice: Choice, wanted: Any) -> Any:
+    def _chosen(self, part: str, choice: RandomChoice, wanted: Any) -> Any:
         """The index of the option in each row; nan where more than one may be meant."""
         data = wanted if isinstance(wanted, np.ndarray) and wanted.dtype == object else np.array([wanted, None])[:-1]
         options = [self._shown(option) for option in choice.options]
@@ -224,7 +224,7 @@ class Asked:
             return (option.x, option.y) if option.fixed else None
         if isinstance(option, list | tuple):
             return type(option)(self._shown(each) for each in option)
-        return None if isinstance(option, Random | Choice | dict) else option
+        return None if isinstance(option, RandomExpr | RandomChoice | dict) else option
 
     def _coordinates(self, wanted: Any, lengths: tuple[int, ...]) -> list[Any]:
         parts = wanted.T if isinstance(wanted, np.ndarray) and wanted.ndim == 2 else wanted

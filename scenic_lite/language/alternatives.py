@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import ast
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Behavior, BehaviorCall, Choice
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Behavior, BehaviorCall, RandomChoice
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 
-def one_behavior(frame: Frame, node: ast.expr, value: Value) -> Value:
+def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
     """A drawn behavior as the behavior `A or B(chosen): do chosen`; any other value as it is."""
-    if not isinstance(value, Choice) or not all(isinstance(each, BehaviorCall) for each in value.options):
+    if not isinstance(value, RandomChoice) or not all(isinstance(each, BehaviorCall) for each in value.options):
         return value
     name = " or ".join(dict.fromkeys(each.behavior.name for each in value.options))
     do = nodes.Do([ast.Name("chosen", ast.Load())], "all", None, None, None, None)
@@ -23,4 +23,4 @@ def one_behavior(frame: Frame, node: ast.expr, value: Value) -> Value:
     tree = nodes.Behavior(name, parameters, [], [], [do], "behavior", None)
     for each in (do, do.calls[0], tree):
         ast.copy_location(each, node)
-    return BehaviorCall(Behavior(name, tree, (), {}, frame), {"chosen": value}, frame.place(node))
+    return BehaviorCall(Behavior(name, tree, (), {}, scope), {"chosen": value}, scope.place(node))

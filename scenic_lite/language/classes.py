@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 
-from scenic_lite.core.types import BehaviorCall, Choice, Default, Instance, ScenicClass, describe_kind
+from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
-from scenic_lite.values.graph import OR, Random, Value, apply, is_number
+from scenic_lite.values.graph import OR, RandomExpr, Value, apply, is_number
 from scenic_lite.values.regions import SectorRegion, truth_of
 
 
@@ -95,15 +95,15 @@ def as_heading(value: Value) -> Value:
         return value
     if is_oriented(value):
         return value.properties["heading"]
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         headings = [as_heading(option) for option in value.options]
-        return None if any(heading is None for heading in headings) else value.merged(headings)
+        return None if any(heading is None for heading in headings) else value.map_options(headings)
     return None
 
 
 def checked(name: str, value: Value, dialect: int) -> Value:
     """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
-    if name in SWITCHES and not isinstance(value, Random | Choice):
+    if name in SWITCHES and not isinstance(value, RandomExpr | RandomChoice):
         return bool(value)
     if name == "positionStdDev":
         return spread_of(value, dialect)

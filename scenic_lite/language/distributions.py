@@ -13,26 +13,26 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.scope import DrawnPoint, Frame, Requirement
-from scenic_lite.core.types import Choice, choose, describe_kind
+from scenic_lite.core.scope import DrawnPoint, Requirement, Scope
+from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector, is_scalar
-from scenic_lite.values.graph import LESS_EQUAL, Column, Operation, Random, Value, apply, is_number
+from scenic_lite.values.graph import LESS_EQUAL, Operation, RandomExpr, ThetaColumn, Value, apply, is_number
 from scenic_lite.values.regions import Filtered, Region
 
 # A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
 LEAST_PROBABILITY = 2.0**-52
 
 
-def draw_range(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
     """`Range(low, high)`: uniform; the ends in either order, themselves random or not."""
     check_numbers("Range", low, high)
-    place = frame.place(node)
+    place = scope.place(node)
     if is_number(low) and is_number(high):
         if not math.isfinite(float(high) - float(low)):
             raise ScenicError("value", f"Range({low}, {high}) has no finite length")
-        return frame.session.column("range", place, float(low), span_between(float(low), float(high)))
-    column = frame.session.column("range", place)
+        return scope.session.column("range", place, float(low), span_between(float(low), float(high)))
+    column = scope.session.column("range", place)
     column.shown = low + (high - low) * column
     column.low, column.high = math.nan, math.nan
     return column.shown
@@ -45,17 +45,17 @@ def span_between(low: float, high: float) -> float:
     return next((each for each in near if low + each == high), near[1])
 
 
-def draw_uniform(frame: Frame, node: ast.AST, *options: Value) -> Value:
+def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
     """`Uniform(a, b, ...)`: one of the values, cut evenly."""
-    if len(options) == 1 and isinstance(options[0], list | tuple | set) and frame.session.drawn is None:
-        frame.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
-    return weighted(frame, node, list(options), [1.0] * len(options))
+    if len(options) == 1 and isinstance(options[0], list | tuple | set) and scope.session.drawn is None:
+        scope.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
+    return weighted(scope, node, list(options), [1.0] * len(options))
 
 
-def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
+def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
     """`Discrete({value: weight})`: one of the values, cut by weight."""
     if isinstance(weights, list | tuple):  # as `Options` takes them
-        return draw_uniform(frame, node, *weights)
+        return draw_uniform(scope, node, *weights)
     if not isinstance(weights, dict):
         raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}")
     for option, weight in weights.items():
@@ -65,22 +65,22 @@ def draw_discrete(frame: Frame, node: ast.AST, weights: Value) -> Value:
             fault = "negative" if weight < 0 else "not finite"
             raise ScenicError("value", f"the weight {weight} of {option!r} in Discrete is {fault}")
     kept = {option: float(weight) for option, weight in weights.items() if weight > 0}
-    return weighted(frame, node, list(kept), list(kept.values()))
+    return weighted(scope, node, list(kept), list(kept.values()))
 
 
-def weighted(frame: Frame, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
+def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """One of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if frame.session.drawn is None else "rejection"  # of the episode (spec section 7)
+        kind = "value" if scope.session.drawn is None else "rejection"  # of the episode (spec section 7)
         raise ScenicError(kind, "a choice among no values")
-    column = frame.session.column("choice", frame.place(node))
+    column = scope.session.column("choice", scope.place(node))
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
-    index = Random(Cut(shares[:-1]), (column,))
+    index = RandomExpr(Cut(shares[:-1]), (column,))
     column.low, column.high = 0.0, float(len(options) - 1)
     value = choose(index, options)
-    column.shown = value if isinstance(value, Random) else index
-    if not isinstance(value, Random):
+    column.shown = value if isinstance(value, RandomExpr) else index
+    if not isinstance(value, RandomExpr):
         column.options = tuple(options)
     return value
 
@@ -95,41 +95,41 @@ class Cut:
         return np.searchsorted(self.bounds, uniform, side="right")
 
 
-def draw_integers(frame: Frame, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
+def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
     """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight."""
     check_numbers("DiscreteRange", low, high)
     if not (is_number(low) and is_number(high)):
-        return integers_between(frame, node, low, high)
+        return integers_between(scope, node, low, high)
     first, last = math.ceil(low), math.floor(high)
     if last < first:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
     if weights is not None:
-        return weighted_integers(frame, node, range(first, last + 1), weights)
-    column = frame.session.column("integers", frame.place(node))
-    column.shown = Random(Integers(first, last - first + 1), (column,))
+        return weighted_integers(scope, node, range(first, last + 1), weights)
+    column = scope.session.column("integers", scope.place(node))
+    column.shown = RandomExpr(Integers(first, last - first + 1), (column,))
     column.low, column.high = float(first), float(last)
     return column.shown
 
 
-def integers_between(frame: Frame, node: ast.AST, low: Value, high: Value) -> Value:
+def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
     """As `draw_integers` with random ends; a scene whose range is empty is rejected."""
-    column = frame.session.column("integers", frame.place(node))
+    column = scope.session.column("integers", scope.place(node))
     first, last = apply(CEILING, low), apply(FLOOR, high)
     filled = apply(LESS_EQUAL, first, last, kind="truth")
-    frame.session.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
-    column.shown = Random(integer_between, (column, first, last))
+    scope.session.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
+    column.shown = RandomExpr(integer_between, (column, first, last))
     column.low, column.high = math.nan, math.nan
     return column.shown
 
 
-def weighted_integers(frame: Frame, node: ast.AST, integers: range, weights: Value) -> Value:
+def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Value) -> Value:
     """One of the integers, each with its weight."""
     if not isinstance(weights, list | tuple) or len(weights) != len(integers):
         found = describe_kind(weights)
         raise ScenicError(
             "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {found}"
         )
-    return draw_discrete(frame, node, dict(zip(integers, weights, strict=True)))
+    return draw_discrete(scope, node, dict(zip(integers, weights, strict=True)))
 
 
 def integer_between(uniform: Any, first: Any, last: Any) -> Any:
@@ -151,102 +151,102 @@ class Integers:
         return self.first + np.minimum((uniform * self.count).astype(np.int64), self.count - 1)
 
 
-def draw_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value) -> Value:
+def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Value:
     """`Normal(mean, standard deviation)`, cut beyond eight standard deviations."""
     check_numbers("Normal", mean, spread)
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
-    column = frame.session.column("normal", frame.place(node))
+    column = scope.session.column("normal", scope.place(node))
     column.low, column.high = -math.inf, math.inf
-    column.shown = mean + spread * Random(normal_quantile, (column,))
+    column.shown = mean + spread * RandomExpr(normal_quantile, (column,))
     return column.shown
 
 
-def draw_truncated_normal(frame: Frame, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
+def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
     """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value given that it lies in [low, high]."""
     check_numbers("TruncatedNormal", mean, spread, low, high)
     if not (is_number(low) and is_number(high)):
         raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
     if not low < high:
         raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
-    column = frame.session.column("normal", frame.place(node))
+    column = scope.session.column("normal", scope.place(node))
     column.low, column.high = float(low), float(high)
     start, end = apply(NORMAL_SHARE, (low - mean) / spread), apply(NORMAL_SHARE, (high - mean) / spread)
-    raw = mean + spread * Random(normal_quantile, (start + (end - start) * column,))
-    column.shown = Random(np.clip, (raw, float(low), float(high)))
+    raw = mean + spread * RandomExpr(normal_quantile, (start + (end - start) * column,))
+    column.shown = RandomExpr(np.clip, (raw, float(low), float(high)))
     return column.shown
 
 
-def point_in(frame: Frame, node: ast.AST, region: Value) -> tuple[Vector, Value]:
+def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]:
     """A uniform point of a region (one column or two), and the region's heading there or None."""
-    options = region.options if isinstance(region, Choice) else (region,)
+    options = region.options if isinstance(region, RandomChoice) else (region,)
     count = max(option.columns for option in options)
     scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
     axes = ("point.x", "point.y") if count == 2 else ("point.along",)
-    place = frame.place(node)
-    columns = [frame.session.column(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
-    if isinstance(region, Choice):
+    place = scope.place(node)
+    columns = [scope.session.column(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
+    if isinstance(region, RandomChoice):
         points, headings = zip(*(point_for(option, columns) for option in options), strict=True)
-        point, heading = region.merged(list(points)), None
+        point, heading = region.map_options(list(points)), None
         if all(each is not None for each in headings):
-            heading = region.merged(list(headings))
+            heading = region.map_options(list(headings))
     else:
         point = region.point(columns[0], columns[-1])
         heading = region.heading_of(point, columns[0])
     if isinstance(region, Region):
-        frame.session.points.append(DrawnPoint(region, tuple(columns), point))
+        scope.session.points.append(DrawnPoint(region, tuple(columns), point))
     if count == 2:
         show_coordinates(columns, point, region.bounds() if isinstance(region, Region) else None)
     if isinstance(region, Filtered):
         label = "a point passes its region's test"
-        frame.session.requirements.append(Requirement(label, place, region.test(point)))
+        scope.session.requirements.append(Requirement(label, place, region.test(point)))
     return point, heading
 
 
-def point_for(region: Region, uniforms: list[Column]) -> tuple[Vector, Value]:
+def point_for(region: Region, uniforms: list[ThetaColumn]) -> tuple[Vector, Value]:
     """The point of a region for unscaled uniform numbers."""
     scaled = [offset + span * u for (offset, span), u in zip(region.scales(), uniforms, strict=False)]
     point = region.point(scaled[0], scaled[-1])
     return point, region.heading_of(point, scaled[0])
 
 
-def show_coordinates(columns: list[Column], point: Vector, bounds: tuple[float, ...] | None) -> None:
+def show_coordinates(columns: list[ThetaColumn], point: Vector, bounds: tuple[float, ...] | None) -> None:
     """A person thinks of the point's coordinates, not of the numbers that it is made of."""
     low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
     for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
         column.shown, column.low, column.high = shown, low, high
 
 
-def resample(frame: Frame, node: ast.AST, value: Value) -> Value:
+def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself, or is fixed."""
-    drawn = value.index if isinstance(value, Choice) else value
-    if not isinstance(drawn, Random | Vector):
+    drawn = value.index if isinstance(value, RandomChoice) else value
+    if not isinstance(drawn, RandomExpr | Vector):
         return value
-    for column in frame.session.columns:
+    for column in scope.session.columns:
         if column.shown is drawn:
-            return choice_like(value, redrawn(frame, node, column))
+            return choice_like(value, redrawn(scope, node, column))
     raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
 
 
-def choice_like(value: Value, drawn: Random) -> Value:
+def choice_like(value: Value, drawn: RandomExpr) -> Value:
     """The value itself, or the same choice by another index."""
-    return choose(drawn, value.options) if isinstance(value, Choice) else drawn
+    return choose(drawn, value.options) if isinstance(value, RandomChoice) else drawn
 
 
-def redrawn(frame: Frame, node: ast.AST, column: Column) -> Random:
+def redrawn(scope: Scope, node: ast.AST, column: ThetaColumn) -> RandomExpr:
     """What `column` shows, computed from a new column; other random values in it stay the same."""
-    fresh = frame.session.column(column.draw_kind, frame.place(node), column.offset, column.span)
+    fresh = scope.session.column(column.draw_kind, scope.place(node), column.offset, column.span)
     fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
     fresh.shown = replaced(column.shown, {id(column): fresh})
     return fresh.shown
 
 
-def replaced(value: Random, known: dict[int, Random]) -> Random:
+def replaced(value: RandomExpr, known: dict[int, RandomExpr]) -> RandomExpr:
     """A copy of a value whose inputs are replaced by what is known for them."""
     if id(value) not in known:
-        parts = [replaced(each, known) if isinstance(each, Random) else each for each in value.inputs]
+        parts = [replaced(each, known) if isinstance(each, RandomExpr) else each for each in value.inputs]
         same = all(a is b for a, b in zip(parts, value.inputs, strict=True))
-        known[id(value)] = value if same else Random(value.operation, tuple(parts), value.kind)
+        known[id(value)] = value if same else RandomExpr(value.operation, tuple(parts), value.kind)
     return known[id(value)]
 
 

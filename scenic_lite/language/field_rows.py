@@ -12,20 +12,20 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.per_sample import ByRow, body_of, definitions_in, reached
-from scenic_lite.core.scope import Frame, in_row
+from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.scene.scenes import randoms_in
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Column, Random, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 
 def heading_by_row(
-    frame: Frame, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
-) -> Random:
+    scope: Scope, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
+) -> RandomExpr:
     """What a function of the program says at a random point, called once for each sample."""
-    pending = [(part.frame, each) for part in definitions_in(function) for each in body_of(part)]
+    pending = [(part.scope, each) for part in definitions_in(function) for each in body_of(part)]
     columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
-    result = Random(HeadingByRow(frame, node, function, columns, heading), (point.x, point.y, *columns))
-    frame.watch(result)
+    result = RandomExpr(HeadingByRow(scope, node, function, columns, heading), (point.x, point.y, *columns))
+    scope.watch(result)
     return result
 
 
@@ -34,13 +34,13 @@ class HeadingByRow(ByRow):
 
     def __init__(
         self,
-        frame: Frame,
+        scope: Scope,
         node: ast.AST,
         function: Value,
-        columns: tuple[Column, ...],
+        columns: tuple[ThetaColumn, ...],
         heading: Callable[[Value], Value],
     ) -> None:
-        super().__init__(frame, node, columns)
+        super().__init__(scope, node, columns)
         self.function, self.heading = function, heading
 
     def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
@@ -53,5 +53,5 @@ class HeadingByRow(ByRow):
         return self.in_scene(draws, lambda: self._asked(x, y), float("nan"))
 
     def _asked(self, x: float, y: float) -> Value:
-        result = self.heading(self.frame.call(self.function, [Vector(x, y)], {}, self.node))
-        return in_row(result, self.frame.session.row or {})
+        result = self.heading(self.scope.call(self.function, [Vector(x, y)], {}, self.node))
+        return in_row(result, self.scope.session.row or {})

@@ -14,19 +14,19 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.paths import Walks
-from scenic_lite.core.scope import Frame
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.core.scope import Scope
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.field_rows import heading_by_row
 from scenic_lite.values.geometry import Vector, is_scalar
-from scenic_lite.values.graph import WHERE, Column, Random, Tape, Value, apply, columns_of, is_number
+from scenic_lite.values.graph import WHERE, RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
 from scenic_lite.values.regions import Region, VectorField
 
 MOST_STEPS = 1000
-UNPLACED = Place("", 1, 0, 1, 1)  # of the stand-ins for a point under way
+UNPLACED = SourceSpan("", 1, 0, 1, 1)  # of the stand-ins for a point under way
 MOST_OPERATIONS = 100_000  # of one field
 
 
-def field_of(frame: Frame, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
+def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
     """A field given by a function of the program, which may branch on the point.
 
     `heading` checks what the function gives.
@@ -34,16 +34,16 @@ def field_of(frame: Frame, node: ast.AST, name: str, function: Value, heading: C
 
     def heading_at(point: Vector) -> Value:
         try:
-            return heading(frame.call(function, [point], {}, node))
+            return heading(scope.call(function, [point], {}, node))
         except ScenicError as error:
             if point.fixed or error.kind not in ("random-control-flow", "type"):
                 raise
         try:
-            return Walks(frame.session, lambda: heading(frame.call(function, [point], {}, node))).result()
+            return Walks(scope.session, lambda: heading(scope.call(function, [point], {}, node))).result()
         except ScenicError as error:
             if error.kind != "random-control-flow":
                 raise
-        return heading_by_row(frame, node, function, point, heading)
+        return heading_by_row(scope, node, function, point, heading)
 
     return VectorField(name, heading_at)
 
@@ -110,7 +110,7 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
     point = start
     for _ in range(steps):
         heading = field.heading_at(point)
-        if isinstance(heading, Random):
+        if isinstance(heading, RandomExpr):
             return followed(field, start, distance)
         point = point + Vector(0.0, distance / steps).rotated(heading)
     return point
@@ -119,8 +119,8 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
 def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
     """The same in every scene; one node, however many steps."""
     walk = Walk(field)
-    end = Random(walk, (start.x, start.y, distance, *walk.others), "any")
-    return Vector(Random(walk.x_of, (end,)), Random(walk.y_of, (end,)))
+    end = RandomExpr(walk, (start.x, start.y, distance, *walk.others), "any")
+    return Vector(RandomExpr(walk.x_of, (end,)), RandomExpr(walk.y_of, (end,)))
 
 
 def steps_of(field: VectorField, distance: Any) -> Any:
@@ -136,7 +136,7 @@ class Walk:
 
     def __init__(self, field: VectorField) -> None:
         self.field = field
-        self.here = [Column("range", UNPLACED), Column("range", UNPLACED)]
+        self.here = [ThetaColumn("range", UNPLACED), ThetaColumn("range", UNPLACED)]
         self.heading = field.heading_at(Vector(*self.here))
         others = [each for each in columns_of(self.heading) if not any(each is own for own in self.here)]
         self.others = tuple(others)
@@ -145,7 +145,7 @@ class Walk:
     @cached_property
     def tape(self) -> Tape | None:
         """Made when all is loaded, since `pruning` changes nodes."""
-        return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, Random) else None
+        return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, RandomExpr) else None
 
     def __call__(self, x: Any, y: Any, distance: Any, *others: Any) -> tuple[Any, Any]:
         rows = [each.astype(float) for each in np.broadcast_arrays(x, y, distance, *others)]

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from copy import copy
 from typing import Any
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Builtin, Choice, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Builtin, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import as_heading
 from scenic_lite.language.fields import cells_field, field_of, patchwork
@@ -55,7 +55,7 @@ def size(name: str, value: Value) -> Value:
 
 
 def polygon(
-    frame: Frame,
+    scope: Scope,
     node: ast.AST,
     points: Value = None,
     polygon: Value = None,
@@ -66,8 +66,8 @@ def polygon(
     """By its corners, or of the shape of other regions (`polygon=other.polygons`)."""
     field = field_or_none(orientation)
     if polygon is not None:
-        return reshaped(frame, node, polygon, field)
-    corners = corners_of(frame, node, points, 3, "a polygon")
+        return reshaped(scope, node, polygon, field)
+    corners = corners_of(scope, node, points, 3, "a polygon")
     if all(corner.fixed for corner in corners):
         return polygon_through(fixed(corners), field)
     from scenic_lite.values import shapes
@@ -76,11 +76,11 @@ def polygon(
     return ShapeRegion(apply(shapes.POLYGON, *numbers, kind="any"), field)
 
 
-def reshaped(frame: Frame, node: ast.AST, source: Value, orientation: VectorField | None) -> Region:
+def reshaped(scope: Scope, node: ast.AST, source: Value, orientation: VectorField | None) -> Region:
     """The area of one or several regions, with another orientation."""
     from scenic_lite.values import algebra
 
-    parts = [source] if isinstance(source, Region) else frame.elements(source, node)
+    parts = [source] if isinstance(source, Region) else scope.elements(source, node)
     for part in parts:
         if not (isinstance(part, Region) and part.dimension == 2):
             raise ScenicError("type", f"polygon= takes the polygons of a region, not {describe_kind(part)}")
@@ -91,7 +91,7 @@ def reshaped(frame: Frame, node: ast.AST, source: Value, orientation: VectorFiel
 
 
 def polyline(
-    frame: Frame,
+    scope: Scope,
     node: ast.AST,
     points: Value = None,
     polyline: Value = None,
@@ -104,14 +104,14 @@ def polyline(
         if not isinstance(polyline, PolylineRegion):
             raise ScenicError("type", f"polyline= takes a polyline, not {describe_kind(polyline)}")
         return PolylineRegion([chain.tolist() for chain in polyline.chains], field)
-    corners = corners_of(frame, node, points, 2, "a polyline")
+    corners = corners_of(scope, node, points, 2, "a polyline")
     if not all(corner.fixed for corner in corners):
         raise ScenicError("unsupported", "the points of a polyline must not be random")
     return PolylineRegion([fixed(corners)], field)
 
 
 def point_set(
-    frame: Frame,
+    scope: Scope,
     node: ast.AST,
     name: Value,
     points: Value,
@@ -119,17 +119,17 @@ def point_set(
     orientation: Value = None,
     tolerance: Value = NEAR,
 ) -> Region:
-    places = corners_of(frame, node, points, 1, "a set of points")
+    places = corners_of(scope, node, points, 1, "a set of points")
     if not all(place.fixed for place in places):
         raise ScenicError("unsupported", "the points of this region must not be random")
     return PointSetRegion(fixed(places), field_or_none(orientation), fixed_number("tolerance", tolerance))
 
 
-def grid(frame: Frame, node: ast.AST, name: Value, grid: Value, *steps: Value, orientation: Value = None) -> Region:
+def grid(scope: Scope, node: ast.AST, name: Value, grid: Value, *steps: Value, orientation: Value = None) -> Region:
     """`GridRegion(name, grid, Ax, Ay, Bx, By)`: rows of 0 (free) and 1 (obstacle), spacing and lowest left point."""
     if len(steps) not in (4, 5):
         raise ScenicError("type", "a grid needs its spacing and its lowest left point", hint="write Ax, Ay, Bx, By")
-    rows = [frame.elements(row, node) for row in frame.elements(grid, node)]
+    rows = [scope.elements(row, node) for row in scope.elements(grid, node)]
     if not rows or len({len(row) for row in rows}) != 1 or not all(is_number(cell) for row in rows for cell in row):
         raise ScenicError("value", "a grid is a list of rows of numbers, all of one length")
     ax, ay, bx, by = (fixed_number("spacing", step) for step in steps[:4])
@@ -148,9 +148,9 @@ def workspace(region: Value = None) -> Region:
 
 
 def vector_field(
-    frame: Frame, node: ast.AST, name: Value, value: Value, minSteps: Value = 4, defaultStepSize: Value = 5
+    scope: Scope, node: ast.AST, name: Value, value: Value, minSteps: Value = 4, defaultStepSize: Value = 5
 ) -> VectorField:
-    field = field_of(frame, node, str(name), value, heading_for(frame))
+    field = field_of(scope, node, str(name), value, heading_for(scope))
     least = fixed_number("least number of steps", minSteps)
     if not 1 <= least <= 1000:
         raise ScenicError("value", f"a field is followed in 1 to 1000 steps, not {least}")
@@ -162,7 +162,7 @@ def vector_field(
 
 
 def polygonal_field(
-    frame: Frame,
+    scope: Scope,
     node: ast.AST,
     name: Value,
     cells: Value,
@@ -170,25 +170,25 @@ def polygonal_field(
     defaultHeading: Value = None,
 ) -> VectorField:
     """A heading for each cell, or a function for cells without one; `defaultHeading` outside all."""
-    pairs = [cell_of(frame, node, cell) for cell in frame.elements(cells, node)]
+    pairs = [cell_of(scope, node, cell) for cell in scope.elements(cells, node)]
     default = None if defaultHeading is None else number(defaultHeading)
     if headingFunction is None and default is None and any(heading is None for _, heading in pairs):
         raise ScenicError("value", "a cell of the field has no heading", hint="give it one, or a headingFunction")
     if headingFunction is None:
         return cells_field(str(name), pairs, lambda point: default, default)
-    inner = field_of(frame, node, str(name), headingFunction, heading_for(frame))
+    inner = field_of(scope, node, str(name), headingFunction, heading_for(scope))
     return cells_field(str(name), pairs, inner.heading_at, default)
 
 
-def cell_of(frame: Frame, node: ast.AST, cell: Value) -> tuple[Region, Value]:
-    parts = frame.elements(cell, node)
+def cell_of(scope: Scope, node: ast.AST, cell: Value) -> tuple[Region, Value]:
+    parts = scope.elements(cell, node)
     if len(parts) != 2 or not isinstance(parts[0], Region):
         raise ScenicError("type", "a cell of a field is a pair of a region and a heading")
     return parts[0], None if parts[1] is None else number(parts[1])
 
 
 def piecewise_field(
-    frame: Frame,
+    scope: Scope,
     node: ast.AST,
     name: Value,
     regions: Value,
@@ -196,7 +196,7 @@ def piecewise_field(
     defaultHeading: Value = None,
 ) -> VectorField:
     """The orientation of the first region that holds the point."""
-    parts = frame.elements(regions, node)
+    parts = scope.elements(regions, node)
     for part in parts:
         if not isinstance(part, Region):
             raise ScenicError("type", f"the field is patched of regions, not {describe_kind(part)}")
@@ -223,9 +223,9 @@ def number(value: Value) -> Value:
     return heading
 
 
-def heading_for(frame: Frame) -> Callable[[Value], Value]:
+def heading_for(scope: Scope) -> Callable[[Value], Value]:
     """What a field's function gives, as a heading: dialect 3 normalises it."""
-    return number if frame.session.dialect == 2 else lambda value: normalised(number(value))
+    return number if scope.session.dialect == 2 else lambda value: normalised(number(value))
 
 
 def fixed_number(what: str, value: Value) -> float:
@@ -242,11 +242,11 @@ def field_or_none(value: Value) -> VectorField | None:
     raise ScenicError("type", f"an orientation is a vector field, not {describe_kind(value)}")
 
 
-def corners_of(frame: Frame, node: ast.AST, points: Value, least: int, what: str) -> list[Vector]:
+def corners_of(scope: Scope, node: ast.AST, points: Value, least: int, what: str) -> list[Vector]:
     """Any number of points, of two coordinates or three. Raises ScenicError if there are too few."""
-    if points is None or isinstance(points, Choice | Region):
+    if points is None or isinstance(points, RandomChoice | Region):
         raise ScenicError("type", f"{what} is given by a list of points, not {describe_kind(points)}")
-    elements = frame.elements(points, node)
+    elements = scope.elements(points, node)
     if len(elements) < least:
         raise ScenicError("value", f"{what} needs {least} points or more, not {len(elements)}")
     if len(elements) > MOST_CORNERS:
@@ -270,23 +270,25 @@ def plain(name: str, function: Any, *types: type) -> Builtin:
     return Builtin(name, function, types=types)
 
 
-def sited(name: str, function: Any, *types: type) -> Builtin:
-    return Builtin(name, function, sited=True, types=types, lifted=False)
+def needs_context(name: str, function: Any, *types: type) -> Builtin:
+    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
 
 
 REGIONS: dict[str, Value] = {
     "RectangularRegion": plain("RectangularRegion", rectangle, RectangularRegion),
     "CircularRegion": plain("CircularRegion", disc, SectorRegion),
     "SectorRegion": plain("SectorRegion", sector, SectorRegion),
-    "PolygonalRegion": sited("PolygonalRegion", polygon, PolygonalRegion, ShapeRegion, RectangularRegion, SectorRegion),
-    "PolylineRegion": sited("PolylineRegion", polyline, PolylineRegion),
-    "PointSetRegion": sited("PointSetRegion", point_set, PointSetRegion),
-    "GridRegion": sited("GridRegion", grid, GridRegion),
+    "PolygonalRegion": needs_context(
+        "PolygonalRegion", polygon, PolygonalRegion, ShapeRegion, RectangularRegion, SectorRegion
+    ),
+    "PolylineRegion": needs_context("PolylineRegion", polyline, PolylineRegion),
+    "PointSetRegion": needs_context("PointSetRegion", point_set, PointSetRegion),
+    "GridRegion": needs_context("GridRegion", grid, GridRegion),
     "Region": plain("Region", workspace, Region),
     "Workspace": plain("Workspace", workspace, Region),
-    "VectorField": sited("VectorField", vector_field, VectorField),
-    "PolygonalVectorField": sited("PolygonalVectorField", polygonal_field, VectorField),
-    "PiecewiseVectorField": sited("PiecewiseVectorField", piecewise_field, VectorField),
+    "VectorField": needs_context("VectorField", vector_field, VectorField),
+    "PolygonalVectorField": needs_context("PolygonalVectorField", polygonal_field, VectorField),
+    "PiecewiseVectorField": needs_context("PiecewiseVectorField", piecewise_field, VectorField),
     "everywhere": Everywhere(),
     "nowhere": Nowhere(),
 }

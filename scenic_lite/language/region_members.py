@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.builtin_tables import own, sited
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.builtin_tables import needs_context, own
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, Instance, describe_kind
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import ORIENTED_POINT, is_object, outline
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import along, patchwork
@@ -44,24 +44,24 @@ def contains_region(self: Region, reg: Value, tolerance: Value = 0) -> Value:
     return algebra.holds(self, region(reg), fixed_number("tolerance", tolerance))
 
 
-def intersect(frame: Frame, node: Any, self: Region, other: Value) -> Region:
+def intersect(scope: Scope, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite.values import algebra
 
-    frame.session.budget.spend(COST)
-    return algebra.common_part(self, region(other), frame.session.dialect)
+    scope.session.budget.spend(COST)
+    return algebra.common_part(self, region(other), scope.session.dialect)
 
 
-def difference(frame: Frame, node: Any, self: Region, other: Value) -> Region:
+def difference(scope: Scope, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite.values import algebra
 
-    frame.session.budget.spend(COST)
+    scope.session.budget.spend(COST)
     return algebra.remainder(self, region(other))
 
 
-def union(frame: Frame, node: Any, self: Region, other: Value, buf: Value = 0) -> Region:
+def union(scope: Scope, node: Any, self: Region, other: Value, buf: Value = 0) -> Region:
     from scenic_lite.values import algebra
 
-    frame.session.budget.spend(COST)
+    scope.session.budget.spend(COST)
     return algebra.union(self, region(other))
 
 
@@ -71,10 +71,10 @@ def intersects(self: Region, other: Value) -> Value:
     return algebra.meet(self, region(other))
 
 
-def buffer(frame: Frame, node: Any, self: Region, amount: Value) -> Region:
+def buffer(scope: Scope, node: Any, self: Region, amount: Value) -> Region:
     from scenic_lite.values import algebra
 
-    frame.session.budget.spend(COST)
+    scope.session.budget.spend(COST)
     return algebra.grown(self, number(amount))
 
 
@@ -112,21 +112,21 @@ def point_along(self: Region, distance: Value, normalized: bool = False) -> Vect
     return line(self).along(number(distance), normalized)
 
 
-def spaced_points(frame: Frame, node: Any, self: Region, num: Value) -> list[Vector]:
+def spaced_points(scope: Scope, node: Any, self: Region, num: Value) -> list[Vector]:
     count = fixed_number("number of points", num)
-    return points_at(frame, self, np.linspace(0, line(self).length, int(limited(count))))
+    return points_at(scope, self, np.linspace(0, line(self).length, int(limited(count))))
 
 
-def separated_points(frame: Frame, node: Any, self: Region, distance: Value) -> list[Vector]:
+def separated_points(scope: Scope, node: Any, self: Region, distance: Value) -> list[Vector]:
     gap = fixed_number("distance", distance)
     if not gap > 0:
         raise ScenicError("value", f"the distance between points must be positive, not {gap}")
     limited(line(self).length / gap)
-    return points_at(frame, self, np.arange(0, line(self).length, gap))
+    return points_at(scope, self, np.arange(0, line(self).length, gap))
 
 
-def points_at(frame: Frame, self: Region, distances: Any) -> list[Vector]:
-    frame.session.budget.container(len(distances))
+def points_at(scope: Scope, self: Region, distances: Any) -> list[Vector]:
+    scope.session.budget.container(len(distances))
     return [line(self).along(float(distance)) for distance in distances]
 
 
@@ -160,26 +160,26 @@ def follow_from(self: VectorField, pos: Value, dist: Value, steps: Value = None,
 # ------------------------------------------------------------ of classes
 
 
-def union_all(frame: Frame, node: Any, regions: Value, buf: Value = 0) -> Region:
+def union_all(scope: Scope, node: Any, regions: Value, buf: Value = 0) -> Region:
     from scenic_lite.values import algebra
 
-    return algebra.union_of(region(each) for each in frame.elements(regions, node))
+    return algebra.union_of(region(each) for each in scope.elements(regions, node))
 
 
-def chain_all(frame: Frame, node: Any, regions: Value) -> Region:
+def chain_all(scope: Scope, node: Any, regions: Value) -> Region:
     """Several polylines as one."""
-    parts = [line(region(each)) for each in frame.elements(regions, node)]
+    parts = [line(region(each)) for each in scope.elements(regions, node)]
     if not parts:
         return Nowhere()
     return PolylineRegion([chain.tolist() for part in parts for chain in part.chains])
 
 
-def uniform_point(frame: Frame, node: Any, region: Value) -> Vector:
-    return point_in(frame, node, region)[0]
+def uniform_point(scope: Scope, node: Any, region: Value) -> Vector:
+    return point_in(scope, node, region)[0]
 
 
-def field_of_union(frame: Frame, node: Any, regions: Value, tolerance: Value = 0) -> VectorField | None:
-    return patchwork([region(each) for each in frame.elements(regions, node)])
+def field_of_union(scope: Scope, node: Any, regions: Value, tolerance: Value = 0) -> VectorField | None:
+    return patchwork([region(each) for each in scope.elements(regions, node)])
 
 
 # ------------------------------------------------------------ attributes
@@ -238,7 +238,7 @@ def end_of(self: Region, last: bool) -> Instance:
         heading = 0.0 if chain.orientation is None else chain.orientation.heading_at(place)
     properties: dict[str, Value] = {"position": place, "heading": heading, "width": 0.0, "length": 0.0}
     properties |= {"visibleDistance": 50.0, "viewAngle": 2 * np.pi}
-    return Instance(ORIENTED_POINT, Place("", 1, 0, 1, 1), properties=properties)
+    return Instance(ORIENTED_POINT, SourceSpan("", 1, 0, 1, 1), properties=properties)
 
 
 def segments(self: Region) -> list:
@@ -293,9 +293,9 @@ REGION_METHODS = own(
     project=project,
     nearestSegmentTo=nearest_segment,
     pointAlongBy=point_along,
-) | sited(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
+) | needs_context(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
 for combine in (intersect, difference, union, buffer):
-    REGION_METHODS[combine.__name__] = Builtin(combine.__name__, combine, sited=True)
+    REGION_METHODS[combine.__name__] = Builtin(combine.__name__, combine, needs_context=True)
 REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
     **{name: parameter(name) for name in ("position", "center", "heading", "width", "length", "radius", "angle")},
     "orientation": lambda self: self.orientation,
@@ -320,10 +320,10 @@ REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
     "end": lambda self: end_of(self, last=True),
 }
 CLASS_FUNCTIONS = {
-    "PolygonalRegion": sited(unionAll=union_all),
-    "PolylineRegion": sited(unionAll=chain_all),
-    "Region": sited(uniformPointIn=uniform_point),
-    "VectorField": sited(forUnionOf=field_of_union),
+    "PolygonalRegion": needs_context(unionAll=union_all),
+    "PolylineRegion": needs_context(unionAll=chain_all),
+    "Region": needs_context(uniformPointIn=uniform_point),
+    "VectorField": needs_context(forUnionOf=field_of_union),
 }
 FIELD_METHODS = own(followFrom=follow_from)
 FIELD_FIELDS: dict[str, Callable[[Any], Value]] = {"name": lambda self: self.name}

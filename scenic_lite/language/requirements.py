@@ -12,66 +12,66 @@ import math
 
 from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.per_sample import row_by_row
-from scenic_lite.core.scope import Frame, Requirement, Session, Watched
-from scenic_lite.core.types import BehaviorCall, Choice, Instance, describe_kind
+from scenic_lite.core.scope import InterpreterState, Requirement, Scope, Watched
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
 from scenic_lite.language.distributions import normal_quantile
 from scenic_lite.language.temporal import formula_of, is_temporal, possible
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector, normalised
-from scenic_lite.values.graph import Random, Value, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Value, columns_of, is_number
 
 
-def require(frame: Frame, node: nodes.Require) -> None:
+def require(scope: Scope, node: nodes.Require) -> None:
     """`require[p] condition as name`; a temporal one is watched in the episode, too."""
-    session = frame.session
+    session = scope.session
     if session.in_requirement:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
-    probability = 1.0 if node.probability is None else frame.value(node.probability)
+    probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
-        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     number = len(session.requirements)
     with session.watching.within(number):
-        condition = condition_of(frame, node.condition)
-    label = node.name or source_text(frame, node)
-    requirement = Requirement(label, frame.place(node), condition, float(probability))
-    bindings = Bindings(frame)
+        condition = condition_of(scope, node.condition)
+    label = node.name or source_text(scope, node)
+    requirement = Requirement(label, scope.place(node), condition, float(probability))
+    bindings = Bindings(scope)
     if is_temporal(node.condition):
-        session.temporal.append(Watched(node, requirement.place, frame, label, bindings))
+        session.temporal.append(Watched(node, requirement.place, scope, label, bindings))
 
     def again() -> None:
         with bindings.restored(), session.watching.within(number):
-            requirement.condition = condition_of(frame, node.condition)
+            requirement.condition = condition_of(scope, node.condition)
 
     session.requirements.append(requirement)
     session.conditions.append(again)
 
 
-def condition_of(frame: Frame, node: ast.expr) -> Value:
+def condition_of(scope: Scope, node: ast.expr) -> Value:
     """A condition over all samples at once; row by row if functions in it decide on random values."""
     if is_temporal(node):
-        return possible(formula_of(node), lambda part: condition_of(frame, part))
-    with frame.session.requiring():
+        return possible(formula_of(node), lambda part: condition_of(scope, part))
+    with scope.session.requiring():
         try:
-            condition = frame.value(node)
+            condition = scope.value(node)
         except ScenicError as error:
             if error.kind != "random-control-flow":
                 raise
-            condition = row_by_row(frame, node)
-            frame.watch(condition)
+            condition = row_by_row(scope, node)
+            scope.watch(condition)
     if isinstance(condition, BehaviorCall):
         hint = f"write require monitor {condition.behavior.name}()"
-        raise frame.error("type", "a monitor is no condition", node, hint)
-    if isinstance(condition, Choice):
-        raise frame.error("type", "the condition of a requirement must be true or false", node)
-    return condition if isinstance(condition, Random) else bool(condition)
+        raise scope.error("type", "a monitor is no condition", node, hint)
+    if isinstance(condition, RandomChoice):
+        raise scope.error("type", "the condition of a requirement must be true or false", node)
+    return condition if isinstance(condition, RandomExpr) else bool(condition)
 
 
-def source_text(frame: Frame, node: ast.AST) -> str:
+def source_text(scope: Scope, node: ast.AST) -> str:
     """The first line of a statement as the program writes it."""
-    place = frame.place(node)
-    line = frame.source.line(place.line)
+    place = scope.place(node)
+    line = scope.source.line(place.line)
     end = place.end_column if place.end_line == place.line else len(line)
     return line[place.column : end].strip()
 
@@ -79,23 +79,23 @@ def source_text(frame: Frame, node: ast.AST) -> str:
 # ------------------------------------------------------------ noise
 
 
-def mutate(frame: Frame, node: nodes.Mutate) -> None:
+def mutate(scope: Scope, node: nodes.Mutate) -> None:
     """`mutate [objects] [by scale]`: these, or all made so far, will be given noise."""
-    session = frame.session
+    session = scope.session
     if session.in_requirement:
         raise ScenicError("syntax", "`mutate` does not belong into a requirement")
-    scale = 1.0 if node.scale is None else frame.value(node.scale)
+    scale = 1.0 if node.scale is None else scope.value(node.scale)
     if not is_number(scale):
         hint = "the property mutationScale may be random"
-        raise frame.error("type", f"`mutate by` needs a fixed number, not {describe_kind(scale)}", node, hint)
-    targets = [frame.value(each) for each in node.targets] if node.targets else list(session.objects)
+        raise scope.error("type", f"`mutate by` needs a fixed number, not {describe_kind(scale)}", node, hint)
+    targets = [scope.value(each) for each in node.targets] if node.targets else list(session.objects)
     for target in targets:
         if not is_object(target):
-            raise frame.error("type", f"`mutate` needs objects, not {describe_kind(target)}", node)
+            raise scope.error("type", f"`mutate` needs objects, not {describe_kind(target)}", node)
         target.properties["mutationScale"] = scale
 
 
-def settle(session: Session) -> None:
+def settle(session: InterpreterState) -> None:
     """After the last statement: add the noise of the objects that have any, and tell the requirements."""
     noisy = [each for each in session.objects if not is_zero(each.properties["mutationScale"])]
     for instance in noisy:
@@ -113,7 +113,7 @@ def is_zero(value: Value) -> bool:
     return is_number(value) and value == 0
 
 
-def add_noise(session: Session, instance: Instance) -> None:
+def add_noise(session: InterpreterState, instance: Instance) -> None:
     """Position and heading as the scene shows them; what was computed from them keeps the values without noise."""
     properties = instance.properties
     spread = properties["positionStdDev"]
@@ -135,7 +135,7 @@ def name_coordinates(instance: Instance) -> None:
                 column.owner = (instance, axis)
 
 
-def noise(session: Session, instance: Instance, axis: str, spread: Value) -> Value:
+def noise(session: InterpreterState, instance: Instance, axis: str, spread: Value) -> Value:
     """A normal value with mean 0, one column of θ named like `ego.noise.x`."""
     spread = instance.properties["mutationScale"] * spread
     if is_zero(spread):
@@ -143,5 +143,5 @@ def noise(session: Session, instance: Instance, axis: str, spread: Value) -> Val
     with session.owned(instance, f"noise.{axis}"):
         column = session.column("normal", instance.place)
     column.low, column.high = -math.inf, math.inf
-    column.shown = spread * Random(normal_quantile, (column,))
+    column.shown = spread * RandomExpr(normal_quantile, (column,))
     return column.shown

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Choice, Delayed, Instance, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import (
     SIDES,
@@ -32,51 +32,51 @@ from scenic_lite.values.geometry import (
     normalised,
     rectangles_meet,
 )
-from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.graph import RandomExpr, Value
 from scenic_lite.values.regions import Region, VectorField, truth_of
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
 
 
-def degrees(frame: Frame, angle: Value) -> Value:
+def degrees(scope: Scope, angle: Value) -> Value:
     if not is_scalar(angle):
         raise ScenicError("type", f"`deg` follows a number, not {describe_kind(angle)}")
-    return angle * (DEGREE_OF_DIALECT_2 if frame.session.dialect == 2 else math.pi / 180)
+    return angle * (DEGREE_OF_DIALECT_2 if scope.session.dialect == 2 else math.pi / 180)
 
 
-def distance(frame: Frame, start: Value, end: Value) -> Value:
-    start = ego_of(frame) if start is None else start
-    end = ego_of(frame) if end is None else end
+def distance(scope: Scope, start: Value, end: Value) -> Value:
+    start = ego_of(scope) if start is None else start
+    end = ego_of(scope) if end is None else end
     for region, other in ((start, end), (end, start)):
         if isinstance(region, Region):
             return region.distance(vector_of("distance to", other))
     return distance_between(vector_of("distance from", start), vector_of("distance to", end))
 
 
-def angle(frame: Frame, start: Value, end: Value) -> Value:
-    start = ego_of(frame) if start is None else start
-    end = ego_of(frame) if end is None else end
+def angle(scope: Scope, start: Value, end: Value) -> Value:
+    start = ego_of(scope) if start is None else start
+    end = ego_of(scope) if end is None else end
     return angle_between(vector_of("angle from", start), vector_of("angle to", end))
 
 
-def relative_heading(frame: Frame, heading: Value, base: Value) -> Value:
-    base = ego_of(frame) if base is None else base
+def relative_heading(scope: Scope, heading: Value, base: Value) -> Value:
+    base = ego_of(scope) if base is None else base
     return normalised(heading_of("relative heading of", heading) - heading_of("relative heading ... from", base))
 
 
-def apparent_heading(frame: Frame, seen: Value, viewpoint: Value) -> Value:
-    viewpoint = ego_of(frame) if viewpoint is None else viewpoint
+def apparent_heading(scope: Scope, seen: Value, viewpoint: Value) -> Value:
+    viewpoint = ego_of(scope) if viewpoint is None else viewpoint
     line = angle_between(vector_of("apparent heading ... from", viewpoint), vector_of("apparent heading of", seen))
     return normalised(heading_of("apparent heading of", seen) - line)
 
 
-def relative_position(frame: Frame, place: Value, base: Value) -> Value:
-    base = ego_of(frame) if base is None else base
+def relative_position(scope: Scope, place: Value, base: Value) -> Value:
+    base = ego_of(scope) if base is None else base
     return vector_of("relative position of", place) - vector_of("relative position ... from", base)
 
 
-def distance_past(frame: Frame, place: Value, base: Value) -> Value:
-    base = ego_of(frame) if base is None else base
+def distance_past(scope: Scope, place: Value, base: Value) -> Value:
+    base = ego_of(scope) if base is None else base
     offset = vector_of("distance past ... of", base) - vector_of("distance past", place)
     return offset.rotated(-heading_of("distance past ... of", base)).y
 
@@ -88,66 +88,66 @@ def heading_of(words: str, value: Value) -> Value:
     return heading
 
 
-def field_at(frame: Frame, field: Value, place: Value) -> Value:
+def field_at(scope: Scope, field: Value, place: Value) -> Value:
     if not isinstance(field, VectorField):
-        hint = "write `new` before it" if frame.session.dialect == 3 else ""
+        hint = "write `new` before it" if scope.session.dialect == 3 else ""
         raise ScenicError("type", f"`X at Y` needs a vector field or a class, not {describe_kind(field)}", hint=hint)
     return field.heading_at(vector_of("at", place))
 
 
-def relative_to(frame: Frame, x: Value, y: Value) -> Value:
+def relative_to(scope: Scope, x: Value, y: Value) -> Value:
     """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
-    if isinstance(x, VectorField | Delayed) or isinstance(y, VectorField | Delayed):
+    if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
         return field_relative(x, y)
-    random_frames = is_random_frame if frame.session.dialect == 3 else is_oriented
+    random_frames = is_random_frame if scope.session.dialect == 3 else is_oriented
     if all(is_oriented(each) or random_frames(each) for each in (x, y)):
         raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
     if is_oriented(y):
-        return into_frame(frame, x, y)
+        return into_frame(scope, x, y)
     if is_oriented(x):
-        return into_frame(frame, y, x)
+        return into_frame(scope, y, x)
     if is_scalar(x) and is_scalar(y):
         return x + y
-    if frame.session.dialect == 3 and is_random_frame(x):
-        return x.merged([relative_to(frame, option, y) for option in x.options])
-    if frame.session.dialect == 3 and is_random_frame(y):
-        return y.merged([relative_to(frame, x, option) for option in y.options])
+    if scope.session.dialect == 3 and is_random_frame(x):
+        return x.map_options([relative_to(scope, option, y) for option in x.options])
+    if scope.session.dialect == 3 and is_random_frame(y):
+        return y.map_options([relative_to(scope, x, option) for option in y.options])
     return vector_of("relative to", x) + vector_of("relative to", y)
 
 
 def is_random_frame(value: Value) -> bool:
     """Whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
-    return isinstance(value, Choice) and all(is_oriented(option) for option in value.options)
+    return isinstance(value, RandomChoice) and all(is_oriented(option) for option in value.options)
 
 
-def into_frame(frame: Frame, offset: Value, base: Instance) -> Value:
+def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
     """An OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
         return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base)
-    if is_scalar(offset) and frame.session.dialect == 3:
+    if is_scalar(offset) and scope.session.dialect == 3:
         return offset + heading
     hint = f"write {base.title()}.heading" if is_scalar(offset) else ""
     raise ScenicError("type", f"a vector is needed beside an oriented object, not {describe_kind(offset)}", hint=hint)
 
 
-def field_relative(x: Value, y: Value) -> Delayed:
+def field_relative(x: Value, y: Value) -> LazyValue:
     """Headings that wait for the object's position: a field stands for its heading there."""
     terms = [late_heading(value) for value in (x, y)]
     needs = frozenset().union(*(needed for needed, _ in terms))
-    return Delayed(needs, lambda self: terms[0][1](self) + terms[1][1](self))
+    return LazyValue(needs, lambda self: terms[0][1](self) + terms[1][1](self))
 
 
 def late_heading(value: Value) -> tuple[frozenset[str], Callable[[Instance], Value]]:
     if isinstance(value, VectorField):
         return frozenset({"position"}), lambda self: value.heading_at(self.properties["position"])
-    if isinstance(value, Delayed):
+    if isinstance(value, LazyValue):
         return value.needs, value.compute
     heading = heading_of("relative to", value)
     return frozenset(), lambda self: heading
 
 
-def offset_along(frame: Frame, start: Value, direction: Value, offset: Value) -> Value:
+def offset_along(scope: Scope, start: Value, direction: Value, offset: Value) -> Value:
     vector = vector_of("offset along", start)
     if isinstance(direction, VectorField):
         turn = direction.heading_at(vector)
@@ -156,17 +156,17 @@ def offset_along(frame: Frame, start: Value, direction: Value, offset: Value) ->
     return vector + vector_of("offset along ... by", offset).rotated(turn)
 
 
-def sees(frame: Frame, viewer: Value, seen: Value) -> Value:
-    dialect = frame.session.dialect
-    if not frame.session.in_requirement and frame.session.drawn is None and dialect == 3:
+def sees(scope: Scope, viewer: Value, seen: Value) -> Value:
+    dialect = scope.session.dialect
+    if not scope.session.in_requirement and scope.session.drawn is None and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
-    result = over_choices(lambda a, b: can_see(viewer_of(frame, a), b, dialect), viewer, seen)
-    if isinstance(result, Random) and not frame.session.in_requirement:
+    result = over_choices(lambda a, b: can_see(viewer_of(scope, a), b, dialect), viewer, seen)
+    if isinstance(result, RandomExpr) and not scope.session.in_requirement:
         raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
     return result
 
 
-def intersects(frame: Frame, x: Value, y: Value) -> Value:
+def intersects(scope: Scope, x: Value, y: Value) -> Value:
     return over_choices(objects_intersect, x, y)
 
 
@@ -179,34 +179,34 @@ def objects_intersect(x: Value, y: Value) -> Value:
 
 def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:
     """A relation of two values, of which each may be a random one of several."""
-    if isinstance(x, Choice):
-        return x.merged([over_choices(relation, option, y) for option in x.options])
-    if isinstance(y, Choice):
-        return y.merged([over_choices(relation, x, option) for option in y.options])
+    if isinstance(x, RandomChoice):
+        return x.map_options([over_choices(relation, option, y) for option in x.options])
+    if isinstance(y, RandomChoice):
+        return y.map_options([over_choices(relation, x, option) for option in y.options])
     return relation(x, y)
 
 
-def follow_field(frame: Frame, field: Value, start: Value, length: Value) -> Value:
-    base = ego_of(frame) if start is None else start
+def follow_field(scope: Scope, field: Value, start: Value, length: Value) -> Value:
+    base = ego_of(scope) if start is None else start
     point, heading = follow(field, vector_of("follow ... from", base), length)
-    like = base if isinstance(base, Instance) else ego_of(frame)
+    like = base if isinstance(base, Instance) else ego_of(scope)
     return oriented_point(point, heading, like)
 
 
-def visible_part(frame: Frame, region: Value) -> Region:
-    return visible_from(frame, region, ego_of(frame))
+def visible_part(scope: Scope, region: Value) -> Region:
+    return visible_from(scope, region, ego_of(scope))
 
 
-def visible_from(frame: Frame, region: Value, viewer: Value) -> Region:
+def visible_from(scope: Scope, region: Value, viewer: Value) -> Region:
     from scenic_lite.values import algebra
 
-    return algebra.common_part(region_of("visible", region), view_of(viewer_of(frame, viewer)), frame.session.dialect)
+    return algebra.common_part(region_of("visible", region), view_of(viewer_of(scope, viewer)), scope.session.dialect)
 
 
-def hidden_part(frame: Frame, region: Value) -> Region:
+def hidden_part(scope: Scope, region: Value) -> Region:
     from scenic_lite.values import algebra
 
-    return algebra.remainder(region_of("not visible", region), view_of(ego_of(frame)))
+    return algebra.remainder(region_of("not visible", region), view_of(ego_of(scope)))
 
 
 def region_of(words: str, value: Value) -> Region:
@@ -215,12 +215,12 @@ def region_of(words: str, value: Value) -> Region:
     return value
 
 
-def side(words: str) -> Callable[[Frame, Value], Value]:
+def side(words: str) -> Callable[[Scope, Value], Value]:
     """The operator `front of O`, `back left of O`, ..."""
     first, *rest = words.split()
     name = first + "".join(word.capitalize() for word in rest)
 
-    def operator(frame: Frame, instance: Value) -> Value:
+    def operator(scope: Scope, instance: Value) -> Value:
         if not is_oriented(instance):
             raise ScenicError("type", f"`{words} of` needs an object, not {describe_kind(instance)}")
         return side_of(instance, name)

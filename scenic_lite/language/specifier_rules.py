@@ -10,13 +10,13 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.scope import Frame, Sight
-from scenic_lite.core.types import Choice, Delayed, Instance, describe_kind
+from scenic_lite.core.scope import Scope, Sight
+from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import as_heading, is_object, view_of
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifiers import FIRM, LOOSE, Meaning
+from scenic_lite.language.specifiers import FIRM, LOOSE, ResolvedSpecifier
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalised
 from scenic_lite.values.graph import NOT, Value, apply
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, VectorField
@@ -26,9 +26,9 @@ POSITION = {"position": FIRM}
 DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
 
 
-def optional_heading(frame: Frame, priority: int = LOOSE) -> dict[str, int]:
+def optional_heading(scope: Scope, priority: int = LOOSE) -> dict[str, int]:
     """The heading that a position specifier may bring along: dialect 3 sets the parent's."""
-    return {"parentHeading" if frame.session.dialect == 3 else "heading": priority}
+    return {"parentHeading" if scope.session.dialect == 3 else "heading": priority}
 
 
 def vector_of(words: str, value: Value) -> Vector:
@@ -44,45 +44,45 @@ def vector_hint(value: Value) -> str:
     return "a vector is written x @ y" if is_scalar(value) else ""
 
 
-def ego_of(frame: Frame) -> Instance:
-    if frame.session.ego is None:
+def ego_of(scope: Scope) -> Instance:
+    if scope.session.ego is None:
         raise ScenicError("name", "there is no ego yet", hint="write ego = ... before this line")
-    return frame.session.ego
+    return scope.session.ego
 
 
-def at(frame: Frame, node: ast.AST, place: Value) -> Meaning:
-    if isinstance(place, Delayed):
+def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
+    if isinstance(place, LazyValue):
         delayed = place
-        return Meaning("at", node, POSITION, lambda self: {"position": delayed.compute(self)}, place.needs)
+        return ResolvedSpecifier("at", node, POSITION, lambda self: {"position": delayed.compute(self)}, place.needs)
     vector = vector_of("at", place)
-    return Meaning("at", node, POSITION, lambda self: {"position": vector})
+    return ResolvedSpecifier("at", node, POSITION, lambda self: {"position": vector})
 
 
-def inside(frame: Frame, node: ast.AST, region: Value) -> Meaning:
+def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
     """`in R` and `on R`: a uniform point, with the region's orientation if it has one.
 
     In dialect 3 also `on` an object, which is its rectangle, and `on` a point.
     """
     words = node.name  # type: ignore[attr-defined]
-    if words == "on" and frame.session.dialect == 3 and not isinstance(region, Region | Choice):
+    if words == "on" and scope.session.dialect == 3 and not isinstance(region, Region | RandomChoice):
         if is_object(region):
             p = region.properties
             region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
         elif as_vector(region) is not None:
             place = vector_of("on", region)
-            return Meaning(words, node, POSITION, lambda self: {"position": place})
+            return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
     oriented = check_region(words, region)
     gives = POSITION | (
-        optional_heading(frame, 2 if words == "on" and frame.session.dialect == 3 else LOOSE) if oriented else {}
+        optional_heading(scope, 2 if words == "on" and scope.session.dialect == 3 else LOOSE) if oriented else {}
     )
     heading_name = next((name for name in gives if name != "position"), "heading")
-    point, heading = point_in(frame, node, region)
-    return Meaning(words, node, gives, lambda self: {"position": point, heading_name: heading})
+    point, heading = point_in(scope, node, region)
+    return ResolvedSpecifier(words, node, gives, lambda self: {"position": point, heading_name: heading})
 
 
 def check_region(words: str, region: Value) -> bool:
     """Whether a region has an orientation. Raises ScenicError if it is none."""
-    options = region.options if isinstance(region, Choice) else (region,)
+    options = region.options if isinstance(region, RandomChoice) else (region,)
     for option in options:
         if not isinstance(option, Region):
             hint = f"a place is given by `at`, not by `{words}`" if as_vector(option) is not None else ""
@@ -90,13 +90,15 @@ def check_region(words: str, region: Value) -> bool:
     return all(option.orientation is not None for option in options)
 
 
-def contained_in(frame: Frame, node: ast.AST, region: Value) -> Meaning:
-    meaning = inside(frame, node, region)
+def contained_in(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
+    meaning = inside(scope, node, region)
     gives = meaning.gives | {"regionContainedIn": FIRM}
-    return Meaning(meaning.name, node, gives, lambda self: meaning.compute(self) | {"regionContainedIn": region})
+    return ResolvedSpecifier(
+        meaning.name, node, gives, lambda self: meaning.compute(self) | {"regionContainedIn": region}
+    )
 
 
-def beside(frame: Frame, node: ast.AST, anchor: Value, gap: Value = None) -> Meaning:
+def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> ResolvedSpecifier:
     """`left of X by D` and its kin. Dialect 2 leaves out X's own extent and takes a random X for a vector."""
     words = node.name  # type: ignore[attr-defined]
     step_x, step_y = DIRECTIONS[words]
@@ -110,10 +112,10 @@ def beside(frame: Frame, node: ast.AST, anchor: Value, gap: Value = None) -> Mea
             return Vector((half + shift.x) * step_x, shift.y)
         return Vector(shift.x, (half + shift.y) * step_y)
 
-    heading = as_heading(anchor) if isinstance(anchor, Instance | Choice) else None
-    if heading is None or (isinstance(anchor, Choice) and frame.session.dialect == 2):
+    heading = as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
+    if heading is None or (isinstance(anchor, RandomChoice) and scope.session.dialect == 2):
         vector = vector_of(words, anchor)
-        return Meaning(
+        return ResolvedSpecifier(
             words,
             node,
             POSITION,
@@ -121,9 +123,9 @@ def beside(frame: Frame, node: ast.AST, anchor: Value, gap: Value = None) -> Mea
             frozenset({extent, "heading"}),
         )
     centre = vector_of(words, anchor)
-    other = own_extent(anchor, extent) if frame.session.dialect == 3 else 0.0
-    gives = optional_heading(frame)
-    return Meaning(
+    other = own_extent(anchor, extent) if scope.session.dialect == 3 else 0.0
+    gives = optional_heading(scope)
+    return ResolvedSpecifier(
         words,
         node,
         POSITION | gives,
@@ -134,143 +136,147 @@ def beside(frame: Frame, node: ast.AST, anchor: Value, gap: Value = None) -> Mea
 
 def own_extent(anchor: Value, extent: str) -> Value:
     """Width or length of an object; points have none."""
-    if isinstance(anchor, Choice):
-        return anchor.merged([own_extent(option, extent) for option in anchor.options])
+    if isinstance(anchor, RandomChoice):
+        return anchor.map_options([own_extent(option, extent) for option in anchor.options])
     return anchor.properties[extent] if is_object(anchor) else 0.0
 
 
-def offset_by(frame: Frame, node: ast.AST, offset: Value) -> Meaning:
-    ego = ego_of(frame)
+def offset_by(scope: Scope, node: ast.AST, offset: Value) -> ResolvedSpecifier:
+    ego = ego_of(scope)
     heading = ego.properties["heading"]
     place = ego.properties["position"] + vector_of("offset by", offset).rotated(heading)
-    return at_with_heading(frame, node, place, heading)
+    return at_with_heading(scope, node, place, heading)
 
 
-def offset_along(frame: Frame, node: ast.AST, direction: Value, offset: Value) -> Meaning:
-    ego = ego_of(frame)
+def offset_along(scope: Scope, node: ast.AST, direction: Value, offset: Value) -> ResolvedSpecifier:
+    ego = ego_of(scope)
     start = ego.properties["position"]
     turn = direction.heading_at(start) if isinstance(direction, VectorField) else as_heading(direction)
     if turn is None:
         raise ScenicError("type", f"`offset along` needs a heading, not {describe_kind(direction)}")
     place = start + vector_of("offset along ... by", offset).rotated(turn)
-    return at_with_heading(frame, node, place, ego.properties["heading"])
+    return at_with_heading(scope, node, place, ego.properties["heading"])
 
 
-def beyond(frame: Frame, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> Meaning:
+def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
-    viewpoint = ego_of(frame) if viewpoint is None else viewpoint
+    viewpoint = ego_of(scope) if viewpoint is None else viewpoint
     far, near_end = vector_of("beyond", anchor), vector_of("beyond ... from", viewpoint)
     shift = Vector(0.0, gap) if is_scalar(gap) else vector_of("beyond ... by", gap)
     place = far + shift.rotated(angle_between(near_end, far))
-    return at_with_heading(frame, node, place, 0.0)
+    return at_with_heading(scope, node, place, 0.0)
 
 
-def at_with_heading(frame: Frame, node: ast.AST, place: Vector, heading: Value) -> Meaning:
+def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
     """A position, and in dialect 3 a parent heading."""
     words = node.name  # type: ignore[attr-defined]
-    if frame.session.dialect == 3:
-        gives = POSITION | optional_heading(frame)
-        return Meaning(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
-    return Meaning(words, node, POSITION, lambda self: {"position": place})
+    if scope.session.dialect == 3:
+        gives = POSITION | optional_heading(scope)
+        return ResolvedSpecifier(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
+    return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
 
 
-def visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
+def visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
     """`visible [from V]`: a point of V's view; dialect 3 also demands that V sees the object, wherever it is put."""
-    viewer = viewer_of(frame, viewer)
-    return in_or_out_of_sight(frame, node, Sight(viewer, True), lambda self: view_of(viewer))
+    viewer = viewer_of(scope, viewer)
+    return in_or_out_of_sight(scope, node, Sight(viewer, True), lambda self: view_of(viewer))
 
 
-def not_visible(frame: Frame, node: ast.AST, viewer: Value = None) -> Meaning:
+def not_visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
     """`not visible [from V]`: a point of the container outside V's view; dialect 3 hides all of the object."""
-    viewer = viewer_of(frame, viewer)
+    viewer = viewer_of(scope, viewer)
     view = view_of(viewer)
 
     def hidden(self: Instance) -> Region:
-        container = self.properties["regionContainedIn"] or frame.session.workspace
+        container = self.properties["regionContainedIn"] or scope.session.workspace
         if container is None:
             raise ScenicError("value", "`not visible` needs a workspace to draw from")
         return Filtered(container, lambda point: apply(NOT, view.contains(point), kind="truth"))
 
-    return in_or_out_of_sight(frame, node, Sight(viewer, False), hidden)
+    return in_or_out_of_sight(scope, node, Sight(viewer, False), hidden)
 
 
-def in_or_out_of_sight(frame: Frame, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]) -> Meaning:
+def in_or_out_of_sight(
+    scope: Scope, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]
+) -> ResolvedSpecifier:
     """A position drawn from a region that depends on what can be seen."""
-    dialect = frame.session.dialect
+    dialect = scope.session.dialect
     words = "visible" if sight.wanted else "not visible"
 
     def compute(self: Instance) -> dict[str, Value]:
-        return {"position": point_in(frame, node, region_for(self))[0]}
+        return {"position": point_in(scope, node, region_for(self))[0]}
 
     def demand(self: Instance) -> None:
         if dialect == 3:
-            frame.session.sights.append((self, sight))
+            scope.session.sights.append((self, sight))
 
     gives = {"position": LOOSE if dialect == 3 else FIRM}
-    return Meaning(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
+    return ResolvedSpecifier(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
 
 
-def viewer_of(frame: Frame, viewer: Value) -> Instance:
+def viewer_of(scope: Scope, viewer: Value) -> Instance:
     if viewer is None:
-        return ego_of(frame)
+        return ego_of(scope)
     if not isinstance(viewer, Instance):
         raise ScenicError("type", f"only a Point or an object can see, not {describe_kind(viewer)}")
     return viewer
 
 
-def following(frame: Frame, node: ast.AST, field: Value, start: Value, distance: Value) -> Meaning:
-    start = vector_of("following ... from", ego_of(frame) if start is None else start)
+def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
+    start = vector_of("following ... from", ego_of(scope) if start is None else start)
     end, heading = follow(field, start, distance)
-    gives = POSITION | optional_heading(frame)
-    return Meaning("following", node, gives, lambda self: {"position": end, next(reversed(gives)): heading})
+    gives = POSITION | optional_heading(scope)
+    return ResolvedSpecifier("following", node, gives, lambda self: {"position": end, next(reversed(gives)): heading})
 
 
-def facing(frame: Frame, node: ast.AST, direction: Value) -> Meaning:
+def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
     if isinstance(direction, VectorField):
         field = direction
-        return heading_meaning(frame, node, lambda self: field.heading_at(self.properties["position"]), {"position"})
-    if isinstance(direction, Delayed):
-        return heading_meaning(frame, node, direction.compute, direction.needs)
+        return heading_meaning(scope, node, lambda self: field.heading_at(self.properties["position"]), {"position"})
+    if isinstance(direction, LazyValue):
+        return heading_meaning(scope, node, direction.compute, direction.needs)
     heading = as_heading(direction)
     if heading is None:
         raise ScenicError(
             "type", f"`facing` needs a heading, not {describe_kind(direction)}", hint=facing_hint(direction)
         )
-    return heading_meaning(frame, node, lambda self: heading, set())
+    return heading_meaning(scope, node, lambda self: heading, set())
 
 
 def facing_hint(value: Value) -> str:
     return "a point is faced by `facing toward`" if as_vector(value) is not None else ""
 
 
-def facing_toward(frame: Frame, node: ast.AST, target: Value) -> Meaning:
+def facing_toward(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
     vector = vector_of("facing toward", target)
-    return heading_meaning(frame, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
+    return heading_meaning(scope, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
 
 
-def facing_away(frame: Frame, node: ast.AST, target: Value) -> Meaning:
+def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
     vector = vector_of("facing away from", target)
-    return heading_meaning(frame, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
+    return heading_meaning(scope, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
 
 
-def apparently_facing(frame: Frame, node: ast.AST, turn: Value, viewpoint: Value = None) -> Meaning:
+def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """Heading `turn` as seen from the viewpoint; dialect 3 sets the yaw, on top of the parent's heading."""
-    start = vector_of("apparently facing ... from", ego_of(frame) if viewpoint is None else viewpoint)
-    name = "yaw" if frame.session.dialect == 3 else "heading"
+    start = vector_of("apparently facing ... from", ego_of(scope) if viewpoint is None else viewpoint)
+    name = "yaw" if scope.session.dialect == 3 else "heading"
 
     def compute(self: Instance) -> dict[str, Value]:
         return {name: angle_between(start, self.properties["position"]) + turn}
 
-    return Meaning("apparently facing", node, {name: FIRM}, compute, frozenset({"position"}))
+    return ResolvedSpecifier("apparently facing", node, {name: FIRM}, compute, frozenset({"position"}))
 
 
-def heading_meaning(frame: Frame, node: ast.AST, compute: Callable[[Instance], Value], needs: Any) -> Meaning:
+def heading_meaning(scope: Scope, node: ast.AST, compute: Callable[[Instance], Value], needs: Any) -> ResolvedSpecifier:
     """A firm heading; dialect 3 normalises it."""
-    finish = normalised if frame.session.dialect == 3 else lambda heading: heading
-    return Meaning("facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs))
+    finish = normalised if scope.session.dialect == 3 else lambda heading: heading
+    return ResolvedSpecifier(
+        "facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs)
+    )
 
 
-SPECIFIERS: dict[str, Callable[..., Meaning]] = {
+SPECIFIERS: dict[str, Callable[..., ResolvedSpecifier]] = {
     "at": at,
     "in": inside,
     "on": inside,

@@ -10,8 +10,8 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from scenic_lite.core.scope import Frame, near
-from scenic_lite.core.types import Behavior, BehaviorCall, Delayed, Instance, ScenicClass
+from scenic_lite.core.scope import Scope, near
+from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, ScenicClass
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.alternatives import one_behavior
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
@@ -22,7 +22,7 @@ FIRM, LOOSE = 1, 3  # priorities: a firm specification beats a loose one
 
 
 @dataclass(frozen=True, eq=False)
-class Meaning:
+class ResolvedSpecifier:
     """One specifier with its operands evaluated.
 
     `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given;
@@ -41,18 +41,18 @@ class Meaning:
 class Resolution:
     """The properties of one instance, computed each after what it needs."""
 
-    frame: Frame
+    scope: Scope
     instance: Instance
-    winners: dict[str, Meaning]
+    winners: dict[str, ResolvedSpecifier]
     done: set[int] = field(default_factory=set)
-    waiting: list[Meaning] = field(default_factory=list)
+    waiting: list[ResolvedSpecifier] = field(default_factory=list)
 
-    def settle(self, meaning: Meaning) -> None:
+    def settle(self, meaning: ResolvedSpecifier) -> None:
         """Compute what `meaning` gives, after what it needs."""
         if id(meaning) in self.done:
             return
         if meaning in self.waiting:
-            raise self.frame.error(
+            raise self.scope.error(
                 "specifier", f"`{meaning.name}` depends on itself", meaning.node, self._circle(meaning)
             )
         self.waiting.append(meaning)
@@ -65,98 +65,98 @@ class Resolution:
         try:
             self._compute(meaning)
         except ScenicError as error:
-            raise self.frame.placed(error, meaning.node) from None
+            raise self.scope.placed(error, meaning.node) from None
 
-    def _compute(self, meaning: Meaning) -> None:
+    def _compute(self, meaning: ResolvedSpecifier) -> None:
         if meaning.always is not None:
             meaning.always(self.instance)
         if not any(self.winners.get(name) is meaning for name in meaning.gives):
             return
         owned = next(iter(meaning.gives))
-        with self.frame.session.owned(self.instance, owned):
+        with self.scope.session.owned(self.instance, owned):
             given = meaning.compute(self.instance)
         for name, value in given.items():
             if self.winners.get(name) is meaning:
-                self.instance.properties[name] = checked(name, value, self.frame.session.dialect)
+                self.instance.properties[name] = checked(name, value, self.scope.session.dialect)
 
-    def _missing(self, meaning: Meaning, need: str) -> ScenicError:
+    def _missing(self, meaning: ResolvedSpecifier, need: str) -> ScenicError:
         message = f"`{meaning.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
-        return self.frame.error("specifier", message, meaning.node, near(need, self.winners))
+        return self.scope.error("specifier", message, meaning.node, near(need, self.winners))
 
-    def _circle(self, meaning: Meaning) -> str:
+    def _circle(self, meaning: ResolvedSpecifier) -> str:
         others = [each.name for each in self.waiting[self.waiting.index(meaning) + 1 :]]
         return f"through `{'`, `'.join(others)}`" if others else ""
 
 
-def make(frame: Frame, cls: ScenicClass, meanings: list[Meaning], instance: Instance) -> Instance:
+def make(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
-    refuse_final(frame, cls, meanings)
-    if frame.session.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
-        refuse_heading(frame, cls, meanings)
-    winners = strongest(frame, meanings)
+    refuse_final(scope, cls, meanings)
+    if scope.session.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
+        refuse_heading(scope, cls, meanings)
+    winners = strongest(scope, meanings)
     for name in cls.property_names():
         if name not in winners:
-            winners[name] = default_of(frame, cls, name, instance)
-    if frame.session.dialect == 3 and cls.derives_from(ORIENTED_POINT):
-        split_heading(frame, cls, winners, instance)
-    resolution = Resolution(frame, instance, winners)
+            winners[name] = default_of(scope, cls, name, instance)
+    if scope.session.dialect == 3 and cls.derives_from(ORIENTED_POINT):
+        split_heading(scope, cls, winners, instance)
+    resolution = Resolution(scope, instance, winners)
     for meaning in [*meanings, *winners.values()]:
         resolution.settle(meaning)
     instance.properties.pop("parentHeading", None)
     if cls.derives_from(OBJECT):
-        limit = frame.session.budget.limits.objects
-        if len(frame.session.objects) >= limit:
+        limit = scope.session.budget.limits.objects
+        if len(scope.session.objects) >= limit:
             raise ScenicError("budget", f"evaluation budget exceeded: more than {limit} objects")
-        frame.session.objects.append(instance)
+        scope.session.objects.append(instance)
     return instance
 
 
-def refuse_final(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+def refuse_final(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier]) -> None:
     """Raise ScenicError where a specifier gives a property that its class calls final, or a name that is taken."""
     for meaning in meanings:
         for name in meaning.gives:
             if any("final" in default.attributes for default in cls.defaults_of(name)):
-                raise frame.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
+                raise scope.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
             if name in SIDES:
-                raise frame.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
+                raise scope.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
 
 
-def refuse_heading(frame: Frame, cls: ScenicClass, meanings: list[Meaning]) -> None:
+def refuse_heading(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier]) -> None:
     """Raise ScenicError where a class without a heading is to face somewhere."""
     for meaning in meanings:
         if "facing" in meaning.name:
             hint = "an OrientedPoint has one"
-            raise frame.error("specifier", f"a {cls.name} has no heading for `{meaning.name}`", meaning.node, hint)
+            raise scope.error("specifier", f"a {cls.name} has no heading for `{meaning.name}`", meaning.node, hint)
 
 
-def strongest(frame: Frame, meanings: list[Meaning]) -> dict[str, Meaning]:
+def strongest(scope: Scope, meanings: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
     """For each property the specifier that sets it. Raises ScenicError where two are equally strong."""
-    seen: dict[str, Meaning] = {}
-    winners: dict[str, Meaning] = {}
+    seen: dict[str, ResolvedSpecifier] = {}
+    winners: dict[str, ResolvedSpecifier] = {}
     for meaning in meanings:
         if meaning.name in seen:
-            raise frame.error("specifier", f"`{meaning.name}` is given twice", meaning.node)
+            raise scope.error("specifier", f"`{meaning.name}` is given twice", meaning.node)
         seen[meaning.name] = meaning
         for name in meaning.gives:
-            winners[name] = stronger(frame, name, winners.get(name), meaning)
+            winners[name] = stronger(scope, name, winners.get(name), meaning)
     return winners
 
 
-def stronger(frame: Frame, name: str, old: Meaning | None, new: Meaning) -> Meaning:
+def stronger(scope: Scope, name: str, old: ResolvedSpecifier | None, new: ResolvedSpecifier) -> ResolvedSpecifier:
     if old is None or new.gives[name] < old.gives[name]:
         return new
     if new.gives[name] == old.gives[name]:
-        raise frame.error("specifier", f"`{old.name}` and `{new.name}` both set the {name}", new.node)
+        raise scope.error("specifier", f"`{old.name}` and `{new.name}` both set the {name}", new.node)
     return old
 
 
-def default_of(frame: Frame, cls: ScenicClass, name: str, instance: Instance) -> Meaning:
+def default_of(scope: Scope, cls: ScenicClass, name: str, instance: Instance) -> ResolvedSpecifier:
     """The class's default for a property, as a specifier; `additive` ones collect those of all bases."""
     defaults = cls.defaults_of(name)
     needs = frozenset().union(*(default.needs for default in defaults[:1]))
     if "additive" in defaults[0].attributes:
         everything = frozenset().union(*(default.needs for default in defaults))
-        return Meaning(
+        return ResolvedSpecifier(
             f"default of {name}",
             instance_node(instance),
             {name: LOOSE},
@@ -164,7 +164,7 @@ def default_of(frame: Frame, cls: ScenicClass, name: str, instance: Instance) ->
             everything,
         )
     compute = defaults[0].compute
-    return Meaning(
+    return ResolvedSpecifier(
         f"default of {name}", instance_node(instance), {name: LOOSE}, lambda self: {name: compute(self)}, needs
     )
 
@@ -177,18 +177,18 @@ def instance_node(instance: Instance) -> ast.AST:
     )
 
 
-def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], instance: Instance) -> None:
+def split_heading(scope: Scope, cls: ScenicClass, winners: dict[str, ResolvedSpecifier], instance: Instance) -> None:
     """Dialect 3: unless set firmly, heading = that of the parent + yaw, and the class's default is the parent's."""
     node = instance_node(instance)
     heading, yaw = winners["heading"], winners.get("yaw")
     if yaw is not None and not heading.name.startswith("default"):
-        raise frame.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
+        raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
     if heading.name.startswith("default"):
         parent = winners["heading"].compute
         needs = winners["heading"].needs
         winners.setdefault(
             "parentHeading",
-            Meaning(
+            ResolvedSpecifier(
                 "parent heading",
                 node,
                 {"parentHeading": LOOSE},
@@ -196,8 +196,8 @@ def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], i
                 needs,
             ),
         )
-        winners.setdefault("yaw", Meaning("yaw", node, {"yaw": LOOSE}, lambda self: {"yaw": 0.0}))
-        winners["heading"] = Meaning(
+        winners.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": LOOSE}, lambda self: {"yaw": 0.0}))
+        winners["heading"] = ResolvedSpecifier(
             "heading",
             node,
             {"heading": LOOSE},
@@ -206,25 +206,27 @@ def split_heading(frame: Frame, cls: ScenicClass, winners: dict[str, Meaning], i
         )
 
 
-def with_property(frame: Frame, node: ast.expr, name: str, value: Value) -> Meaning:
+def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
     if name == "behavior":
-        value = frame.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(frame, node, value)
-    if isinstance(value, Delayed):
+        value = scope.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(scope, node, value)
+    if isinstance(value, LazyValue):
         delayed = value
-        return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs)
-    return Meaning(f"with {name}", node, {name: FIRM}, lambda self: {name: value})
+        return ResolvedSpecifier(
+            f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs
+        )
+    return ResolvedSpecifier(f"with {name}", node, {name: FIRM}, lambda self: {name: value})
 
 
-def warn_of_unknown(frame: Frame, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
+def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
     """A property that the class does not declare is allowed, but looks like a slip if a declared one is near."""
     known = cls.property_names()
     if name in known:
-        frame.session.declared.add(frame.place(node))
+        scope.session.declared.add(scope.place(node))
         return
     hint = near(name, known)
-    is_behavior = isinstance(frame.module_names.get(name), Behavior)
+    is_behavior = isinstance(scope.module_names.get(name), Behavior)
     if is_behavior:
         hint = f"did you mean 'behavior {name}()'?"
     if hint or isinstance(value, BehaviorCall):
-        frame.warn(f"{cls.name} has no property '{name}'", node, hint or "a behavior is attached by 'with behavior'")
+        scope.warn(f"{cls.name} has no property '{name}'", node, hint or "a behavior is attached by 'with behavior'")

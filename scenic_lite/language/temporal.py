@@ -202,7 +202,7 @@ MEANINGS: dict[str, Callable[..., Formula]] = {
 }
 
 
-class Watch:
+class Check:
     """One requirement in one episode."""
 
     def __init__(self, formula: Formula) -> None:

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.language.distributions import Integers
-from scenic_lite.values.graph import Column, Table, Tape, pick
+from scenic_lite.values.graph import Table, Tape, ThetaColumn, pick
 
 Interval = tuple[float, float]
 ENDLESS: Interval = (-math.inf, math.inf)
 
 
-def bounds_of(tape: Tape, columns: list[Column]) -> list[Interval]:
+def bounds_of(tape: Tape, columns: list[ThetaColumn]) -> list[Interval]:
     """The interval of every register; endless where nothing is known."""
     computed = {out for _, _, out in tape.steps}
     bounds = [ENDLESS if slot in computed else fixed(value) for slot, value in enumerate(tape.registers)]

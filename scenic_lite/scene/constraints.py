@@ -12,22 +12,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import Session
+from scenic_lite.core.scope import InterpreterState
 from scenic_lite.core.types import Instance
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
 from scenic_lite.values.geometry import rectangles_meet
-from scenic_lite.values.graph import NOT, OR, Random, Value, apply
+from scenic_lite.values.graph import NOT, OR, RandomExpr, Value, apply
 from scenic_lite.values.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
 
 BLOCK = 8192  # numbers in one array while rules are tested
 
 
-class Rule(NamedTuple):
+class Constraint(NamedTuple):
     """One thing that a scene must satisfy: `label` as the report prints it, and where it comes from."""
 
     label: str
-    place: Place
+    place: SourceSpan
     kind: str  # "require", "containment", "overlap", "visibility"
     probability: float = 1.0  # below 1: a soft requirement, in force in that share of the scenes
 
@@ -59,7 +59,8 @@ class Overlaps:
         self.first = np.array([i for i, _ in pairs], dtype=int)
         self.second = np.array([j for _, j in pairs], dtype=int)
         self.rules = [
-            Rule(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap") for i, j in pairs
+            Constraint(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap")
+            for i, j in pairs
         ]
 
     def members(self) -> list[tuple[int, ...]]:
@@ -107,7 +108,9 @@ class Containment:
     def __init__(self, region: RectangularRegion, objects: list[Instance], where: list[int], label: str) -> None:
         self.region = region
         self.where = np.array(where, dtype=int)
-        self.rules = [Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment") for i in where]
+        self.rules = [
+            Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment") for i in where
+        ]
         self.half = (region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS)
         self.axis = (float(np.cos(region.heading)), float(np.sin(region.heading)))
 
@@ -133,17 +136,17 @@ class Checks(NamedTuple):
     """All rules of a program in the order of their columns: arrays first, then nodes of the graph."""
 
     batched: tuple[Overlaps | Containment, ...]
-    nodes: tuple[tuple[Rule, Value], ...]  # the node is true where the rule holds
+    nodes: tuple[tuple[Constraint, Value], ...]  # the node is true where the rule holds
 
     @property
-    def rules(self) -> tuple[Rule, ...]:
+    def rules(self) -> tuple[Constraint, ...]:
         return (*(rule for each in self.batched for rule in each.rules), *(rule for rule, _ in self.nodes))
 
 
-def checks_of(session: Session, objects: list[Instance]) -> Checks:
+def checks_of(session: InterpreterState, objects: list[Instance]) -> Checks:
     """Every rule that the objects and requirements of a session imply."""
     batched: list[Overlaps | Containment] = []
-    nodes: list[tuple[Rule, Value]] = []
+    nodes: list[tuple[Constraint, Value]] = []
     overlaps = Overlaps(objects)
     if overlaps.rules:
         batched.append(overlaps)
@@ -152,18 +155,18 @@ def checks_of(session: Session, objects: list[Instance]) -> Checks:
             batched.append(Containment(region, objects, where, label))
             continue
         for i in where:
-            rule = Rule(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
+            rule = Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
     nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session, objects)]
     for requirement in session.requirements:
         if requirement.condition is True:
             continue
-        rule = Rule(requirement.label, requirement.place, "require", requirement.probability)
+        rule = Constraint(requirement.label, requirement.place, "require", requirement.probability)
         nodes.append((rule, requirement.condition))
     return Checks(tuple(batched), tuple(nodes))
 
 
-def rules_of_requirements(session: Session, checks: Checks) -> list[int | None]:
+def rules_of_requirements(session: InterpreterState, checks: Checks) -> list[int | None]:
     """Which rule each requirement is; None for one that holds in every scene."""
     at = len(checks.rules) - sum(each.condition is not True for each in session.requirements)
     places: list[int | None] = []
@@ -173,7 +176,7 @@ def rules_of_requirements(session: Session, checks: Checks) -> list[int | None]:
     return places
 
 
-def containers(session: Session, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
+def containers(session: InterpreterState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
     """The objects that each container must hold: its own region if it has one, else the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
     for i, instance in enumerate(objects):
@@ -188,19 +191,19 @@ def containers(session: Session, objects: list[Instance]) -> dict[Any, tuple[lis
     return result
 
 
-def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
     """Overlap rules for pairs of which one allows collisions in some scenes only."""
     for j, b in enumerate(objects):
         for a in objects[:j]:
             allowed = [each.properties["allowCollisions"] for each in (a, b)]
-            if any(isinstance(each, Random) for each in allowed) and True not in allowed:
+            if any(isinstance(each, RandomExpr) for each in allowed) and True not in allowed:
                 meets = truth_of(rectangles_meet, *rectangle_of(a), *rectangle_of(b))
                 excused = apply(OR, *allowed, kind="truth")
-                rule = Rule(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
+                rule = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
                 yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
 
 
-def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Value]]:
+def visibility(session: InterpreterState, objects: list[Instance]) -> list[tuple[Constraint, Value]]:
     """What the ego must see, unless `requireVisible` is switched off."""
     nodes = []
     for instance in objects:
@@ -208,15 +211,15 @@ def visibility(session: Session, objects: list[Instance]) -> list[tuple[Rule, Va
         if wanted is False or instance is session.ego or session.ego is None:
             continue
         seen = can_see(session.ego, instance, session.dialect)
-        if isinstance(wanted, Random):
+        if isinstance(wanted, RandomExpr):
             seen = apply(OR, seen, apply(NOT, wanted, kind="truth"), kind="truth")
-        rule = Rule(f"{instance.title()} is not visible from {session.ego.title()}", instance.place, "visibility")
+        rule = Constraint(f"{instance.title()} is not visible from {session.ego.title()}", instance.place, "visibility")
         if seen is not True:
             nodes.append((rule, seen))
     return nodes
 
 
-def sights(session: Session, objects: list[Instance]) -> Iterator[tuple[Rule, Value]]:
+def sights(session: InterpreterState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
     """What the specifiers `visible` and `not visible` of dialect 3 demand, of objects that came to be."""
     made = {id(each) for each in objects}
     for instance, (viewer, wanted) in session.sights:
@@ -226,4 +229,4 @@ def sights(session: Session, objects: list[Instance]) -> Iterator[tuple[Rule, Va
         label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"
         holds = seen if wanted else apply(NOT, seen, kind="truth")
         if holds is not True:
-            yield Rule(label, instance.place, "visibility"), holds
+            yield Constraint(label, instance.place, "visibility"), holds

@@ -10,7 +10,7 @@ import ast
 from typing import TYPE_CHECKING
 
 from scenic_lite.core.per_sample import body_of, reached
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.values.graph import Value
 
@@ -23,9 +23,9 @@ def read_in_episodes(program: Program) -> list[Value]:
     attached = [instance.properties["behavior"] for instance in program.instances]
     calls = [each for each in (*attached, *program.monitors) if isinstance(each, BehaviorCall)]
     watched = (*program.terminations, *program.records, *program.temporal)
-    pending: list[tuple[Frame, ast.AST]] = [(each.frame, each.tree) for each in watched]
+    pending: list[tuple[Scope, ast.AST]] = [(each.scope, each.tree) for each in watched]
     for call in calls:
-        pending += [(call.behavior.frame, part) for part in body_of(call.behavior)]
+        pending += [(call.behavior.scope, part) for part in body_of(call.behavior)]
     if program.main is not None and program.main_frame is not None:
         pending.append((program.main_frame, program.main.behavior.node))
     return [*(call.arguments for call in calls), *reached(pending)]

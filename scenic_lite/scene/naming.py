@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from scenic_lite.core.types import BehaviorCall, Choice, Instance, describe_kind
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.values.geometry import Vector, as_vector
-from scenic_lite.values.graph import Column, Value, columns_of
+from scenic_lite.values.graph import ThetaColumn, Value, columns_of
 
 
 def unique(names: Iterable[str]) -> list[str]:
@@ -61,7 +61,7 @@ def name_arguments(objects: list[Instance]) -> None:
                     column.name = column.name or f"{instance.title()}.behavior.{argument}{axis and '.'}{axis}"
 
 
-def owners_of(column: Column) -> list[Instance]:
+def owners_of(column: ThetaColumn) -> list[Instance]:
     """Whose specifiers made a column: an object's, and the one's in whose specifiers that was made, and so on."""
     owners, owner = [], column.owner
     while owner is not None:
@@ -75,15 +75,15 @@ def shown_parts(value: Value) -> list[Value]:
     vector = as_vector(value)
     if vector is not None:
         return [vector.x, vector.y]
-    return [value.index] if isinstance(value, Choice) else [value]
+    return [value.index] if isinstance(value, RandomChoice) else [value]
 
 
-def column_names(columns: list[Column]) -> list[str]:
+def column_names(columns: list[ThetaColumn]) -> list[str]:
     """A name for each column: its variable, or object and axis, or object and property."""
     return unique(column_name(column) for column in columns)
 
 
-def column_name(column: Column) -> str:
+def column_name(column: ThetaColumn) -> str:
     if column.name:
         return column.name
     if column.owner is None:
@@ -95,7 +95,7 @@ def column_name(column: Column) -> str:
     return f"{path_of(instance)}.{name}"
 
 
-def axis_of(column: Column, instance: Instance) -> str:
+def axis_of(column: ThetaColumn, instance: Instance) -> str:
     """x or y, if the column is that of a point or of the instance's position."""
     if column.draw_kind.startswith("point."):
         return column.draw_kind.removeprefix("point.")

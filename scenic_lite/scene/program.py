@@ -14,19 +14,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.checks import Faults, Found
-from scenic_lite.core.scope import Session, Source
+from scenic_lite.core.scope import InterpreterState, Source
 from scenic_lite.core.types import BehaviorCall, Instance
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.inverse.levels import Inverse
 from scenic_lite.inverse.refusals import Refusals
 from scenic_lite.inverse.wishes import Subjects, wishes_of_description, wishes_of_scenes
-from scenic_lite.scene.constraints import Rule, checks_of, rules_of_requirements
+from scenic_lite.scene.constraints import Constraint, checks_of, rules_of_requirements
 from scenic_lite.scene.free_variables import read_in_episodes
 from scenic_lite.scene.naming import column_names, name_arguments, name_objects, title_of, title_of_option
 from scenic_lite.scene.outlines import Area, areas_of
 from scenic_lite.scene.rejection import RejectionReport
 from scenic_lite.scene.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
-from scenic_lite.values.graph import Column, Random, Tape, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
@@ -43,7 +43,7 @@ class Draw(NamedTuple):
     kind: str
     low: float
     high: float
-    place: Place
+    place: SourceSpan
 
 
 class Program:
@@ -65,7 +65,7 @@ class Program:
     pickled: another process loads the same text, and maps the same θ to the same scenes.
     """
 
-    def __init__(self, session: Session, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
+    def __init__(self, session: InterpreterState, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
         self.source, self.file = text, source.file
         self.dialect = session.dialect
         self.behaviors = session.behaviors
@@ -82,13 +82,13 @@ class Program:
         self._instances = in_order(session)
         name_objects(self._instances)
         self._checks = checks_of(session, self._instances)
-        self.requirements: tuple[Rule, ...] = self._checks.rules
+        self.requirements: tuple[Constraint, ...] = self._checks.rules
         self.objects = tuple(info_of(instance) for instance in self._instances)
         self._lay_out(session)
         self._plan(session)
         self._refuse_impossible()
 
-    def _lay_out(self, session: Session) -> None:
+    def _lay_out(self, session: InterpreterState) -> None:
         """Find the columns that reach anything, and flatten the graph."""
         roots = list(self._roots(session.params))
         used = {id(column) for column in columns_of(*roots)}
@@ -105,17 +105,17 @@ class Program:
         watches = session.watching.watches.values()
         self._faults = Faults(watches, self._tape, rules_of_requirements(session, self._checks))
 
-    def _roots(self, params: dict[str, Value]) -> Iterable[Random]:
+    def _roots(self, params: dict[str, Value]) -> Iterable[RandomExpr]:
         for instance in self._instances:
             refuse_huge(instance.properties, f"a property of {instance.title()} in {self.file}")
             yield from randoms_in(instance)
         refuse_huge(params, f"a parameter of {self.file}")
         yield from randoms_in(params)
-        yield from (value for _, value in self._checks.nodes if isinstance(value, Random))
+        yield from (value for _, value in self._checks.nodes if isinstance(value, RandomExpr))
         for value in self.read_in_episodes:
             yield from randoms_in(value)
 
-    def _plan(self, session: Session) -> None:
+    def _plan(self, session: InterpreterState) -> None:
         """Separate what is fixed from what must be read from the tape."""
         planner = Planner(self._tape, self._instances)
         self._arrangement = Arrangement(planner, self._instances)
@@ -131,7 +131,7 @@ class Program:
         hard = [i for i, rule in enumerate(self.requirements) if rule.probability == 1]
         self._hard = None if len(hard) == len(self.requirements) else np.array(hard, dtype=int)
         self._slots = [
-            self._tape.slot(value) if isinstance(value, Random) else bool(value) for _, value in self._checks.nodes
+            self._tape.slot(value) if isinstance(value, RandomExpr) else bool(value) for _, value in self._checks.nodes
         ]
 
     def _plan_instance(self, planner: Planner, i: int, instance: Instance) -> None:
@@ -211,8 +211,8 @@ class Program:
         """The objects as the session knows them, in the order of `objects`."""
         return self._instances
 
-    def row(self, theta: np.ndarray) -> dict[Random, float]:
-        """The values that one row theta [D] gives to the draws, for `Session.row`."""
+    def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
+        """The values that one row theta [D] gives to the draws, for `InterpreterState.row`."""
         scaled = self._scaled(self._checked(np.asarray(theta, dtype=float)[None]))
         return {column: float(value) for column, value in zip(self._columns, scaled[:, 0], strict=True)}
 
@@ -361,7 +361,7 @@ class Program:
 
     # ------------------------------------------------------------ errors
 
-    def error(self, kind: str, message: str, place: Place, hint: str = "") -> ScenicError:
+    def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
         """An error at a place of the program, to be raised by whoever finds it unfit for its purpose."""
         line = self._sources[place.file].line(place.line)
         return ScenicError(kind, message, place, hint=hint, source_line=line)
@@ -375,7 +375,7 @@ class Program:
             raise
         except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
             message = f"the random values of the program do not fit together: {fault}"
-            raise self.error("type", message, Place(self.file, 1, 0, 1, 1)) from None
+            raise self.error("type", message, SourceSpan(self.file, 1, 0, 1, 1)) from None
         fixed = [not any(True for _ in randoms_in(outline_parts(instance))) for instance in self._instances]
         at = 0
         for check in self._checks.batched:
@@ -387,12 +387,12 @@ class Program:
             if value is False and rule.kind != "require":
                 raise self._broken(rule, [])
 
-    def _broken(self, rule: Rule, members: list[Instance]) -> ScenicError:
+    def _broken(self, rule: Constraint, members: list[Instance]) -> ScenicError:
         where = ", ".join(f"{title_of(each)} is at {each.properties['position']!r}" for each in members)
         return self.error("value", f"{rule.label} in every scene", rule.place, where)
 
 
-def place_in_program(column: Column, session: Session) -> Place:
+def place_in_program(column: ThetaColumn, session: InterpreterState) -> SourceSpan:
     """Where a value is drawn; for a default of a library's class, where its object is made."""
     place, owner = column.place, column.owner
     while session.sources[place.file].library and owner is not None:
@@ -404,7 +404,7 @@ def outline_parts(instance: Instance) -> list[Value]:
     return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]
 
 
-def in_order(session: Session) -> list[Instance]:
+def in_order(session: InterpreterState) -> list[Instance]:
     """The ego first, then as created."""
     return sorted(session.objects, key=lambda instance: instance is not session.ego)
 

@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import DrawnPoint, Session
+from scenic_lite.core.scope import DrawnPoint, InterpreterState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.distributions import show_coordinates, span_between
 from scenic_lite.scene.bounds import bounds_of
 from scenic_lite.scene.constraints import containers
 from scenic_lite.values.geometry import TURN, Vector
-from scenic_lite.values.graph import Column, Random, Tape, Value, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.polygons import PolygonalRegion
 from scenic_lite.values.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
 
@@ -45,7 +45,7 @@ class Demand(NamedTuple):
         return Vector(self.right, self.up)
 
 
-def prune(session: Session) -> None:
+def prune(session: InterpreterState) -> None:
     """Draw the points of a session's objects from the parts of their regions in which the objects fit.
 
     What is cut off is what Scenic cuts off, so that shares of valid draws can be compared: the container's rim, as far
@@ -80,7 +80,7 @@ def is_fixed_area(region: Region) -> bool:
     return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
 
 
-def near_point(points: dict[int, int], session: Session, position: Vector) -> tuple[int, float, float] | None:
+def near_point(points: dict[int, int], session: InterpreterState, position: Vector) -> tuple[int, float, float] | None:
     """The index of the drawn point that a position is, and the fixed step from there."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
@@ -92,7 +92,7 @@ def near_point(points: dict[int, int], session: Session, position: Vector) -> tu
 def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
     """A value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
     step = 0.0
-    while isinstance(value, Random) and id(value) not in points and value.operation in (np.add, np.subtract):
+    while isinstance(value, RandomExpr) and id(value) not in points and value.operation in (np.add, np.subtract):
         first, second = value.inputs
         if is_number(second):
             step += second if value.operation is np.add else -second
@@ -111,7 +111,7 @@ def inner_radius(instance: Instance) -> float:
 
 def least(value: Value) -> float:
     """A lower bound; -inf if none is known."""
-    if not isinstance(value, Random):
+    if not isinstance(value, RandomExpr):
         return float(value)
     columns = list(columns_of(value))
     try:
@@ -121,7 +121,7 @@ def least(value: Value) -> float:
     return bounds_of(tape, columns)[tape.slot(value)][0]
 
 
-def does_not_fit(session: Session, instance: Instance, label: str) -> ScenicError:
+def does_not_fit(session: InterpreterState, instance: Instance, label: str) -> ScenicError:
     place = instance.place
     message = f"{instance.title()} does not fit into {label}"
     hint = "nowhere in the region from which its position is drawn is there room for it"
@@ -131,7 +131,7 @@ def does_not_fit(session: Session, instance: Instance, label: str) -> ScenicErro
 # ------------------------------------------------------------ one point
 
 
-def draw_from(session: Session, at: int, part: Region) -> None:
+def draw_from(session: InterpreterState, at: int, part: Region) -> None:
     """Draw the point with the index `at` from a part of its region."""
     drawn = session.points[at]
     columns = drawn.columns
@@ -214,14 +214,14 @@ def circumscribed(region: Region) -> Region:
 # ------------------------------------------------------------ the graph
 
 
-def narrow(columns: tuple[Column, ...], part: RectangularRegion) -> None:
+def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
     """Columns that are the coordinates themselves stay so, between nearer limits."""
     for column, (low, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.low, column.high = low, low, low + span
         column.span = span_between(low, low + span)
 
 
-def redraw(session: Session, drawn: DrawnPoint, part: Region) -> tuple[Column, ...]:
+def redraw(session: InterpreterState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColumn, ...]:
     """Make the point's nodes those of another region, so that all that was computed from them follows."""
     columns = drawn.columns
     if drawn.point.x is columns[0]:  # its columns become nodes, of two others
@@ -235,9 +235,9 @@ def redraw(session: Session, drawn: DrawnPoint, part: Region) -> tuple[Column, .
     return columns
 
 
-def successor(session: Session, column: Column) -> Column:
+def successor(session: InterpreterState, column: ThetaColumn) -> ThetaColumn:
     """A new column in the place of another one."""
-    fresh = Column(column.draw_kind, column.place)
+    fresh = ThetaColumn(column.draw_kind, column.place)
     fresh.name, fresh.owner = column.name, column.owner
     session.columns[next(i for i, each in enumerate(session.columns) if each is column)] = fresh
     return fresh

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scenic_lite.scene.constraints import Rule
+from scenic_lite.scene.constraints import Constraint
 
 SHOWN = 8  # rules, the worst first
 
@@ -22,7 +22,7 @@ class RejectionReport:
     file: str
     draws: int
     accepted: int
-    rejected: tuple[tuple[Rule, float], ...]  # only rules that rejected something, the worst first
+    rejected: tuple[tuple[Constraint, float], ...]  # only rules that rejected something, the worst first
 
     @property
     def acceptance(self) -> float:

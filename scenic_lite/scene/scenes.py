@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.types import BehaviorCall, Choice, Instance
-from scenic_lite.errors import Place
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
+from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Random, Tape, Value, is_number
+from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
 from scenic_lite.values.regions import Region
 
 LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
@@ -33,9 +33,9 @@ class ObjectInfo(NamedTuple):
     name: str
     class_name: str
     classes: tuple[str, ...]
-    place: Place
+    place: SourceSpan
     behavior: str | None
-    behavior_place: Place | None
+    behavior_place: SourceSpan | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +60,10 @@ class Scenes:
     failed: np.ndarray
 
 
-def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[Random]:
+def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
     """The random nodes that a value is made of, in order."""
     seen = set() if seen is None else seen
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         yield value
         return
     if id(value) in seen:
@@ -83,7 +83,7 @@ def refuse_huge(value: Value, what: str) -> None:
         count += 1
         if count > LARGEST_VALUE or depth > DEEPEST_VALUE:
             raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
-        if isinstance(each, list | tuple | set | dict | Choice | BehaviorCall):
+        if isinstance(each, list | tuple | set | dict | RandomChoice | BehaviorCall):
             stack += [(part, depth + 1) for part in parts_of(each)]
 
 
@@ -95,7 +95,7 @@ def parts_of(value: Value) -> tuple[Value, ...]:
         return tuple(value)
     if isinstance(value, dict):
         return tuple(value.values())
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return (value.index, *value.options)
     if isinstance(value, Instance):
         return tuple(value.properties.values())
@@ -130,7 +130,7 @@ class Planner:
 
     def plan(self, value: Value) -> Plan | None:
         """How to read a value that varies; None if it is fixed."""
-        if isinstance(value, Random):
+        if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
             return lambda registers, count: registers[slot]
         if isinstance(value, BehaviorCall | Region) or not any(True for _ in self._varying(value)):
@@ -139,13 +139,13 @@ class Planner:
             return self._vector(value)
         if isinstance(value, Instance):
             return self.plan(value.properties["position"])
-        if isinstance(value, Choice):
+        if isinstance(value, RandomChoice):
             return self._choice(value)
         if isinstance(value, dict):
             return self._dictionary(value)
         return self._sequence(value)
 
-    def _varying(self, value: Value) -> Iterator[Random]:
+    def _varying(self, value: Value) -> Iterator[RandomExpr]:
         """Objects of the program are given by index, so that what varies of them does not matter."""
         if isinstance(value, Instance):
             return iter(()) if id(value) in self.indices else randoms_in(value.properties["position"])
@@ -160,7 +160,7 @@ class Planner:
             [np.broadcast_to(part(registers, count), count) for part in parts], axis=1
         )
 
-    def _choice(self, value: Choice) -> Plan:
+    def _choice(self, value: RandomChoice) -> Plan:
         index = self.tape.slot(value.index)
         readers = [self.reader(option) for option in value.options]
 
@@ -210,7 +210,7 @@ class Arrangement:
             fixed = [value if is_number(value) else 0.0 for value in values]
             self.fixed[part] = np.array(fixed, dtype=float)[:, None]  # [O, 1]
             self.random[part] = [
-                (i, planner.tape.slot(value)) for i, value in enumerate(values) if isinstance(value, Random)
+                (i, planner.tape.slot(value)) for i, value in enumerate(values) if isinstance(value, RandomExpr)
             ]
 
     def write(self, registers: list[Any], count: int) -> tuple[np.ndarray, np.ndarray, Outlines]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import keyword
 import re
 
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax.lexer import tokens
 
 DIALECTS = (2, 3)
@@ -40,7 +40,7 @@ def marked_dialect(text: str, file: str) -> int | None:
     if version not in ("2", "3"):
         start, end = match.span("version")
         message = f"there is no dialect {match['version']} of Scenic here"
-        place = Place(file, 1, start, 1, end)
+        place = SourceSpan(file, 1, start, 1, end)
         raise ScenicError("syntax", message, place, hint="write # scenic: 2 or # scenic: 3", source_line=first)
     return int(version)
 

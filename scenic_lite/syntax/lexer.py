@@ -12,7 +12,7 @@ from bisect import bisect_right
 from functools import cached_property
 from typing import NamedTuple
 
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 
 MAX_CHARACTERS = 2_000_000
 MAX_INDENTS = 80
@@ -112,7 +112,7 @@ class Source:
         self, message: str, place: tuple[int, int, int, int], hint: str = "", kind: str = "syntax"
     ) -> ScenicError:
         """An error at place (line, column, end line, end column)."""
-        return ScenicError(kind, message, Place(self.file, *place), hint=hint, source_line=self.line(place[0]))
+        return ScenicError(kind, message, SourceSpan(self.file, *place), hint=hint, source_line=self.line(place[0]))
 
 
 def unified(text: str) -> str:

@@ -18,7 +18,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.fields import patchwork
 from scenic_lite.values import shapes
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import NOT, OR, Operation, Random, Value, apply
+from scenic_lite.values.graph import NOT, OR, Operation, RandomExpr, Value, apply
 from scenic_lite.values.lines import GridRegion, PointSetRegion, PolylineRegion
 from scenic_lite.values.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion
 from scenic_lite.values.regions import (
@@ -88,7 +88,9 @@ def made_of(operation: Operation, a: Region, b: Region, orientation: VectorField
     if operation is shapes.DIFFERENCE:
         dimension = a.dimension
     shape = apply(operation, a.shape(), b.shape(), kind="any")
-    return ShapeRegion(shape, orientation, dimension) if isinstance(shape, Random) else region_of(shape, orientation)
+    return (
+        ShapeRegion(shape, orientation, dimension) if isinstance(shape, RandomExpr) else region_of(shape, orientation)
+    )
 
 
 def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
@@ -108,7 +110,7 @@ def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
 def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
     """The points of a set that lie in another region, or those that do not."""
     inside = [other.contains(Vector(float(x), float(y))) for x, y in points.points]
-    if any(isinstance(each, Random) for each in inside):
+    if any(isinstance(each, RandomExpr) for each in inside):
         return Filtered(points, other.contains if kept else lambda p: apply(NOT, other.contains(p), kind="truth"))
     left = [tuple(point) for point, each in zip(points.points, inside, strict=True) if bool(each) is kept]
     return PointSetRegion(left, points.orientation or other.orientation) if left else Nowhere()
@@ -138,7 +140,7 @@ def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
 def grown(region: Region, by: Value) -> Region:
     """The region and all points within a distance of it (for a negative one, what is so deep inside)."""
     shape = apply(shapes.GROWN, region.shape(), by, kind="any")
-    return ShapeRegion(shape) if isinstance(shape, Random) else region_of(shape)
+    return ShapeRegion(shape) if isinstance(shape, RandomExpr) else region_of(shape)
 
 
 def boundary(region: Region) -> Region:
@@ -150,7 +152,7 @@ def boundary(region: Region) -> Region:
 
 def fixed_shape(region: Region) -> Any:
     shape = region.shape()
-    if isinstance(shape, Random):
+    if isinstance(shape, RandomExpr):
         raise ScenicError("unsupported", "this can be asked of a fixed region only")
     return shape
 

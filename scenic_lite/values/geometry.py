@@ -18,7 +18,7 @@ from scenic_lite.values.graph import (
     HYPOTENUSE,
     SINE,
     Operation,
-    Random,
+    RandomExpr,
     Value,
     apply,
     is_number,
@@ -92,7 +92,7 @@ class Located(ABC):
 
 def is_scalar(value: Value) -> bool:
     """Whether it is a number, fixed or random."""
-    return is_number(value) or (isinstance(value, Random) and value.kind == "number")
+    return is_number(value) or (isinstance(value, RandomExpr) and value.kind == "number")
 
 
 def vector_operand(value: Value, sign: str) -> Vector:

@@ -1,6 +1,6 @@
 """Random values: nodes of an expression graph, and the tape that evaluates many of them for N samples at once.
 
-A program is walked once. Wherever an operand is random the walk makes a `Random` node instead of a number; a `Tape`
+A program is walked once. Wherever an operand is random the walk makes a `RandomExpr` node instead of a number; a `Tape`
 then holds the nodes in topological order, so that N scenes cost one array operation per node, whatever N. Read next:
 `language.distributions`, which makes the columns; `scene.program`, which owns the tape.
 """
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 
 Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
 
@@ -26,7 +26,7 @@ class Operation(NamedTuple):
     array: Callable[..., Any]
 
 
-class Random:
+class RandomExpr:
     """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
 
     `kind` is "number", "truth", "text" or "any"; it lets mistakes be found while the program is loaded.
@@ -94,7 +94,7 @@ class Random:
         return arithmetic(ABSOLUTE, self)
 
 
-class Column(Random):
+class ThetaColumn(RandomExpr):
     """One column of θ, already scaled: `low + (θ + 1) / 2 · span`; the leaf of the graph.
 
     `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
@@ -104,7 +104,7 @@ class Column(Random):
 
     __slots__ = ("draw_kind", "high", "low", "name", "offset", "options", "owner", "place", "shown", "span")
 
-    def __init__(self, draw_kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> None:
+    def __init__(self, draw_kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> None:
         super().__init__(None, ())
         self.draw_kind = draw_kind
         self.place = place
@@ -112,7 +112,7 @@ class Column(Random):
         self.span = span
         self.low = min(offset, offset + span)
         self.high = max(offset, offset + span)
-        self.shown: Random = self
+        self.shown: RandomExpr = self
         self.name = ""
         self.owner: Any = None
         self.options: tuple = ()  # of a choice among structured values, whose index is shown
@@ -124,8 +124,8 @@ def is_number(value: Value) -> bool:
 
 def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value:
     """`operation` on numbers at once, or as a new node if an operand is random."""
-    if any(isinstance(operand, Random) for operand in operands):
-        return Random(operation.array, operands, kind)
+    if any(isinstance(operand, RandomExpr) for operand in operands):
+        return RandomExpr(operation.array, operands, kind)
     return operation.scalar(*operands)
 
 
@@ -135,17 +135,17 @@ def arithmetic(operation: Operation, *operands: Value) -> Value:
     if kinds <= {"number", "truth"}:
         return apply(operation, *(as_number(operand) for operand in operands))
     if kinds == {"text"} and operation is ADD:
-        return Random(operation.array, operands, "text")
+        return RandomExpr(operation.array, operands, "text")
     raise TypeError("arithmetic needs numbers")
 
 
 def as_number(value: Value) -> Value:
     """A truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
-    return Random(to_integers, (value,)) if isinstance(value, Random) and value.kind == "truth" else value
+    return RandomExpr(to_integers, (value,)) if isinstance(value, RandomExpr) and value.kind == "truth" else value
 
 
 def kind_of(value: Value) -> str:
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         return value.kind
     if isinstance(value, bool | np.bool_):
         return "truth"
@@ -154,7 +154,7 @@ def kind_of(value: Value) -> str:
     return "text" if isinstance(value, str) else "other"
 
 
-def scaled(value: Random, factor: float) -> Value:
+def scaled(value: RandomExpr, factor: float) -> Value:
     if factor == 1:
         return value
     return 0.0 if factor == 0 and value.kind == "number" else arithmetic(MULTIPLY, value, factor)
@@ -243,25 +243,25 @@ def pick(index: Any, *options: Any) -> Any:
     return stacked[index, np.arange(len(index))]
 
 
-def select(index: Random, options: tuple) -> Random:
+def select(index: RandomExpr, options: tuple) -> RandomExpr:
     """The random choice among numbers or texts, themselves random or not."""
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
-    if any(isinstance(option, Random) for option in options):
-        return Random(pick, (index, *options), kind)
-    return Random(Table(options), (index,), kind)
+    if any(isinstance(option, RandomExpr) for option in options):
+        return RandomExpr(pick, (index, *options), kind)
+    return RandomExpr(Table(options), (index,), kind)
 
 
-def columns_of(*values: Value) -> Iterator[Column]:
+def columns_of(*values: Value) -> Iterator[ThetaColumn]:
     """The columns that random values are computed from, each once."""
     seen: set[int] = set()
     stack = list(reversed(values))
     while stack:
         node = stack.pop()
-        if not isinstance(node, Random) or id(node) in seen:
+        if not isinstance(node, RandomExpr) or id(node) in seen:
             continue
         seen.add(id(node))
-        if isinstance(node, Column) and node.operation is None:
+        if isinstance(node, ThetaColumn) and node.operation is None:
             yield node
         stack.extend(reversed(node.inputs))
 
@@ -269,7 +269,7 @@ def columns_of(*values: Value) -> Iterator[Column]:
 class Tape:
     """The nodes needed for some outputs, flat and in topological order; equal operations on equal inputs once."""
 
-    def __init__(self, outputs: Iterable[Random], columns: Iterable[Column], limit: int) -> None:
+    def __init__(self, outputs: Iterable[RandomExpr], columns: Iterable[ThetaColumn], limit: int) -> None:
         self.registers: list[Any] = []
         self.steps: list[tuple[Callable[..., Any], tuple[int, ...], int]] = []
         self._slots: dict[Any, int] = {}  # node, constant or (operation, inputs) -> register
@@ -279,10 +279,10 @@ class Tape:
         self.dim = len(self.registers)
         self.slots = {id(output): self._place(output) for output in outputs}
 
-    def slot(self, value: Random) -> int:
+    def slot(self, value: RandomExpr) -> int:
         return self.slots[id(value)]
 
-    def find(self, value: Random) -> int | None:
+    def find(self, value: RandomExpr) -> int | None:
         """The register of any value that is computed on the way to the outputs."""
         return self._slots.get(id(value))
 
@@ -298,12 +298,12 @@ class Tape:
         self.registers.append(value)
         return len(self.registers) - 1
 
-    def _place(self, root: Random) -> int:
+    def _place(self, root: RandomExpr) -> int:
         """Give `root` and all it is computed from a register, inputs first (without recursion: graphs may be deep)."""
         stack = [root]
         while stack:
             node = stack[-1]
-            waiting = [i for i in node.inputs if isinstance(i, Random) and id(i) not in self._slots]
+            waiting = [i for i in node.inputs if isinstance(i, RandomExpr) and id(i) not in self._slots]
             if id(node) in self._slots or not waiting:
                 stack.pop()
                 if id(node) not in self._slots:
@@ -312,9 +312,9 @@ class Tape:
                 stack.extend(waiting)
         return self._slots[id(root)]
 
-    def _step(self, node: Random) -> int:
+    def _step(self, node: RandomExpr) -> int:
         assert node.operation is not None, "a column that was not announced"
-        inputs = tuple(self._slots[id(i)] if isinstance(i, Random) else self._constant(i) for i in node.inputs)
+        inputs = tuple(self._slots[id(i)] if isinstance(i, RandomExpr) else self._constant(i) for i in node.inputs)
         key = (node.operation, inputs)
         if key not in self._slots:
             if len(self.steps) >= self._limit:

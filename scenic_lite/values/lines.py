@@ -13,7 +13,7 @@ import numpy as np
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import NORMALISE, Vector
-from scenic_lite.values.graph import AND, Random, Value, apply
+from scenic_lite.values.graph import AND, RandomExpr, Value, apply
 from scenic_lite.values.regions import Point2, Region, VectorField, in_frame, numbers_of, truth_of
 
 NEAR = 1e-6  # a point so near a polyline or a point lies on it
@@ -60,7 +60,7 @@ class PolylineRegion(Region):
         return self.headings[self._segment(u)]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return Vector(Random(self._x, (u,)), Random(self._y, (u,)))
+        return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
 
     def uniforms(self, point: Vector) -> tuple[Any, ...]:
         which, share, distance = self.nearest(point.x, point.y)
@@ -68,7 +68,7 @@ class PolylineRegion(Region):
         return (np.where(distance <= NEAR, before + share * self.lengths[which] / self.length, np.nan),)
 
     def heading_of(self, point: Vector, u: Value) -> Value:
-        return Random(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
+        return RandomExpr(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
 
     def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
         """The nearest segment of each point, how far along it, and the distance."""
@@ -166,7 +166,7 @@ class PointSetRegion(Region):
         return self.points[self._index(u), 1]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return Vector(Random(self._x, (u,)), Random(self._y, (u,)))
+        return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
 
     def uniforms(self, point: Vector) -> tuple[Any, ...]:
         gaps = self._gaps(point.x, point.y)

@@ -12,7 +12,7 @@ import numpy as np
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import AND, Random, Value, apply
+from scenic_lite.values.graph import AND, RandomExpr, Value, apply
 from scenic_lite.values.regions import CLOSENESS, Point2, Region, VectorField, truth_of
 from scenic_lite.values.slabs import Slabs
 
@@ -56,8 +56,8 @@ class PolygonalRegion(Region):
         return Holds(self._shape)
 
     def point(self, u: Value, v: Value) -> Vector:
-        both = Random(self._slabs, (u, v), "any")
-        return Vector(Random(first, (both,)), Random(second, (both,)))
+        both = RandomExpr(self._slabs, (u, v), "any")
+        return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
 
     def uniforms(self, point: Vector) -> tuple[Any, ...]:
         x, y = np.broadcast_arrays(np.asarray(point.x, dtype=float), np.asarray(point.y, dtype=float))
@@ -114,7 +114,7 @@ class ShapeRegion(Region):
     a point is drawn from it.
     """
 
-    def __init__(self, shape: Random, orientation: VectorField | None = None, dimension: int = 2) -> None:
+    def __init__(self, shape: RandomExpr, orientation: VectorField | None = None, dimension: int = 2) -> None:
         self._shape = shape
         self.orientation = orientation
         self.dimension = dimension
@@ -129,8 +129,8 @@ class ShapeRegion(Region):
     def point(self, u: Value, v: Value) -> Vector:
         from scenic_lite.values import shape_points
 
-        both = Random(shape_points.points_of, (self._shape, u, v), "any")
-        return Vector(Random(first, (both,)), Random(second, (both,)))
+        both = RandomExpr(shape_points.points_of, (self._shape, u, v), "any")
+        return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
 
     def contains(self, point: Vector) -> Value:
         from scenic_lite.values import shapes

@@ -137,14 +137,14 @@ def test_simple115_is_made_of_raw_as_in_the_original():
 
 def planes(raw):
     """The original's mini map."""
-    frame = np.zeros((72, 96, 4), np.uint8)
+    scope = np.zeros((72, 96, 4), np.uint8)
     me = raw["left_team"][raw["active"]]
     for channel, points in enumerate((raw["left_team"], raw["right_team"], [raw["ball"]], [me])):
         for x, y, *_ in points:
             column = int((x + 1.0) / 2.0 * 96)
             line = int((y + 1.0 / 2.25) / (2.0 / 2.25) * 72)
-            frame[min(max(line, 0), 71), min(max(column, 0), 95), channel] = 255
-    return frame
+            scope[min(max(line, 0), 71), min(max(column, 0), 95), channel] = 255
+    return scope
 
 
 def test_smm_is_made_of_raw_as_in_the_original():

@@ -14,13 +14,13 @@ from gymnasium.spaces import Box, Discrete
 from ued.upomdp import UPOMDP
 
 
-class Column(NamedTuple):
+class ThetaColumn(NamedTuple):
     name: str
     low: float
     high: float
 
 
-DRAWS = (Column("place.x", -50.0, 50.0), Column("place.y", -30.0, 30.0), Column("depth", 0.0, 10.0))
+DRAWS = (ThetaColumn("place.x", -50.0, 50.0), ThetaColumn("place.y", -30.0, 30.0), ThetaColumn("depth", 0.0, 10.0))
 
 
 class ProbeUPOMDP(UPOMDP):
@@ -87,7 +87,7 @@ class ProbePainter:
         walker = theta[:, :2] * (50.0, 30.0)
         return np.stack([walker, walker + (5.0, 0.0)], 1)
 
-    def frame(self, upomdp):
+    def scope(self, upomdp):
         return self.positions(upomdp.levels["theta"])[0]
 
 

@@ -15,7 +15,7 @@ from envs.football.control.control_modes import count_agents
 from envs.football.scenic.domain import SETTINGS
 from envs.football.scenic.world_table import THE_BALL
 from envs.football.state import Lineup, MatchConfig, kick_off
-from scenic_lite import Place, Program, Scenes
+from scenic_lite import Program, Scenes, SourceSpan
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
 TEAMS = {"left": LEFT, "right": RIGHT}
@@ -41,10 +41,10 @@ class CastingError(ValueError):
     `place` is that of the culprit in the program, or None if there is none.
     """
 
-    place: Place | None = None
+    place: SourceSpan | None = None
 
 
-def refusal(program: Program, message: str, place: Place, hint: str = "") -> CastingError:
+def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> CastingError:
     """The error for one place of a program, its line underlined."""
     error = CastingError(str(program.error("unsupported", message, place, hint)))
     error.place = place

@@ -11,7 +11,7 @@ from scenic_lite.core.types import Instance, Namespace, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import EQUAL, NOT_EQUAL, Random, Value, apply
+from scenic_lite.values.graph import EQUAL, NOT_EQUAL, RandomExpr, Value, apply
 
 FIELDS = (
     "x",
@@ -88,7 +88,7 @@ def command(value: Value, instance: Instance) -> Value:
     """Check an action: its number, 0 to 19. Raises ScenicError for what is none, and for an action of the ball."""
     if is_ball(instance):
         raise ScenicError("type", f"{instance.title()} is a ball; only players take actions")
-    if isinstance(value, Random) and value.kind == "number":
+    if isinstance(value, RandomExpr) and value.kind == "number":
         return value
     if not isinstance(value, int | float) or isinstance(value, bool):
         hint = "write its brackets, as in take Shoot()"

@@ -9,8 +9,8 @@ from __future__ import annotations
 import ast
 
 from scenic_lite.core.scope import near
-from scenic_lite.core.types import Choice, Instance, describe_kind
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame
+from scenic_lite.core.types import Instance, RandomChoice, describe_kind
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.registers import Slot, pairs
 from scenic_lite.dynamics.machine.bytecode import REWARD
@@ -22,7 +22,7 @@ from scenic_lite.values.graph import Value, kind_of
 Key = tuple[str, str | int, str]
 
 
-def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner: Value, value: Value) -> None:
+def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
     """`owner.name = value`."""
     name = target.attr
     if owner is c.simulation and name == "scenic_reward":
@@ -33,13 +33,13 @@ def set_attribute(c: Compilation, frame: LiveFrame, target: ast.Attribute, owner
         own = {key[2] for key in c.shapes if key[0] == "simulation"}  # assigned in the program, as an earlier walk saw
         known = [each for each in c.simulation.names if each not in own]
         if hint := near(name, known) if name not in known else "":
-            c.doubts.append(frame.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
+            c.doubts.append(scope.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
         keep(c, ("simulation", "", name), value)
     elif isinstance(owner, Instance) and owner.label:
         refuse_live(c, owner, name)
         checked_value = checked(name, value, c.program.dialect) if name in owner.properties else value
         keep(c, ("object", owner.label, name), checked_value)
-    elif isinstance(owner, Choice):
+    elif isinstance(owner, RandomChoice):
         raise ScenicError("unsupported", "attributes are set of one object, not of whichever a match finds")
     else:
         raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")

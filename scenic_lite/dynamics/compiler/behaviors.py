@@ -11,13 +11,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Behavior, BehaviorCall, Choice, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Behavior, BehaviorCall, RandomChoice, describe_kind
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.attributes import remember
 from scenic_lite.dynamics.compiler.choices import over_options
-from scenic_lite.dynamics.compiler.code import TOLD, Label, Live
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.code import TOLD, Label, RegisterValue
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
@@ -27,14 +27,14 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.requirements import source_text
 from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Random, Value, is_number
+from scenic_lite.values.graph import RandomExpr, Value, is_number
 
 Called = tuple[BehaviorCall, Value]  # with its weight
 
 
-def take(c: Compilation, frame: LiveFrame, node: nodes.Take) -> None:
+def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
     """`take a, b`; a single tuple or list stands for its elements."""
-    actions = [frame.value(each) for each in node.actions]
+    actions = [scope.value(each) for each in node.actions]
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     assert c.agent is not None, "the checker lets only behaviors take actions"
@@ -44,16 +44,16 @@ def take(c: Compilation, frame: LiveFrame, node: nodes.Take) -> None:
     c.code.row(Op.TAKE, command(c, actions, node), c.slot, on)
     c.code.reachable = False
     c.code.put(on)
-    check_invariants(c, frame)
+    check_invariants(c, scope)
 
 
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
     """An action as the world wants it: a fault if it is none."""
-    if isinstance(action, Choice):
+    if isinstance(action, RandomChoice):
         return over_options(c, action, lambda each: checked(c, each, node), id(node))
     assert c.agent is not None
     action = c.world.command(action, c.agent)
-    if c.world.actions is not None and isinstance(action, Random):
+    if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
         c.code.row(Op.IS_INDEX, known, register, c.code.constant(c.world.actions))
         c.code.fault_unless(known, c.world.no_action(TOLD), register)
@@ -70,12 +70,12 @@ def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
     return c.code.constant(len(c.commands) - 1)
 
 
-def wait(c: Compilation, frame: LiveFrame, node: nodes.Wait) -> None:
+def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
     if node.duration is None and node.until is None:
         pause(c)
     else:
-        limited(c, frame, limit_of(c, frame, node), lambda: idle(c))
-    check_invariants(c, frame)
+        limited(c, scope, limit_of(c, scope, node), lambda: idle(c))
+    check_invariants(c, scope)
 
 
 def pause(c: Compilation) -> None:
@@ -100,7 +100,7 @@ def suspend(c: Compilation, on: Label) -> None:
     c.code.reachable = False
 
 
-def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
+def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> None:
     """The end of a scenario or of the match; in Scenic 2 always of the match."""
     word = "terminate simulation" if node.scope == "simulation" else "terminate"
     statement = f'"{word}" executed on line {node.lineno}'
@@ -108,7 +108,7 @@ def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
     part, code = c.part, c.code
     if part is not None and c.composing:
         if whole or part.parent is None:
-            register_of(code, Live(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
+            register_of(code, RegisterValue(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
         code.row(Op.JUMP, c=part.kill if whole else part.over)
         return
     if c.agent is not None or whole or part is None:
@@ -118,28 +118,28 @@ def terminate(c: Compilation, frame: LiveFrame, node: nodes.Terminate) -> None:
         code.reachable = False
         code.put(on)
     else:  # when all monitors have run
-        register_of(code, Live(c.reason(f"terminatedByMonitor: {statement}")), part.ending)
+        register_of(code, RegisterValue(c.reason(f"terminatedByMonitor: {statement}")), part.ending)
         pause(c)
-    check_invariants(c, frame)
+    check_invariants(c, scope)
 
 
-def require(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
+def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """`require[p] condition` in a behavior or monitor: the match is rejected if it does not hold now."""
     if is_temporal(node.condition):
         from scenic_lite.dynamics.compiler.setups import require_later
 
-        require_later(c, frame, node)
+        require_later(c, scope, node)
         return
     fine = Label()
-    probability = 1.0 if node.probability is None else frame.value(node.probability)
+    probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
-        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     if probability < 1:
         mark = c.code.temporaries.take()
         c.code.row(Op.DRAW, mark, c.code.constant(0), c.code.constant(1))
         c.code.row(Op.JUMP_LESS, c.code.constant(probability), mark, fine)
-    jump_on(c, frame, node.condition, fine, when=True)
-    c.reject(node.name or source_text(frame, node))
+    jump_on(c, scope, node.condition, fine, when=True)
+    c.reject(node.name or source_text(scope, node))
     c.code.put(fine)
 
 
@@ -149,51 +149,51 @@ def require(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
 def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
     """A behavior in place: its guards, then its body."""
     with c.entered(call.behavior, node):
-        frame = frame_of(c, call)
+        scope = frame_of(c, call)
         if guards:
-            check_guards(c, frame)
-        frame.run(frame.scope.body)
-        c.code.put(frame.scope.end)
+            check_guards(c, scope)
+        scope.run(scope.inlined.body)
+        c.code.put(scope.inlined.end)
 
 
-def frame_of(c: Compilation, call: BehaviorCall) -> LiveFrame:
+def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
     """The variables of a behavior that begins."""
     behavior = call.behavior
     names = {name: kept(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
     body = behavior.node.compose if isinstance(behavior.node, nodes.Scenario) else behavior.node.body
-    scope = Scope(c.path, body, Label(), behavior)
-    frame = LiveFrame(c, behavior.frame.source, names, behavior.frame, scope)
-    frame.assigned = behavior.assigned
-    return frame
+    inlined = InlinedBody(c.path, body, Label(), behavior)
+    scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, inlined)
+    scope.assigned = behavior.assigned
+    return scope
 
 
-def check_guards(c: Compilation, frame: LiveFrame) -> None:
-    behavior = frame.scope.behavior
+def check_guards(c: Compilation, scope: CompiledScope) -> None:
+    behavior = scope.inlined.behavior
     assert behavior is not None
-    check(c, frame, "precondition", behavior.node.preconditions)
-    check_invariants(c, frame)
+    check(c, scope, "precondition", behavior.node.preconditions)
+    check_invariants(c, scope)
 
 
-def check_invariants(c: Compilation, frame: LiveFrame) -> None:
+def check_invariants(c: Compilation, scope: CompiledScope) -> None:
     """Whenever a thread goes on after time has passed."""
-    behavior = frame.scope.behavior
+    behavior = scope.inlined.behavior
     if behavior is not None and behavior.node.invariants:
-        check(c, frame, "invariant", behavior.node.invariants)
+        check(c, scope, "invariant", behavior.node.invariants)
 
 
-def check(c: Compilation, frame: LiveFrame, word: str, conditions: list[ast.expr]) -> None:
-    behavior = frame.scope.behavior
+def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.expr]) -> None:
+    behavior = scope.inlined.behavior
     assert behavior is not None
     for condition in conditions:
         fine = Label()
         with c.code.statement():
-            jump_on(c, frame, condition, fine, when=True)
+            jump_on(c, scope, condition, fine, when=True)
             c.reject(f"violated {word} of {behavior.name} on line {condition.lineno}")
             c.code.put(fine)
 
 
-def do(c: Compilation, frame: LiveFrame, node: nodes.Do) -> None:
-    calls = calls_of(c, frame, node)
+def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
+    calls = calls_of(c, scope, node)
     used = c.code.variables.used
 
     if node.how == "choose":
@@ -203,12 +203,12 @@ def do(c: Compilation, frame: LiveFrame, node: nodes.Do) -> None:
     else:
         run = partial(run_called, c, [call for call, _ in calls], node)
     if node.duration is not None or node.until is not None:
-        limited(c, frame, limit_of(c, frame, node), run)
+        limited(c, scope, limit_of(c, scope, node), run)
     else:
         run()
-    if not frame.scope.live and not c.guarding and not c.composing:
+    if not scope.inlined.live and not c.guarding and not c.composing:
         c.code.variables.used = used
-    check_invariants(c, frame)
+    check_invariants(c, scope)
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
@@ -233,43 +233,43 @@ def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     c.code.put(end)
 
 
-def calls_of(c: Compilation, frame: LiveFrame, node: nodes.Do) -> list[Called]:
+def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Called]:
     """What is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
-    values = [frame.value(each) for each in node.calls]
+    values = [scope.value(each) for each in node.calls]
     places: list[ast.expr] = list(node.calls)
     weights: list[Value] = [1.0] * len(values)
     if node.weights is not None:
-        weights = [frame.value(each) for each in node.weights]
+        weights = [scope.value(each) for each in node.weights]
     if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
         values, weights = list(values[0]), list(values[0].values())
         places *= len(values)
     for weight in weights:
         if is_number(needs_number(weight, "a weight")) and weight < 0:
-            raise frame.error("value", f"a weight is a number, and not negative: {weight!r}", node)
+            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
     return [
-        (kept(c.code, called(c, frame, value, place)), kept(c.code, weight))
+        (kept(c.code, called(c, scope, value, place)), kept(c.code, weight))
         for value, place, weight in zip(values, places, weights, strict=True)
     ]
 
 
-def called(c: Compilation, frame: Frame, value: Value, place: ast.expr) -> Value:
+def called(c: Compilation, scope: Scope, value: Value, place: ast.expr) -> Value:
     """A behavior with its arguments, or a choice among such; in a compose block a scenario."""
-    if isinstance(value, Choice):
-        return Choice(value.index, tuple(called(c, frame, option, place) for option in value.options))
+    if isinstance(value, RandomChoice):
+        return RandomChoice(value.index, tuple(called(c, scope, option, place) for option in value.options))
     wanted = "scenario" if c.composing else "behavior"
     if isinstance(value, BehaviorCall) and value.behavior.kind == wanted:
         return value
     hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == wanted else ""
-    raise frame.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
+    raise scope.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
 
 
-def limit_of(c: Compilation, frame: LiveFrame, node: nodes.Do | nodes.Wait) -> Limit:
+def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Limit:
     """When a `do` or `wait` ends: rows that jump when it does."""
     if node.until is not None:
         until = node.until
-        return lambda end: jump_on(c, frame, until, end, when=True)
+        return lambda end: jump_on(c, scope, until, end, when=True)
     assert node.duration is not None
-    duration = needs_number(frame.value(node.duration), "a duration")
+    duration = needs_number(scope.value(node.duration), "a duration")
     code = c.code
     start = code.variables.take(2)
     time = c.time()
@@ -351,9 +351,9 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
     register_of(c.code, 0, able)
     fails = Label()
     with c.round(node, -1 - number), c.entered(call.behavior, node):
-        frame = frame_of(c, call)
+        scope = frame_of(c, call)
         for condition in [*call.behavior.node.preconditions, *call.behavior.node.invariants]:
-            jump_on(c, frame, condition, fails, when=False)
+            jump_on(c, scope, condition, fails, when=False)
         register_of(c.code, 1, able)
     c.code.put(fails)
 
@@ -390,7 +390,7 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
     return ways
 
 
-DYNAMIC: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
+DYNAMIC: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     nodes.Take: take,
     nodes.Wait: wait,
     nodes.Terminate: terminate,

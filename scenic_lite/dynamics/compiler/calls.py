@@ -7,61 +7,61 @@ from __future__ import annotations
 
 import ast
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Choice, Function
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice
 from scenic_lite.dynamics.compiler.attributes import set_attribute
 from scenic_lite.dynamics.compiler.changing import METHODS, mutated
 from scenic_lite.dynamics.compiler.choices import over_options
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.functions import FUNCTIONS
 from scenic_lite.dynamics.compiler.lists import put_with_room
 from scenic_lite.dynamics.compiler.registers import copied, pairs, registers_in, settled
-from scenic_lite.dynamics.compiler.types import LiveList, shape_of, varies
+from scenic_lite.dynamics.compiler.types import RegisterList, shape_of, varies
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
-from scenic_lite.values.graph import Column, Random, Value
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 
 
-def call_node(c: Compilation, frame: Frame, node: ast.Call) -> Value:
-    changed = mutation(c, frame, node)
+def call_node(c: Compilation, scope: Scope, node: ast.Call) -> Value:
+    changed = mutation(c, scope, node)
     if changed is not None:
         return changed[0]
-    function = frame.value(node.func)
-    return call_value(c, frame, function, *arguments_of(frame, function, node), node)
+    function = scope.value(node.func)
+    return call_value(c, scope, function, *arguments_of(scope, function, node), node)
 
 
 def call_value(
-    c: Compilation, frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
+    c: Compilation, scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Call whatever can be called."""
-    if isinstance(function, Choice):
-        return over_options(c, function, lambda each: call_value(c, frame, each, arguments, keywords, node), id(node))
+    if isinstance(function, RandomChoice):
+        return over_options(c, function, lambda each: call_value(c, scope, each, arguments, keywords, node), id(node))
     if isinstance(function, Bound):
         refuse_hashing(function, arguments)
-        return call_value(c, frame, function.function, [function.receiver, *arguments], keywords, node)
+        return call_value(c, scope, function.function, [function.receiver, *arguments], keywords, node)
     if isinstance(function, Function):
-        return inlined(c, frame, function, arguments, keywords, node)
+        return inlined(c, scope, function, arguments, keywords, node)
     if isinstance(function, Behavior):
         bound = bind(function.name, function.node.args, function, arguments, keywords)
         values = {name: settled(c.code, value) for name, value in bound.items()}
-        return BehaviorCall(function, values, frame.place(node))
+        return BehaviorCall(function, values, scope.place(node))
     if isinstance(function, Builtin):
         own = FUNCTIONS.get(function.name)
         if own is not None:
-            result = own(c, frame, node, arguments, keywords)
+            result = own(c, scope, node, arguments, keywords)
             if result is not NotImplemented:
                 return result
-        at = next((i for i, each in enumerate(arguments) if isinstance(each, Choice)), None)
+        at = next((i for i, each in enumerate(arguments) if isinstance(each, RandomChoice)), None)
         if at is not None and function.name not in ("Uniform", "Discrete", "print"):
             before, after = arguments[:at], arguments[at + 1 :]
             return over_options(
                 c,
                 arguments[at],
-                lambda each: call_value(c, frame, function, [*before, each, *after], keywords, node),
+                lambda each: call_value(c, scope, function, [*before, each, *after], keywords, node),
                 (id(node), at),
             )
-    return certain(call(frame, function, arguments, keywords, node))
+    return certain(call(scope, function, arguments, keywords, node))
 
 
 def refuse_hashing(method: Bound, arguments: list) -> None:
@@ -92,15 +92,15 @@ def certain(value: Value) -> Value:
 
 def undecided(value: Value) -> bool:
     """Whether matches may disagree about what a value is equal to: never about a behavior or a point of an interval."""
-    if isinstance(value, BehaviorCall | Column):
+    if isinstance(value, BehaviorCall | ThetaColumn):
         return False
     if isinstance(value, list | tuple | set):
         return any(map(undecided, value))
-    return isinstance(value, Random | Choice | LiveList) or varies(value)
+    return isinstance(value, RandomExpr | RandomChoice | RegisterList) or varies(value)
 
 
 def inlined(
-    c: Compilation, frame: Frame, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+    c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """The rows of a function of the program, in place."""
     if function.generates:
@@ -113,34 +113,36 @@ def inlined(
         with c.entered(function, node):
             names = {name: settled(code, value) for name, value in bound.items()}
             receiver = arguments[0] if function.owner is not None and arguments else None
-            result, scope = settled_call(c, function, names, receiver)
+            result, inlined = settled_call(c, function, names, receiver)
     except ScenicError as error:
-        raise seen_from(frame, function, node, error) from None
+        raise seen_from(scope, function, node, error) from None
     finally:
         code.place, code.variables = before, outside
         code.known.clear()
-    code.temporaries.used = max(code.temporaries.used, scope.level)
+    code.temporaries.used = max(code.temporaries.used, inlined.level)
     result = out_of_the_way(code, result, used)
     code.scratch.used = used
     return result
 
 
-def settled_call(c: Compilation, function: Function, names: dict[str, Value], receiver: Value) -> tuple[Value, Scope]:
+def settled_call(
+    c: Compilation, function: Function, names: dict[str, Value], receiver: Value
+) -> tuple[Value, InlinedBody]:
     """The value of a call; its rows are written again if a shape of its variables has widened meanwhile."""
     code, path = c.code, c.path
     rows, doubts, reachable, known = len(code.rows), len(c.doubts), code.reachable, dict(code.known)
     temporaries, scratch = code.temporaries.used, code.scratch.used
     while True:
-        scope = Scope(path, function.body if isinstance(function.body, list) else [], Label())
-        inner = LiveFrame(c, function.frame.source, dict(names), function.frame, scope)
+        inlined = InlinedBody(path, function.body if isinstance(function.body, list) else [], Label())
+        inner = CompiledScope(c, function.scope.source, dict(names), function.scope, inlined)
         inner.assigned = function.assigned
         if receiver is not None:
             assert function.owner is not None
             inner.method = (function.owner, receiver)
-        result = value_of(c, inner, function, scope)
+        result = value_of(c, inner, function, inlined)
         own = {key for key in code.widened if key[: len(path)] == path}
         if not own:
-            return result, scope
+            return result, inlined
         code.widened -= own
         code.relied_on = {key for key in code.relied_on if key[: len(path)] != path}
         del code.rows[rows:], c.doubts[doubts:]
@@ -158,53 +160,55 @@ def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
     return copied(code, value) if any(each in freed for part in parts for each in registers_in(part)) else value
 
 
-def value_of(c: Compilation, inner: LiveFrame, function: Function, scope: Scope) -> Value:
+def value_of(c: Compilation, inner: CompiledScope, function: Function, inlined: InlinedBody) -> Value:
     if isinstance(function.body, ast.expr):
         return inner.value(function.body)
     try:
         inner.run(function.body)
     except Return as result:
         return result.value
-    if scope.result is None:
+    if inlined.result is None:
         return None
     if c.code.reachable:
-        scope.result.store(None)
-    c.code.put(scope.end)
-    return scope.result.value
+        inlined.result.store(None)
+    c.code.put(inlined.end)
+    return inlined.result.value
 
 
-def mutation(c: Compilation, frame: Frame, node: ast.Call) -> tuple[Value] | None:
+def mutation(c: Compilation, scope: Scope, node: ast.Call) -> tuple[Value] | None:
     """`items.append(x)` and the like where `items` is a variable or an attribute: it becomes a changed list."""
     function = node.func
     if not (isinstance(function, ast.Attribute) and function.attr in METHODS):
         return None
     if not isinstance(function.value, ast.Name | ast.Attribute):
         return None
-    items = frame.value(function.value)
-    if not isinstance(items, list | LiveList):
+    items = scope.value(function.value)
+    if not isinstance(items, list | RegisterList):
         return None
-    holder = frame
-    while not isinstance(holder, LiveFrame):
+    holder = scope
+    while not isinstance(holder, CompiledScope):
         assert holder.outer is not None
         holder = holder.outer
-    arguments = [frame.value(each) for each in node.args]
-    keywords = {each.arg: frame.value(each.value) for each in node.keywords if each.arg is not None}
+    arguments = [scope.value(each) for each in node.args]
+    keywords = {each.arg: scope.value(each.value) for each in node.keywords if each.arg is not None}
     if appended_in_place(c, holder, function, items, arguments):
         return (None,)
-    changed, result = mutated(c, frame, node, items, function.attr, arguments, keywords)
+    changed, result = mutated(c, scope, node, items, function.attr, arguments, keywords)
     if changed is not items:
         if isinstance(function.value, ast.Name):
             holder.assign_where_it_is(function.value.id, changed)
         else:
-            set_attribute(c, holder, function.value, frame.value(function.value.value), changed)
+            set_attribute(c, holder, function.value, scope.value(function.value.value), changed)
     return (result,)
 
 
-def appended_in_place(c: Compilation, frame: LiveFrame, function: ast.Attribute, items: Value, arguments: list) -> bool:
+def appended_in_place(
+    c: Compilation, scope: CompiledScope, function: ast.Attribute, items: Value, arguments: list
+) -> bool:
     """Whether an element could be put at the end of the list of a variable as it stands in registers."""
-    slot = frame.slots.get(function.value.id) if isinstance(function.value, ast.Name) else None
-    if function.attr != "append" or not isinstance(items, LiveList) or slot is None or len(arguments) != 1:
+    slot = scope.slots.get(function.value.id) if isinstance(function.value, ast.Name) else None
+    if function.attr != "append" or not isinstance(items, RegisterList) or slot is None or len(arguments) != 1:
         return False
-    slot.widen(LiveList(shape_of(arguments[0]), ()))
+    slot.widen(RegisterList(shape_of(arguments[0]), ()))
     put_with_room(c, slot.value, arguments[0])
     return True

@@ -8,9 +8,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import choose
-from scenic_lite.dynamics.compiler.code import Label, Live
+from scenic_lite.dynamics.compiler.code import Label, RegisterValue
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.functions import in_order
@@ -25,7 +25,7 @@ from scenic_lite.dynamics.compiler.lists import (
     same_value,
 )
 from scenic_lite.dynamics.compiler.registers import kept, settled
-from scenic_lite.dynamics.compiler.types import LiveList, varies
+from scenic_lite.dynamics.compiler.types import RegisterList, varies
 from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT, Value, apply, as_number
@@ -34,91 +34,91 @@ Changed = tuple[Value, Value]  # the list as it is now, what the method returns
 
 
 def mutated(
-    c: Compilation, frame: Frame, node: ast.AST, items: Value, name: str, arguments: list, keywords: dict[str, Value]
+    c: Compilation, scope: Scope, node: ast.AST, items: Value, name: str, arguments: list, keywords: dict[str, Value]
 ) -> Changed:
     """A list after one of its methods has changed it, and what the method returns."""
-    if not isinstance(items, LiveList) and not keywords and not any(map(varies, arguments)) and name in PLAIN:
+    if not isinstance(items, RegisterList) and not keywords and not any(map(varies, arguments)) and name in PLAIN:
         changed = list(items)
         return changed, PLAIN[name](changed, *arguments)
     method = METHODS.get(name)
     if method is None:
         raise ScenicError("unsupported", f"{name}() of a list cannot be done in a match")
-    return method(c, frame, node, items, arguments, keywords)
+    return method(c, scope, node, items, arguments, keywords)
 
 
-def append(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def append(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     return appended(c, items, arguments[0]), None
 
 
-def extend(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def extend(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     from scenic_lite.dynamics.compiler.lists import concatenated
 
     more = arguments[0]
-    if isinstance(more, LiveList):
+    if isinstance(more, RegisterList):
         return concatenated(c, ast.BinOp(node, ast.Add(), node), as_live_list(c, items), more), None  # type: ignore[arg-type]
-    for each in elements(c, frame, more, node):
+    for each in elements(c, scope, more, node):
         items = appended(c, items, each)
     return items, None
 
 
-def clear(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def clear(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     return [], None
 
 
-def pop(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def pop(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     index = arguments[0] if arguments else -1
     items = as_live_list(c, items)
     place = settled(c.code, from_start(c, index, items.length))
-    gone = settled(c.code, kept(c.code, item_at(c, frame, items, place)))
+    gone = settled(c.code, kept(c.code, item_at(c, scope, items, place)))
     return without(c, items, place), gone
 
 
-def remove(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def remove(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     items = as_live_list(c, items)
-    return without(c, items, place_of(c, frame, node, items, arguments[0], "list.remove(x): x not in list")), None
+    return without(c, items, place_of(c, scope, node, items, arguments[0], "list.remove(x): x not in list")), None
 
 
-def insert(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def insert(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     index, item = arguments
     before = as_live_list(c, items)
     place = within(c, index, before.length)
     longer = appended(c, before, item)
     last = settled(c.code, apply(SUBTRACT, longer.length, 1))
 
-    def source(at: Live) -> Value:
+    def source(at: RegisterValue) -> Value:
         after = apply(ADD, truth_number(GREATER_EQUAL, at, place), truth_number(GREATER, at, place))
         return choose(settled(c.code, after), [at, last, apply(SUBTRACT, at, 1)])
 
     return rebuilt(c, longer, longer.length, source), None
 
 
-def reverse(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def reverse(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     items = as_live_list(c, items)
     return rebuilt(c, items, items.length, lambda at: apply(SUBTRACT, apply(SUBTRACT, items.length, 1), at)), None
 
 
-def sort(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, keywords: dict) -> Changed:
-    found = in_order(c, frame, node, [items], keywords)
+def sort(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, keywords: dict) -> Changed:
+    found = in_order(c, scope, node, [items], keywords)
     return (
-        frame.call(frame.session.builtins["sorted"], [items], keywords, node) if found is NotImplemented else found
+        scope.call(scope.session.builtins["sorted"], [items], keywords, node) if found is NotImplemented else found
     ), None
 
 
-def index_of(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def index_of(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     live = as_live_list(c, items)
-    return items, place_of(c, frame, node, live, arguments[0], "the value is not in the list")
+    return items, place_of(c, scope, node, live, arguments[0], "the value is not in the list")
 
 
-def count_of(c: Compilation, frame: Frame, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
+def count_of(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, _: dict) -> Changed:
     found = c.code.variables.take()
     register_of(c.code, 0, found)
     for item, after in each_of(c, as_live_list(c, items)):
-        jump(c.code, same_value(c, frame, equality(node), item, arguments[0]), after, when=False)
+        jump(c.code, same_value(c, scope, equality(node), item, arguments[0]), after, when=False)
         c.code.row(Op.ADD, found, found, c.code.constant(1))
-    return items, Live(found, whole=True, lasting=False)
+    return items, RegisterValue(found, whole=True, lasting=False)
 
 
-Method = Callable[[Compilation, Frame, ast.AST, Value, list, dict], Changed]
+Method = Callable[[Compilation, Scope, ast.AST, Value, list, dict], Changed]
 METHODS: dict[str, Method] = {
     "append": append,
     "extend": extend,
@@ -145,7 +145,7 @@ PLAIN: dict[str, Callable[..., Value]] = {
 # ------------------------------------------------------------ parts of a list
 
 
-def slice_of(c: Compilation, items: LiveList, part: slice) -> LiveList:
+def slice_of(c: Compilation, items: RegisterList, part: slice) -> RegisterList:
     """`items[start:stop:step]`; the step is fixed."""
     step = 1 if part.step is None else part.step
     if not isinstance(step, int) or step == 0:
@@ -165,14 +165,14 @@ def slice_of(c: Compilation, items: LiveList, part: slice) -> LiveList:
     return rebuilt(c, items, settled(c.code, count), lambda at: start + at * step)
 
 
-def within(c: Compilation, index: Value, length: Live, low: int = 0) -> Value:
+def within(c: Compilation, index: Value, length: RegisterValue, low: int = 0) -> Value:
     """An end of a slice, counted from the start and cut to what there is; `low` is -1 for one that goes backwards."""
     place = from_start(c, index, length)
     most = length if low == 0 else apply(SUBTRACT, length, 1)
     return settled(c.code, apply(MAXIMUM, apply(MINIMUM, place, most), low))
 
 
-def without(c: Compilation, items: LiveList, place: Value) -> LiveList:
+def without(c: Compilation, items: RegisterList, place: Value) -> RegisterList:
     """All elements but one."""
     fewer = settled(c.code, apply(SUBTRACT, items.length, 1))
     return rebuilt(c, items, fewer, lambda at: apply(ADD, at, truth_number(GREATER_EQUAL, at, place)))
@@ -182,7 +182,9 @@ def truth_number(sign, left: Value, right: Value) -> Value:
     return as_number(apply(sign, left, right, kind="truth"))
 
 
-def place_of(c: Compilation, frame: Frame, node: ast.AST, items: LiveList, item: Value, otherwise: str) -> Live:
+def place_of(
+    c: Compilation, scope: Scope, node: ast.AST, items: RegisterList, item: Value, otherwise: str
+) -> RegisterValue:
     """The place of the first element that is equal; a fault if there is none."""
     code = c.code
     found, counter = code.variables.take(), code.variables.take()
@@ -190,16 +192,16 @@ def place_of(c: Compilation, frame: Frame, node: ast.AST, items: LiveList, item:
     register_of(code, 0, counter)
     over = Label()
     for each, after in each_of(c, items):
-        jump(code, same_value(c, frame, equality(node), each, item), after, when=False)
-        register_of(code, Live(counter), found)
+        jump(code, same_value(c, scope, equality(node), each, item), after, when=False)
+        register_of(code, RegisterValue(counter), found)
         code.row(Op.JUMP, c=over)
         code.reachable = True
         code.put(after)
         code.row(Op.ADD, counter, counter, code.constant(1))
     code.put(over)
-    there = apply(GREATER_EQUAL, Live(found), 0, kind="truth")
+    there = apply(GREATER_EQUAL, RegisterValue(found), 0, kind="truth")
     code.fault_unless(register_of(code, there), otherwise)
-    return Live(found, whole=True)
+    return RegisterValue(found, whole=True)
 
 
 def equality(node: ast.AST) -> ast.Compare:

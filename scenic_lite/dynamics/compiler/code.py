@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 from scenic_lite.core.budget import exceeded
 from scenic_lite.dynamics.machine.bytecode import FIRST_FREE, Op
-from scenic_lite.errors import Place, ScenicError
-from scenic_lite.values.graph import Column, Random
+from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
@@ -46,11 +46,11 @@ class Row(NamedTuple):
     a: int
     b: int
     c: int | Label | Operands
-    place: Place | None
+    place: SourceSpan | None
     note: str = ""
 
 
-class Live(Random):
+class RegisterValue(RandomExpr):
     """A value that stands in a register while a match runs; the leaf of what the compiler computes with.
 
     `whole`: it is an integer, which counts where it is written as text. `lasting`: the register belongs to a variable
@@ -64,12 +64,12 @@ class Live(Random):
         self.register, self.whole, self.lasting = register, whole, lasting
 
 
-class DrawnNow(Column):
+class DrawnNow(ThetaColumn):
     """A draw at run time, as distributions know it; `register` holds its value."""
 
     __slots__ = ("register",)
 
-    def __init__(self, register: int, kind: str, place: Place, offset: float, span: float) -> None:
+    def __init__(self, register: int, kind: str, place: SourceSpan, offset: float, span: float) -> None:
         super().__init__(kind, place, offset, span)
         self.register = register
 
@@ -98,24 +98,30 @@ class Assembler:
 
     rows: list[Row] = field(default_factory=list)
     reachable: bool = True  # whether the next row can be come to
-    place: Place | None = None  # of the statement that is being compiled
+    place: SourceSpan | None = None  # of the statement that is being compiled
     variables: Area = field(default_factory=lambda: Area(VARIABLES))
     scratch: Area = field(default_factory=lambda: Area(SCRATCH))  # variables of functions, which end before time passes
     temporaries: Area = field(default_factory=lambda: Area(TEMPORARIES))
     constants: dict[float, int] = field(default_factory=dict)
-    inputs: dict[int, tuple[int, Random]] = field(default_factory=dict)  # by the node's id
+    inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # by the node's id
     initial: dict[int, float] = field(default_factory=dict)  # registers that a match starts with
     texts: dict[str, int] = field(default_factory=dict)
     notes: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
     relied_on: set[tuple] = field(default_factory=set)  # slots, by their keys
     widened: set[tuple] = field(default_factory=set)  # slots whose shape has changed after rows had relied on it
-    known: dict[int, tuple[int, Random]] = field(default_factory=dict)  # nodes computed on the way to here, by id
+    known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way to here, by id
 
     # ------------------------------------------------------------ rows
 
     def row(
-        self, op: Op, a: int = 0, b: int = 0, c: int | Label | Operands = 0, note: str = "", place: Place | None = None
+        self,
+        op: Op,
+        a: int = 0,
+        b: int = 0,
+        c: int | Label | Operands = 0,
+        note: str = "",
+        place: SourceSpan | None = None,
     ) -> None:
         if not self.reachable:
             return
@@ -173,7 +179,7 @@ class Assembler:
     def text(self, value: str) -> int:
         return self.texts.setdefault(value, len(self.texts))
 
-    def input(self, node: Random) -> int:
+    def input(self, node: RandomExpr) -> int:
         """The register of a value that is the same for a whole match: it is computed when the match starts."""
         if id(node) not in self.inputs:
             self.inputs[id(node)] = (INPUTS + len(self.inputs), node)
@@ -181,7 +187,7 @@ class Assembler:
 
     def begin_with(self, register: int, value: Any) -> None:
         """What a register holds when a match starts: a fixed value, or one that the scene gives."""
-        if isinstance(value, Random):
+        if isinstance(value, RandomExpr):
             self.inputs[-register] = (register, value)
         else:
             self.initial[register] = float(self.text(value)) if isinstance(value, str) else float(value)

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.scope import PYTHON_FAULTS, Frame, Session, Source, from_python
+from scenic_lite.core.scope import PYTHON_FAULTS, InterpreterState, Scope, Source, from_python
 from scenic_lite.core.types import Behavior, Function, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.parts import Driver, Part
+from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance
 from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.types import Shape
 from scenic_lite.dynamics.machine.bytecode import Op
@@ -45,7 +45,7 @@ class Loop:
 
 
 @dataclass(eq=False)
-class Scope:
+class InlinedBody:
     """One inlined behavior or function, besides its names."""
 
     path: tuple  # of calls and rounds that lead here: what it is known by from one compilation to the next
@@ -59,21 +59,21 @@ class Scope:
     live: int = 0  # constructs around the present statement that are decided during a match
 
 
-class LiveFrame(Frame):
+class CompiledScope(Scope):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "given", "scope", "slots")
+    __slots__ = ("compilation", "given", "inlined", "slots")
 
     def __init__(
-        self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Frame, scope: Scope
+        self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Scope, inlined: InlinedBody
     ) -> None:
         super().__init__(compilation.session, source, names, outer)
-        self.compilation, self.scope = compilation, scope
+        self.compilation, self.inlined = compilation, inlined
         self.slots: dict[str, Slot] = {}
         self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
 
-    def inner(self, names: dict[str, Value]) -> Frame:
-        return Frame(self.session, self.source, names, self)
+    def inner(self, names: dict[str, Value]) -> Scope:
+        return Scope(self.session, self.source, names, self)
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Compile statements as far as they can be reached."""
@@ -99,23 +99,23 @@ class LiveFrame(Frame):
         else:
             self.locals[name] = kept(self.compilation.code, value)
 
-    def owner_of(self, name: str) -> LiveFrame:
+    def owner_of(self, name: str) -> CompiledScope:
         """The frame around this one whose variable it is."""
-        frame = self.outer
-        while frame is not None and name not in frame.locals:
-            frame = frame.outer
-        if not isinstance(frame, LiveFrame):
+        scope = self.outer
+        while scope is not None and name not in scope.locals:
+            scope = scope.outer
+        if not isinstance(scope, CompiledScope):
             message = f"'{name}' belongs to a function that is over, and cannot be assigned in a match"
             raise ScenicError("unsupported", message)
-        return frame
+        return scope
 
     def assign_where_it_is(self, name: str, value: Value) -> None:
         """Change what a name stands for, whoever it belongs to."""
-        frame: Frame | None = self
-        while frame is not None and name not in frame.locals and frame.locals is not frame.module_names:
-            frame = frame.outer
-        if isinstance(frame, LiveFrame):
-            frame.assign(name, value)
+        scope: Scope | None = self
+        while scope is not None and name not in scope.locals and scope.locals is not scope.module_names:
+            scope = scope.outer
+        if isinstance(scope, CompiledScope):
+            scope.assign(name, value)
         elif name in self.module_names:
             self.compilation.keep_global(self, name, value)
         else:
@@ -128,7 +128,7 @@ class LiveFrame(Frame):
             others = name in self.globals or name in self.nonlocals or name not in self.assigned | self.locals.keys()
             if others or name in self.slots:
                 continue
-            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.scope.path, name), varying=True)
+            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.inlined.path, name), varying=True)
             self.slots[name] = slot
             if name in self.locals:
                 slot.store(self.locals[name])
@@ -136,13 +136,13 @@ class LiveFrame(Frame):
                 self.locals[name] = slot.value
 
     @contextmanager
-    def living(self) -> Iterator[None]:
+    def in_dynamic_branch(self) -> Iterator[None]:
         """Inside, whether a statement is reached is decided during a match."""
-        self.scope.live += 1
+        self.inlined.live += 1
         try:
             yield
         finally:
-            self.scope.live -= 1
+            self.inlined.live -= 1
 
 
 @dataclass(eq=False)
@@ -151,7 +151,7 @@ class Compilation:
 
     program: Program
     world: World
-    session: Session
+    session: InterpreterState
     code: Assembler
     shapes: dict[tuple, Shape]
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
@@ -170,12 +170,14 @@ class Compilation:
     guarding: int = 0  # statements with a scan around the present one: their variables all last
     clock: Any = None  # steps since the start
     counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
-    part: Part | None = None  # the scenario to which the present statements belong
+    part: ScenarioInstance | None = None  # the scenario to which the present statements belong
     composing: bool = False  # they are those of its compose block
     setting_up: bool = False  # they are those of its setup, which runs during the match
     repeating: int = 0  # constructs around them that may run them several times
     flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
-    drivers: dict[str, list[Driver]] = field(default_factory=dict)  # overriding behaviors, by the object's label
+    drivers: dict[str, list[BehaviorOverride]] = field(
+        default_factory=dict
+    )  # overriding behaviors, by the object's label
     driving: dict[str, int] = field(default_factory=dict)  # register of the driver's number, by label
     starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
     titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
@@ -235,12 +237,12 @@ class Compilation:
         finally:
             self.guarding -= 1
 
-    def keep_global(self, frame: Frame, name: str, value: Value) -> None:
+    def keep_global(self, scope: Scope, name: str, value: Value) -> None:
         """Assign a variable of a module, which all behaviors of a match see."""
         from scenic_lite.dynamics.compiler.attributes import keep
 
-        number = id(frame.module_names)
-        self.modules[number] = frame.module_names
+        number = id(scope.module_names)
+        self.modules[number] = scope.module_names
         keep(self, ("global", number, name), value)
 
     def flag_of(self, thing: Any) -> int | None:
@@ -264,7 +266,7 @@ class Compilation:
                 part.call_routine(self.code, part.stop)
 
     @contextmanager
-    def within(self, part: Part, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
+    def within(self, part: ScenarioInstance, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
         """Inside, statements belong to a scenario, and `ego` is its own."""
         outside = self.part, self.composing, self.setting_up, self.repeating, self.session.ego
         self.part, self.composing, self.setting_up, self.repeating = part, composing, setting_up, 0
@@ -304,13 +306,13 @@ class Compilation:
 class Snapshot:
     """How far a walk has come, to go back to if one way to compile a statement turns out not to do."""
 
-    def __init__(self, c: Compilation, frame: LiveFrame) -> None:
+    def __init__(self, c: Compilation, scope: CompiledScope) -> None:
         code = c.code
-        self.c, self.frame, self.names, self.slots = c, frame, dict(frame.locals), dict(frame.slots)
+        self.c, self.scope, self.names, self.slots = c, scope, dict(scope.locals), dict(scope.slots)
         lists: list[list] = [code.rows, c.doubts, c.commands, c.reasons, c.broken, *c.drivers.values()]
         lists += [] if c.part is None else c.part.lists()
         self.lists = [(each, len(each)) for each in lists]
-        self.known, self.reachable, self.result = dict(code.known), code.reachable, frame.scope.result
+        self.known, self.reachable, self.result = dict(code.known), code.reachable, scope.inlined.result
         self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
 
     def restore(self) -> None:
@@ -320,29 +322,29 @@ class Snapshot:
         for area, used in self.used:
             area.used = used
         code.known, code.reachable = self.known, self.reachable
-        self.frame.locals.clear()
-        self.frame.locals.update(self.names)
-        self.frame.slots, self.frame.scope.result = self.slots, self.result
+        self.scope.locals.clear()
+        self.scope.locals.update(self.names)
+        self.scope.slots, self.scope.inlined.result = self.slots, self.result
 
 
 def guarded(
-    compilation: Compilation, handler: Callable[[Compilation, LiveFrame, Any], None]
-) -> Callable[[LiveFrame, Any], None]:
+    compilation: Compilation, handler: Callable[[Compilation, CompiledScope, Any], None]
+) -> Callable[[CompiledScope, Any], None]:
     """A handler of statements that notes the place of the rows it writes.
 
     A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
     match that comes to it, as in the reference; what cannot be compiled refuses the program.
     """
 
-    def handle(frame: LiveFrame, node: ast.stmt) -> None:
+    def handle(scope: CompiledScope, node: ast.stmt) -> None:
         code = compilation.code
-        before, code.place = code.place, frame.place(node)
+        before, code.place = code.place, scope.place(node)
         start, known = len(code.rows), len(compilation.doubts)
         try:
             with code.statement():
-                handler(compilation, frame, node)
+                handler(compilation, scope, node)
         except (ScenicError, *PYTHON_FAULTS) as fault:
-            error = frame.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
+            error = scope.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
             if error.kind in REFUSALS:
                 raise
             inner = [each for each in compilation.doubts[known:] if each.kind != "warning"]

@@ -15,38 +15,38 @@ from functools import partial
 from typing import Any
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall, Builtin, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, run_behavior
 from scenic_lite.dynamics.compiler.calls import call_node, call_value, certain
 from scenic_lite.dynamics.compiler.choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live
+from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, RegisterValue
 from scenic_lite.dynamics.compiler.compilation import Compilation, guarded
 from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
 from scenic_lite.dynamics.compiler.comprehensions import comprehension, dictionary_comprehension
 from scenic_lite.dynamics.compiler.conditions import boolean, comparison, conditional
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.layout import Thread, finished
-from scenic_lite.dynamics.compiler.parts import Driver, Kept, Part, Temporal
+from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
 from scenic_lite.dynamics.compiler.types import Shape
 from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start
 from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED, Op
 from scenic_lite.dynamics.machine.compiled import Compiled
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.calls import meaning
 from scenic_lite.language.classes import OBJECT
 from scenic_lite.language.specifiers import make
 from scenic_lite.language.temporal import formula_of
 from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Column, Value
+from scenic_lite.values.graph import ThetaColumn, Value
 
 MOST_WALKS = 40
-EXPRESSIONS: dict[type, Callable[[Compilation, Frame, Any], Value]] = {
+EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {
     ast.Call: call_node,
     ast.Attribute: attribute_of,
     ast.BinOp: binary,
@@ -111,10 +111,10 @@ def meanings(c: Compilation) -> dict[str, Any]:
     for kind in HASHING:
         own[kind] = partial(hashed, own.get(kind, session.expressions[kind]))
     statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
-    simulation = Builtin("simulation", lambda: c.simulation, lifted=False)
+    simulation = Builtin("simulation", lambda: c.simulation, over_choices=False)
 
-    def call(frame: Frame, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
-        return call_value(c, frame, function, arguments, keywords, node)
+    def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
+        return call_value(c, scope, function, arguments, keywords, node)
 
     return {
         "expressions": session.expressions | own | {nodes.New: partial(new, c)},
@@ -133,12 +133,12 @@ def meanings(c: Compilation) -> dict[str, Any]:
     }
 
 
-def hashed(handler: Callable[[Frame, Any], Value], frame: Frame, node: ast.expr) -> Value:
+def hashed(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
     """What may be a set or a dictionary; an error if what is in it is not the same in all matches."""
-    return certain(handler(frame, node))
+    return certain(handler(scope, node))
 
 
-def draw(c: Compilation, kind: str, place: Place, offset: float = 0.0, span: float = 1.0) -> Column:
+def draw(c: Compilation, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
     """A number from the match's stream, drawn where the program is now."""
     code = c.code
     register = code.temporaries.take()
@@ -146,21 +146,21 @@ def draw(c: Compilation, kind: str, place: Place, offset: float = 0.0, span: flo
     return DrawnNow(register, kind, place, offset, span)
 
 
-def new(c: Compilation, frame: Frame, node: nodes.New) -> Value:
+def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
     """A point that a behavior speaks of; objects are made before the match."""
-    cls = frame.value(node.cls)
+    cls = scope.value(node.cls)
     if not isinstance(cls, ScenicClass):
         if not node.certain:
-            return cls if node.operator is None else frame.value(node.operator)
-        raise frame.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls)
+            return cls if node.operator is None else scope.value(node.operator)
+        raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls)
     if cls.derives_from(OBJECT):
         if c.setting_up:
             message = "objects that a scenario makes while a match runs are played by the reference only"
             raise ScenicError("unsupported", message, hint="make them in the main scenario")
         hint = "make it before, or in the setup of a scenario"
         raise ScenicError("type", "no object can be made in a behavior", hint=hint)
-    instance = Instance(cls, frame.place(node))
-    return make(frame, cls, [meaning(frame, instance, each) for each in node.specifiers], instance)
+    instance = Instance(cls, scope.place(node))
+    return make(scope, cls, [meaning(scope, instance, each) for each in node.specifiers], instance)
 
 
 # ------------------------------------------------------------ one walk
@@ -189,12 +189,12 @@ def walk(c: Compilation) -> list[Thread]:
     return threads
 
 
-def adopt(c: Compilation, main: Part) -> None:
+def adopt(c: Compilation, main: ScenarioInstance) -> None:
     """Take over what loading the program has made."""
     program = c.program
     main.monitors = [monitor_of(c, call, None) for call in program.monitors]
-    main.terminations = [Kept(each) for each in program.terminations]
-    main.records = [Kept(each) for each in program.records]
+    main.terminations = [WatchedItem(each) for each in program.terminations]
+    main.records = [WatchedItem(each) for each in program.records]
     for each in program.temporal:
         state = c.code.fixed.take()
         main.temporal.append(Temporal(each, None, Automaton(formula_of(each.tree.condition)), state))
@@ -203,7 +203,7 @@ def adopt(c: Compilation, main: Part) -> None:
     c.starting[main.slot] = main.beginning
 
 
-def scenario_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+def scenario_threads(c: Compilation, threads: list[Thread], main: ScenarioInstance) -> int:
     """The threads that run first at each time: what begins the match, the scenarios, what is recorded first."""
     guards: list[tuple[Instance | None, BehaviorCall]] = [(agent, call) for _, agent, call in agents_of(c)]
     guards += [(None, each.call) for each in main.monitors]
@@ -218,7 +218,7 @@ def scenario_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
     return len(threads)
 
 
-def behavior_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+def behavior_threads(c: Compilation, threads: list[Thread], main: ScenarioInstance) -> int:
     """The threads of the objects, in their order."""
     before = len(threads)
     if any(each.when == "each" for each in c.records):
@@ -248,7 +248,7 @@ def driven(c: Compilation, threads: list[Thread], number: int, agent: Instance, 
     register = c.driving[agent.label]
     drivers = list(c.drivers[agent.label])
     if call is not None:
-        first = Driver(agent, call, code.fixed.take(), Label(), 0, None)
+        first = BehaviorOverride(agent, call, code.fixed.take(), Label(), 0, None)
         c.starting[first.slot] = first.entry
         drivers.insert(0, first)
     begin(code, entry)
@@ -268,21 +268,21 @@ def driven(c: Compilation, threads: list[Thread], number: int, agent: Instance, 
         write_body(c, each.slot, each.entry, each.call, (number, each.number))
 
 
-def record_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+def record_threads(c: Compilation, threads: list[Thread], main: ScenarioInstance) -> int:
     before = len(threads)
     if any(each.watched.tree.when == "each" for part in main.family() for each in part.records):
         every(c, threads, "record", lambda: record(c, main, "each"))
     return len(threads) - before
 
 
-def monitor_threads(c: Compilation, threads: list[Thread], main: Part) -> int:
+def monitor_threads(c: Compilation, threads: list[Thread], main: ScenarioInstance) -> int:
     """Those of a scenario, those of the scenarios inside it, then its end if one of its own has asked for it."""
     before = len(threads)
     monitors_of(c, threads, main)
     return len(threads) - before
 
 
-def monitors_of(c: Compilation, threads: list[Thread], part: Part) -> None:
+def monitors_of(c: Compilation, threads: list[Thread], part: ScenarioInstance) -> None:
     where = "" if part.parent is None else f" of {part.name}"
     ending = any(ends_scenario(each.call) for each in part.monitors)
     before = c.code.fixed.take()
@@ -305,27 +305,27 @@ def ends_scenario(call: BehaviorCall) -> bool:
 
 def put_aside(c: Compilation, before: int) -> None:
     """What others have asked for so far, to see whether a monitor of a scenario or inside it asks for an end."""
-    register_of(c.code, Live(TERMINATED), before)
+    register_of(c.code, RegisterValue(TERMINATED), before)
     register_of(c.code, 0, TERMINATED)
 
 
-def end_asked_for(c: Compilation, part: Part, before: int) -> None:
+def end_asked_for(c: Compilation, part: ScenarioInstance, before: int) -> None:
     """What a monitor's `terminate` does when all have run: any other end that was asked for inside counts more."""
     code, out, none, known = c.code, Label(), Label(), Label()
     code.row(Op.JUMP_UNLESS, part.ending, c=none)
     if part.parent is not None:
         part.call_routine(code, part.stop)
     code.row(Op.JUMP_IF, TERMINATED, c=out)
-    register_of(code, Live(part.ending), TERMINATED)
+    register_of(code, RegisterValue(part.ending), TERMINATED)
     code.row(Op.JUMP, c=out)
     code.put(none)
     code.row(Op.JUMP_IF, TERMINATED, c=known)
-    register_of(code, Live(before), TERMINATED)
+    register_of(code, RegisterValue(before), TERMINATED)
     code.put(known)
     code.put(out)
 
 
-def end_all(c: Compilation, main: Part) -> None:
+def end_all(c: Compilation, main: ScenarioInstance) -> None:
     """The match is over: what it leaves unsatisfied, and what is recorded last."""
     if main.temporal or main.parts:
         main.call_routine(c.code, main.stop)
@@ -352,14 +352,14 @@ def show_world(c: Compilation) -> None:
     c.remembering = any("lastActions" in line for source in program._sources.values() for line in source.lines)
     c.world_base = code.fixed.take(len(program.instances) * len(world.fields))
     c.fact_base = code.fixed.take(len(world.facts))
-    facts = {name: Live(c.fact_base + i, whole=name == "time") for i, name in enumerate(world.facts)}
+    facts = {name: RegisterValue(c.fact_base + i, whole=name == "time") for i, name in enumerate(world.facts)}
     c.clock = facts.get("time")
     names: set[str] = set()
     for number, instance in enumerate(program.instances):
         first = c.world_base + number * len(world.fields)
         fields: dict[str, Value] = {}
         for i, name in enumerate(world.fields):
-            fields[name] = Live(first + i)
+            fields[name] = RegisterValue(first + i)
             code.notes[first + i] = f"{instance.title()}.{name}"
         live = world.properties(instance, fields)
         names |= set(live)
@@ -370,7 +370,7 @@ def show_world(c: Compilation) -> None:
     c.live_names = frozenset(names)
     seen = world.simulation(list(program.instances), dict(facts))
     update(c.simulation, seen)
-    c.simulation.names["scenic_reward"] = Live(REWARD)
+    c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
 
 
 def update(old: Namespace, new: Namespace) -> None:

@@ -13,12 +13,12 @@ import ast
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from scenic_lite.core.types import BehaviorCall, Choice
+from scenic_lite.core.types import BehaviorCall, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, check_invariants, frame_of, pause, suspend
-from scenic_lite.dynamics.compiler.code import Label, Live
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope, assigned_names
+from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.parts import Part, part_of
+from scenic_lite.dynamics.compiler.parts import ScenarioInstance, part_of
 from scenic_lite.dynamics.compiler.setups import set_up, start_monitor
 from scenic_lite.dynamics.compiler.watchers import conditions, limit_of, see_step, unsatisfied
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, Op
@@ -29,7 +29,7 @@ from scenic_lite.values.graph import Value
 DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Scenario)
 
 
-def main_part(c: Compilation) -> Part:
+def main_part(c: Compilation) -> ScenarioInstance:
     """The program as a scenario: what loading it has made; its variables are those of its setup."""
     program, code = c.program, c.code
     main = program.main
@@ -37,10 +37,10 @@ def main_part(c: Compilation) -> Part:
     part.ego = c.session.ego
     if main is not None and program.main_frame is not None:
         loaded, behavior = program.main_frame, main.behavior
-        scope = Scope((id(behavior.node),), behavior.scenario.compose, Label(), behavior)
+        inlined = InlinedBody((id(behavior.node),), behavior.scenario.compose, Label(), behavior)
         assert loaded.outer is not None
-        part.frame = LiveFrame(c, loaded.source, loaded.locals, loaded.outer, scope)
-        part.frame.assigned = behavior.assigned
+        part.scope = CompiledScope(c, loaded.source, loaded.locals, loaded.outer, inlined)
+        part.scope.assigned = behavior.assigned
     return part
 
 
@@ -66,11 +66,11 @@ def run_parts(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     code.put(end)
 
 
-def begun(c: Compilation, call: Value, node: nodes.Do, number: int) -> list[Part]:
+def begun(c: Compilation, call: Value, node: nodes.Do, number: int) -> list[ScenarioInstance]:
     """Rows that begin a scenario, or whichever one it is in the match; all that it can be."""
     if isinstance(call, BehaviorCall):
         return [begin(c, call, node)]
-    assert isinstance(call, Choice)
+    assert isinstance(call, RandomChoice)
     parts, end = [], Label()
     index = register_of(c.code, call.index)
     for i, option in enumerate(call.options):
@@ -84,22 +84,22 @@ def begun(c: Compilation, call: Value, node: nodes.Do, number: int) -> list[Part
 
 
 @contextmanager
-def entered(c: Compilation, part: Part, node: nodes.Do) -> Iterator[None]:
+def entered(c: Compilation, part: ScenarioInstance, node: nodes.Do) -> Iterator[None]:
     """Inside, a part is written at its place. Raises ScenicError for recursion."""
     assert part.call is not None and part.parent is not None
     with c.round(node, part.parent.parts.index(part)), c.entered(part.call.behavior, node):
         yield
 
 
-def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> Part:
+def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstance:
     """Rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
     code, parent = c.code, c.part
     assert parent is not None
     part = part_of(code, call.behavior.name, parent, call)
     part.ego = c.session.ego
     with entered(c, part, node):
-        part.frame = frame_of_part(c, part)
-        check_guards(c, part.frame)
+        part.scope = frame_of_part(c, part)
+        check_guards(c, part.scope)
         with c.within(part, setting_up=True):
             set_up(c, part)
         register_of(code, 1, part.running)
@@ -110,22 +110,22 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> Part:
     return part
 
 
-def frame_of_part(c: Compilation, part: Part) -> LiveFrame:
+def frame_of_part(c: Compilation, part: ScenarioInstance) -> CompiledScope:
     """The variables of a scenario that begins."""
     assert part.call is not None
-    frame = frame_of(c, part.call)
-    del frame.locals["self"]
-    return frame
+    scope = frame_of(c, part.call)
+    del scope.locals["self"]
+    return scope
 
 
-def show_names(part: Part) -> None:
+def show_names(part: ScenarioInstance) -> None:
     """Let others read the variables of a scenario as its attributes."""
     assert part.call is not None
     part.call.names.clear()
-    part.call.names.update(part.frame.locals)
+    part.call.names.update(part.scope.locals)
 
 
-def start(c: Compilation, part: Part) -> None:
+def start(c: Compilation, part: ScenarioInstance) -> None:
     """What runs while the scenario does."""
     code = c.code
     assert part.call is not None
@@ -147,7 +147,7 @@ def acts(call: BehaviorCall) -> bool:
 # ------------------------------------------------------------ a step
 
 
-def step(c: Compilation, part: Part) -> None:
+def step(c: Compilation, part: ScenarioInstance) -> None:
     """One step of a scenario: its requirements, its time limit, its compose block, its conditions."""
     code, done = c.code, Label()
     if part.parent is not None:
@@ -171,7 +171,7 @@ def step(c: Compilation, part: Part) -> None:
     code.put(done)
 
 
-def may_require(c: Compilation, part: Part) -> bool:
+def may_require(c: Compilation, part: ScenarioInstance) -> bool:
     """Whether the scenario can have temporal requirements: written before, or in what is written later."""
     node = None if part.call is None else part.call.behavior.node
     trees = [] if node is None else [node]
@@ -182,7 +182,7 @@ def may_require(c: Compilation, part: Part) -> bool:
     return bool(part.temporal) or any(isinstance(each, nodes.Require) and is_temporal(each) for each in found)
 
 
-def take_time(c: Compilation, part: Part) -> None:
+def take_time(c: Compilation, part: ScenarioInstance) -> None:
     """`terminate after`."""
     if part.limit is None:
         return
@@ -193,16 +193,16 @@ def take_time(c: Compilation, part: Part) -> None:
     code.row(Op.ADD, taken, taken, code.constant(1))
 
 
-def ended(c: Compilation, part: Part, reason: str) -> None:
+def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
     """The scenario has ended by itself; the end of the program's own is that of the match."""
     if part.parent is None:
-        register_of(c.code, Live(c.reason(f"scenarioComplete: {reason}")), COMPLETE)
+        register_of(c.code, RegisterValue(c.reason(f"scenarioComplete: {reason}")), COMPLETE)
     c.code.row(Op.JUMP, c=part.over)
 
 
-def compose(c: Compilation, part: Part) -> None:
+def compose(c: Compilation, part: ScenarioInstance) -> None:
     """The compose block goes on. Without one, guards are watched over while time passes."""
-    code, frame = c.code, part.frame
+    code, scope = c.code, part.scope
     assert part.call is not None
     node = part.call.behavior.scenario
     code.row(Op.RESUME, part.slot)
@@ -210,18 +210,18 @@ def compose(c: Compilation, part: Part) -> None:
     code.put(part.beginning)
     with c.block(part.slot):
         if node.compose:
-            frame.pin(watched_names(part))
-            frame.run(node.compose)
-            code.put(frame.scope.end)
+            scope.pin(watched_names(part))
+            scope.run(node.compose)
+            code.put(scope.inlined.end)
             ended(c, part, "finished compose block")
         else:
             pause(c)
-            check_invariants(c, frame)
+            check_invariants(c, scope)
             code.row(Op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
     code.put(part.after)
 
 
-def watched_names(part: Part) -> frozenset[str]:
+def watched_names(part: ScenarioInstance) -> frozenset[str]:
     """The variables that a compose block assigns and what watches the scenario may read."""
     assert part.call is not None
     node = part.call.behavior.scenario
@@ -240,7 +240,7 @@ def names_in(tree: ast.AST) -> list[ast.Name]:
 # ------------------------------------------------------------ routines
 
 
-def write_routines(c: Compilation, main: Part) -> None:
+def write_routines(c: Compilation, main: ScenarioInstance) -> None:
     """How each scenario ends, and how its temporal requirements see a step."""
     code = c.code
     for part in main.family():
@@ -259,13 +259,13 @@ def write_routines(c: Compilation, main: Part) -> None:
                 code.row(Op.RESUME, part.back)
 
 
-def see_steps(c: Compilation, part: Part) -> None:
+def see_steps(c: Compilation, part: ScenarioInstance) -> None:
     for each in part.temporal:
         with c.code.statement():
             see_step(c, each)
 
 
-def stop(c: Compilation, part: Part) -> None:
+def stop(c: Compilation, part: ScenarioInstance) -> None:
     """Stop what runs inside, give back what was overridden, reject the match if a requirement does not hold."""
     code, out = c.code, Label()
     code.row(Op.JUMP_UNLESS, part.running, c=out)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Choice
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import RandomChoice
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.conditions import jump_on, truth
@@ -25,7 +25,7 @@ from scenic_lite.dynamics.compiler.lists import (
     put_at_end,
 )
 from scenic_lite.dynamics.compiler.registers import Slot, settled
-from scenic_lite.dynamics.compiler.types import Items, LiveList
+from scenic_lite.dynamics.compiler.types import Items, RegisterList
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.values.graph import Value
@@ -33,9 +33,9 @@ from scenic_lite.values.graph import Value
 Keep = Callable[[Value], None]
 
 
-def comprehension(c: Compilation, frame: Frame, node: ast.ListComp | ast.GeneratorExp | ast.SetComp) -> Value:
+def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.GeneratorExp | ast.SetComp) -> Value:
     found = Gathered(c, (*c.path, "gathered", id(node)))
-    rounds(c, frame, node.generators, lambda inner: found.add(inner.value(node.elt)), found)
+    rounds(c, scope, node.generators, lambda inner: found.add(inner.value(node.elt)), found)
     if isinstance(node, ast.SetComp):
         if found.live:
             raise ScenicError("unsupported", "a set whose elements the match decides", hint="write a list: [ ... ]")
@@ -44,16 +44,16 @@ def comprehension(c: Compilation, frame: Frame, node: ast.ListComp | ast.Generat
 
 
 def rounds(
-    c: Compilation, frame: Frame, generators: list[ast.comprehension], each: Callable[[Frame], None], found: Gathered
+    c: Compilation, scope: Scope, generators: list[ast.comprehension], each: Callable[[Scope], None], found: Gathered
 ) -> None:
     """Compile the rounds of a comprehension."""
     first, *rest = generators
-    items = frame.value(first.iter)
-    if isinstance(items, Choice):
+    items = scope.value(first.iter)
+    if isinstance(items, RandomChoice):
         items = one_list(c, items, first.iter)
 
     def one(item: Value, after: Label) -> None:
-        inner = frame.inner({})
+        inner = scope.inner({})
         inner.transparent = True
         unpack(inner, first.target, item)
         for test in first.ifs:
@@ -63,18 +63,18 @@ def rounds(
         elif c.code.reachable:
             each(inner)
 
-    go_through(c, frame, items, first.iter, one, found)
+    go_through(c, scope, items, first.iter, one, found)
 
 
 def go_through(
-    c: Compilation, frame: Frame, items: Value, node: ast.AST, one: Callable[[Value, Label], None], found: Gathered
+    c: Compilation, scope: Scope, items: Value, node: ast.AST, one: Callable[[Value, Label], None], found: Gathered
 ) -> None:
-    if isinstance(items, LiveList | LiveRange):
+    if isinstance(items, RegisterList | LiveRange):
         found.become_live()
         for item, after in each_number(c, items) if isinstance(items, LiveRange) else each_of(c, items):
             one(item, after)
         return
-    items = elements(c, frame, items, node)
+    items = elements(c, scope, items, node)
     for i, item in enumerate(items):
         if found.live and among_objects(items[i:], 0) is not None:
             for each, after in each_object(c, items[i:], c.code.variables.take()):
@@ -90,7 +90,7 @@ def go_through(
             found.become_live()
             if among_objects(items[i:], 0) is not None:
                 c.code.reachable = reachable
-                go_through(c, frame, items[i:], node, one, found)
+                go_through(c, scope, items[i:], node, one, found)
                 return
             after = Label()
             with c.round(node, i), c.code.captured() as rows:
@@ -120,13 +120,13 @@ class Gathered:
         items = self.room_for(value)
         put_at_end(self.c, items, value)
 
-    def room_for(self, value: Value) -> LiveList:
+    def room_for(self, value: Value) -> RegisterList:
         assert self.slot is not None
         shape = self.slot.shape
         assert isinstance(shape, Items)
         self.slot.widen(as_items(value))
         found = self.slot.value
-        assert isinstance(found, LiveList)
+        assert isinstance(found, RegisterList)
         return found
 
     def done(self, number: int) -> None:
@@ -140,7 +140,7 @@ class Gathered:
             return
         self.live = True
         self.slot = Slot(self.c.code, self.c.shapes, self.key)
-        self.slot.widen(LiveList(None, (0,)))
+        self.slot.widen(RegisterList(None, (0,)))
         for each in self.fixed:
             self.slot.widen(as_items(each))
         self.slot.store(self.fixed)
@@ -150,16 +150,16 @@ class Gathered:
         return self.fixed if not self.live else self.slot.value  # type: ignore[union-attr]
 
 
-def as_items(value: Value) -> LiveList:
+def as_items(value: Value) -> RegisterList:
     """A list whose length varies and whose elements are like this value, as a shape."""
     from scenic_lite.dynamics.compiler.types import shape_of
 
-    return LiveList(shape_of(value), ())
+    return RegisterList(shape_of(value), ())
 
 
 def gathered(
     c: Compilation,
-    frame: Frame,
+    scope: Scope,
     items: Value,
     node: ast.AST,
     test: Callable[[Value], Value],
@@ -173,18 +173,18 @@ def gathered(
         if c.code.reachable:
             found.add(make(item))
 
-    go_through(c, frame, items, node, one, found)
+    go_through(c, scope, items, node, one, found)
     return found.value
 
 
-def dictionary_comprehension(c: Compilation, frame: Frame, node: ast.DictComp) -> dict:
+def dictionary_comprehension(c: Compilation, scope: Scope, node: ast.DictComp) -> dict:
     keys, values = Gathered(c, (*c.path, "keys", id(node))), []
 
-    def each(inner: Frame) -> None:
+    def each(inner: Scope) -> None:
         keys.add(inner.value(node.key))
         values.append(settled(c.code, inner.value(node.value)))
 
-    rounds(c, frame, node.generators, each, keys)
+    rounds(c, scope, node.generators, each, keys)
     if keys.live:
         raise ScenicError("unsupported", "a dictionary whose keys the match decides")
     return dict(zip(keys.fixed, values, strict=True))

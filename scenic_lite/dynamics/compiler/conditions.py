@@ -9,68 +9,68 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 
-from scenic_lite.core.scope import Frame
-from scenic_lite.core.types import Choice, choose, describe_kind
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import over_options, same_thing
 from scenic_lite.dynamics.compiler.code import Label, Row
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, assigned_names
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, assigned_names
 from scenic_lite.dynamics.compiler.emit import jump
 from scenic_lite.dynamics.compiler.lists import contains
 from scenic_lite.dynamics.compiler.registers import Slot, settled
-from scenic_lite.dynamics.compiler.types import LiveList
+from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import compared
-from scenic_lite.values.graph import AND, NOT, NOT_EQUAL, OR, Random, Value, apply
+from scenic_lite.values.graph import AND, NOT, NOT_EQUAL, OR, RandomExpr, Value, apply
 
 
-def jump_on(c: Compilation, frame: Frame, node: ast.expr, target: Label, when: bool) -> None:
+def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: bool) -> None:
     """Go to the target if the truth of an expression is `when`, else on."""
     if isinstance(node, ast.BoolOp):
         if isinstance(node.op, ast.And) != when:  # any operand decides
             for operand in node.values:
-                jump_on(c, frame, operand, target, when)
+                jump_on(c, scope, operand, target, when)
             return
         on = Label()
         for operand in node.values[:-1]:
-            jump_on(c, frame, operand, on, not when)
-        jump_on(c, frame, node.values[-1], target, when)
+            jump_on(c, scope, operand, on, not when)
+        jump_on(c, scope, node.values[-1], target, when)
         c.code.put(on)
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
-        jump_on(c, frame, node.operand, target, not when)
+        jump_on(c, scope, node.operand, target, not when)
     elif c.code.reachable:
-        jump(c.code, truth(frame.value(node)), target, when)
+        jump(c.code, truth(scope.value(node)), target, when)
 
 
 def truth(value: Value) -> Value:
     """The truth of a value, fixed or live."""
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return choose(value.index, [truth(option) for option in value.options])
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         return apply(NOT_EQUAL, value.length, 0, kind="truth")
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         return apply(NOT_EQUAL, value, "", kind="truth") if value.kind == "text" else value
     return bool(value)
 
 
-def negation(c: Compilation, frame: Frame, node: ast.UnaryOp) -> Value:
-    value = truth(frame.value(node.operand))
-    return apply(NOT, value, kind="truth") if isinstance(value, Random) else not value
+def negation(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
+    value = truth(scope.value(node.operand))
+    return apply(NOT, value, kind="truth") if isinstance(value, RandomExpr) else not value
 
 
-def boolean(c: Compilation, frame: Frame, node: ast.BoolOp) -> Value:
+def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
     """`and`, `or`: the operand that decides, or the last one."""
     is_and = isinstance(node.op, ast.And)
-    value = frame.value(node.values[0])
+    value = scope.value(node.values[0])
     for i, operand in enumerate(node.values[1:]):
         known = truth(value)
-        if not isinstance(known, Random):
+        if not isinstance(known, RandomExpr):
             if known != is_and:
                 return value
-            value = frame.value(operand)
+            value = scope.value(operand)
             continue
         with c.code.captured() as rows:
-            other = frame.value(operand)
+            other = scope.value(operand)
         if not rows and is_condition(value) and is_condition(other):
             value = apply(AND if is_and else OR, value, other, kind="truth")
         else:
@@ -81,27 +81,27 @@ def boolean(c: Compilation, frame: Frame, node: ast.BoolOp) -> Value:
 
 
 def is_condition(value: Value) -> bool:
-    return isinstance(value, bool) or (isinstance(value, Random) and value.kind == "truth")
+    return isinstance(value, bool) or (isinstance(value, RandomExpr) and value.kind == "truth")
 
 
-def conditional(c: Compilation, frame: Frame, node: ast.IfExp) -> Value:
+def conditional(c: Compilation, scope: Scope, node: ast.IfExp) -> Value:
     """`a if test else b`."""
     with c.code.captured() as test_rows:
         no = Label()
-        jump_on(c, frame, node.test, no, when=False)
+        jump_on(c, scope, node.test, no, when=False)
         reachable = c.code.reachable
     c.code.rows.extend(test_rows)
     c.code.known.clear()
     if not no.used:
-        return frame.value(node.body)
+        return scope.value(node.body)
     c.code.reachable = True
     if not reachable:
         c.code.put(no)
-        return frame.value(node.orelse)
+        return scope.value(node.orelse)
     with c.code.captured() as yes_rows:
-        yes = frame.value(node.body)
+        yes = scope.value(node.body)
     with c.code.captured() as no_rows:
-        other = frame.value(node.orelse)
+        other = scope.value(node.orelse)
     return joined(c, no, (yes_rows, yes), (no_rows, other), id(node))
 
 
@@ -135,14 +135,14 @@ def joined(c: Compilation, otherwise: Label, yes: Way, no: Way, key: object) -> 
 # ------------------------------------------------------------ comparisons
 
 
-def comparison(c: Compilation, frame: Frame, node: ast.Compare) -> Value:
+def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
     """A chain of comparisons; what stands behind a link that fails is not evaluated."""
-    left = settled(c.code, frame.value(node.left))
+    left = settled(c.code, scope.value(node.left))
     result: Value = True
     for i, (sign, operand) in enumerate(zip(node.ops, node.comparators, strict=True)):
         with c.code.captured() as rows:
-            right = settled(c.code, frame.value(operand))
-            found = link(c, frame, node, sign, left, right)
+            right = settled(c.code, scope.value(operand))
+            found = link(c, scope, node, sign, left, right)
         if result is True or not rows:
             c.code.rows.extend(rows)
             result = found if result is True else both(result, found)
@@ -160,49 +160,53 @@ def both(a: Value, b: Value) -> Value:
     return False if b is False else apply(AND, a, b, kind="truth")
 
 
-def link(c: Compilation, frame: Frame, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
+def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
     """One comparison."""
     if isinstance(sign, ast.Is | ast.IsNot):
         same = same_thing(left, right)
         return same if isinstance(sign, ast.Is) else opposite(same)
     if isinstance(sign, ast.In | ast.NotIn):
-        inside = contains(c, frame, node, right, left)
+        inside = contains(c, scope, node, right, left)
         return inside if isinstance(sign, ast.In) else opposite(inside)
     for side, remake in (
-        (left, lambda each: link(c, frame, node, sign, each, right)),
-        (right, lambda each: link(c, frame, node, sign, left, each)),
+        (left, lambda each: link(c, scope, node, sign, each, right)),
+        (right, lambda each: link(c, scope, node, sign, left, each)),
     ):
-        if isinstance(side, Choice):
+        if isinstance(side, RandomChoice):
             return over_options(c, side, remake, (id(node), id(sign)))
-    if isinstance(left, LiveList) or isinstance(right, LiveList):
+    if isinstance(left, RegisterList) or isinstance(right, RegisterList):
         raise ScenicError("unsupported", "lists whose length varies cannot be compared in a match")
     if type(left) is not type(right) and None in (left, right) and isinstance(sign, ast.Eq | ast.NotEq):
         return isinstance(sign, ast.NotEq)
-    return compared(frame, node, sign, left, right)
+    return compared(scope, node, sign, left, right)
 
 
 def opposite(value: Value) -> Value:
-    return apply(NOT, value, kind="truth") if isinstance(value, Random) else not value
+    return apply(NOT, value, kind="truth") if isinstance(value, RandomExpr) else not value
 
 
 def live_branch(
-    c: Compilation, frame: LiveFrame, test: ast.expr, blocks: list[list[ast.stmt]], run: Callable[[Label, bool], None]
+    c: Compilation,
+    scope: CompiledScope,
+    test: ast.expr,
+    blocks: list[list[ast.stmt]],
+    run: Callable[[Label, bool], None],
 ) -> None:
     """Evaluate a test; `run(no, live)` compiles what follows, where `no` is where control goes if it fails."""
     no = Label()
     with c.code.captured() as rows:
-        jump_on(c, frame, test, no, when=False)
+        jump_on(c, scope, test, no, when=False)
         reachable = c.code.reachable
     c.code.reachable = True
     live = no.used and reachable
     if live:
-        frame.pin(assigned_names(*(each for block in blocks for each in block)))
+        scope.pin(assigned_names(*(each for block in blocks for each in block)))
     c.code.rows.extend(rows)
     c.code.reachable = reachable
     run(no, live)
 
 
 def needs_number(value: Value, what: str) -> Value:
-    if isinstance(value, Choice | LiveList) or not isinstance(value, int | float | Random):
+    if isinstance(value, RandomChoice | RegisterList) or not isinstance(value, int | float | RandomExpr):
         raise ScenicError("type", f"{what} is a number, not {describe_kind(value)}")
     return value

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Live, Operands
+from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands, RegisterValue
 from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import math_builtins
@@ -22,7 +22,7 @@ from scenic_lite.evaluation.builtins import TRUE_OR_FALSE
 from scenic_lite.language import distributions
 from scenic_lite.language.classes import sector_and_rectangle
 from scenic_lite.values import geometry, graph, regions
-from scenic_lite.values.graph import Column, Random, Table, Value
+from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value
 from scenic_lite.values.polygons import Holds
 
 SIMPLE: dict[Any, Op] = {  # operands in their order
@@ -100,7 +100,7 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
 
     With `into` the value is put there.
     """
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         found = _register(code, value, into)
     elif isinstance(value, bool | int | float | str | np.number | np.bool_):
         found = code.constant(value)  # type: ignore[arg-type]
@@ -112,8 +112,8 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
     return found
 
 
-def _register(code: Assembler, node: Random, into: int | None) -> int:
-    if isinstance(node, Live | DrawnNow):
+def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
+    if isinstance(node, RegisterValue | DrawnNow):
         return node.register
     if id(node) in code.known:
         return code.known[id(node)][0]
@@ -128,28 +128,28 @@ def _register(code: Assembler, node: Random, into: int | None) -> int:
 
 def is_live(value: Value) -> bool:
     """Whether a value is computed in the running match; what is not is known when it starts."""
-    if isinstance(value, Live | DrawnNow):
+    if isinstance(value, RegisterValue | DrawnNow):
         return True
-    if not isinstance(value, Random):
+    if not isinstance(value, RandomExpr):
         return False
     pending, seen = list(value.inputs), set()
     while pending:
         node = pending.pop()
-        if isinstance(node, Random) and node not in seen:
-            if isinstance(node, Live | DrawnNow):
+        if isinstance(node, RandomExpr) and node not in seen:
+            if isinstance(node, RegisterValue | DrawnNow):
                 return True
             seen.add(node)
             pending.extend(node.inputs)
     return can_fail(value)
 
 
-def can_fail(node: Random) -> bool:
+def can_fail(node: RandomExpr) -> bool:
     """Whether arithmetic of which all operands are computed has a step that some numbers cannot take."""
     pending: list[Value] = [node]
     seen = set()
     while pending:
         each = pending.pop()
-        if not isinstance(each, Random) or id(each) in seen or not _hashable(each.operation):
+        if not isinstance(each, RandomExpr) or id(each) in seen or not _hashable(each.operation):
             continue
         seen.add(id(each))
         op = SIMPLE.get(each.operation)
@@ -162,12 +162,12 @@ def can_fail(node: Random) -> bool:
 
 def _harmless(op: Op, operand: Value) -> bool:
     """Whether a division by this, or a power of this exponent, is always a number."""
-    if isinstance(operand, Random):
+    if isinstance(operand, RandomExpr):
         return False
     return operand >= 0 and operand == int(operand) if op is Op.POWER else operand != 0
 
 
-def compute(code: Assembler, node: Random, out: int) -> None:
+def compute(code: Assembler, node: RandomExpr, out: int) -> None:
     """Rows for one operation, operands first."""
     operation = node.operation
     if _hashable(operation) and operation in SIMPLE:
@@ -202,14 +202,14 @@ def describe(operation: Any) -> str:
     return name.strip("_").replace("_", " ")
 
 
-def choose_constant(code: Assembler, node: Random, out: int) -> None:
+def choose_constant(code: Assembler, node: RandomExpr, out: int) -> None:
     """One of some constants, by a live index."""
     assert isinstance(node.operation, Table)
     options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
     pick(code, out, node.inputs[0], options)
 
 
-def choose_value(code: Assembler, node: Random, out: int) -> None:
+def choose_value(code: Assembler, node: RandomExpr, out: int) -> None:
     pick(code, out, node.inputs[0], list(node.inputs[1:]))
 
 
@@ -218,13 +218,13 @@ def pick(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
     code.row(Op.PICK, out, register_of(code, index), Operands(registers))
 
 
-def cut(code: Assembler, node: Random, out: int) -> None:
+def cut(code: Assembler, node: RandomExpr, out: int) -> None:
     assert isinstance(node.operation, distributions.Cut)
     bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
     code.row(Op.CUT, out, register_of(code, node.inputs[0]), Operands(bounds))
 
 
-def integers(code: Assembler, node: Random, out: int) -> None:
+def integers(code: Assembler, node: RandomExpr, out: int) -> None:
     """first + min(int(u · count), count - 1)."""
     assert isinstance(node.operation, distributions.Integers)
     first, count = node.operation.first, node.operation.count
@@ -234,30 +234,30 @@ def integers(code: Assembler, node: Random, out: int) -> None:
     code.row(Op.ADD, out, out, code.constant(first))
 
 
-def clip(code: Assembler, node: Random, out: int) -> None:
+def clip(code: Assembler, node: RandomExpr, out: int) -> None:
     value, low, high = (register_of(code, each) for each in node.inputs)
     code.row(Op.MAXIMUM, out, value, low)
     code.row(Op.MINIMUM, out, out, high)
 
 
-def as_truth(code: Assembler, node: Random, out: int) -> None:
+def as_truth(code: Assembler, node: RandomExpr, out: int) -> None:
     code.row(Op.NOT_EQUAL, out, register_of(code, node.inputs[0]), code.constant(0))
 
 
-def where(code: Assembler, node: Random, out: int) -> None:
+def where(code: Assembler, node: RandomExpr, out: int) -> None:
     test, yes, no = node.inputs
     pick(code, out, test, [no, yes])
 
 
-def as_radians(code: Assembler, node: Random, out: int) -> None:
+def as_radians(code: Assembler, node: RandomExpr, out: int) -> None:
     code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(math.pi / 180))
 
 
-def as_degrees(code: Assembler, node: Random, out: int) -> None:
+def as_degrees(code: Assembler, node: RandomExpr, out: int) -> None:
     code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(180 / math.pi))
 
 
-def in_shape(code: Assembler, node: Random, out: int) -> None:
+def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
     """Whether a point lies in a fixed polygon: its edges stand in the operands."""
     import shapely
 
@@ -273,7 +273,7 @@ def in_shape(code: Assembler, node: Random, out: int) -> None:
     code.row(Op.IN_RINGS, out, 0, Operands(registers))
 
 
-SPECIAL: tuple[tuple[Any, Callable[[Assembler, Random, int], None]], ...] = (
+SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], None]], ...] = (
     (Table, choose_constant),
     (graph.pick, choose_value),
     (distributions.Cut, cut),
@@ -289,11 +289,11 @@ SPECIAL: tuple[tuple[Any, Callable[[Assembler, Random, int], None]], ...] = (
 
 def is_whole(value: Value) -> bool:
     """Whether a number is an integer, as Python would have it: it is written without a point."""
-    if isinstance(value, Live):
+    if isinstance(value, RegisterValue):
         return value.whole
-    if not isinstance(value, Random):
+    if not isinstance(value, RandomExpr):
         return isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if isinstance(value, Column):
+    if isinstance(value, ThetaColumn):
         return False
     operation = value.operation
     if isinstance(operation, Table):
@@ -322,7 +322,7 @@ JUMPS: dict[Any, tuple[Op, Op, bool]] = {  # if it holds, if it does not, operan
 
 def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
     """Go to the target if the truth of `test` is `when`."""
-    if not isinstance(test, Random):
+    if not isinstance(test, RandomExpr):
         if bool(test) == when:
             code.row(Op.JUMP, c=target)
         return

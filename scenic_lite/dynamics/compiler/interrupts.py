@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, assigned_names
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, assigned_names
 from scenic_lite.dynamics.compiler.conditions import jump_on
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.machine.bytecode import Op
@@ -24,11 +24,11 @@ from scenic_lite.syntax import nodes
 Limit = Callable[[Label], None]  # rows that jump when it is over
 
 
-def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) -> None:
+def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> None:
     if node.handlers or node.orelse or node.finalbody:
         raise ScenicError("unsupported", "`except`, `else` and `finally` cannot be compiled for a match")
-    given = expect(c, frame, node)
-    frame.pin(assigned_names(node))
+    given = expect(c, scope, node)
+    scope.pin(assigned_names(node))
     code, written = c.code, c.written()
     body = code.variables.take(1 + len(node.interrupts))
     slots = [body + 1 + i for i in range(len(node.interrupts))]
@@ -36,34 +36,34 @@ def try_interrupt(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) ->
     starts = [Label() for _ in slots]
     for slot in slots:
         register_of(code, 0, slot)
-    enter(c, frame, body, begin, scan)
+    enter(c, scope, body, begin, scan)
     for slot, handler, start in reversed(list(zip(slots, node.interrupts, starts, strict=True))):
         code.row(Op.RESUME_IF_RUNNING, slot)
         with code.statement():
-            code.place = frame.place(handler.condition)
-            with once_set(c, frame, surely_read(handler.condition) & given.keys()) as readable:
+            code.place = scope.place(handler.condition)
+            with once_set(c, scope, surely_read(handler.condition) & given.keys()) as readable:
                 if readable:
-                    jump_on(c, frame, handler.condition, start, when=True)
+                    jump_on(c, scope, handler.condition, start, when=True)
     code.row(Op.RESUME, body)
-    with frame.living(), c.guarded():
+    with scope.in_dynamic_branch(), c.guarded():
         code.put(begin)
         begin.used = code.reachable = True
         with c.block(body):
-            frame.run(node.body)
+            scope.run(node.body)
         code.row(Op.JUMP, c=end)
         for slot, handler, start in zip(slots, node.interrupts, starts, strict=True):
             code.put(start)
-            frame.scope.aborts.append(end)
+            scope.inlined.aborts.append(end)
             with c.block(slot), c.repeated():
-                frame.run(handler.body)
-            frame.scope.aborts.pop()
+                scope.run(handler.body)
+            scope.inlined.aborts.pop()
             register_of(code, 0, slot)
             code.row(Op.AGAIN, c=scan)
     code.put(end)
     c.give_up(written)
 
 
-def expect(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) -> dict[str, int]:
+def expect(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> dict[str, int]:
     """In a compose block: registers that say whether variables that conditions read by now have a value.
 
     One that has none makes the condition false; in a behavior it is a fault, and so it is here within a loop.
@@ -71,10 +71,10 @@ def expect(c: Compilation, frame: LiveFrame, node: nodes.TryInterrupt) -> dict[s
     if not c.composing or c.repeating:
         return {}
     names = {name for handler in node.interrupts for name in surely_read(handler.condition)}
-    given = {name: c.code.variables.take() for name in sorted(names & assigned_names(node) - frame.locals.keys())}
+    given = {name: c.code.variables.take() for name in sorted(names & assigned_names(node) - scope.locals.keys())}
     for register in given.values():
         register_of(c.code, 0, register)
-    frame.given |= given
+    scope.given |= given
     return given
 
 
@@ -86,52 +86,52 @@ def surely_read(condition: ast.expr) -> set[str]:
 
 
 @contextmanager
-def once_set(c: Compilation, frame: LiveFrame, names: set[str]) -> Iterator[bool]:
+def once_set(c: Compilation, scope: CompiledScope, names: set[str]) -> Iterator[bool]:
     """Rows written inside, a condition, are only come to when these variables have a value; whether they may be."""
     unset = Label()
-    before = dict(frame.locals)
+    before = dict(scope.locals)
     for name in sorted(names):
-        c.code.row(Op.JUMP_UNLESS, frame.given[name], c=unset)
-        c.code.relied_on.add(frame.slots[name].key)  # also while nothing is known of it
-        frame.locals[name] = frame.slots[name].value
-    yield all(frame.slots[name].shape is not None for name in names)
-    frame.locals.clear()
-    frame.locals.update(before)
+        c.code.row(Op.JUMP_UNLESS, scope.given[name], c=unset)
+        c.code.relied_on.add(scope.slots[name].key)  # also while nothing is known of it
+        scope.locals[name] = scope.slots[name].value
+    yield all(scope.slots[name].shape is not None for name in names)
+    scope.locals.clear()
+    scope.locals.update(before)
     c.code.put(unset)
 
 
-def enter(c: Compilation, frame: LiveFrame, body: int, begin: Label, scan: Label) -> None:
+def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: Label) -> None:
     """Rows that enter a statement with a scan, up to the scan itself; after time has passed invariants come first."""
     from scenic_lite.dynamics.compiler.behaviors import check_invariants
 
     code = c.code
-    behavior = frame.scope.behavior
+    behavior = scope.inlined.behavior
     resumed = Label() if behavior is not None and behavior.node.invariants else scan
     code.row(Op.SET_SLOT, body, c=begin)
     code.row(Op.SET_SLOT, c.slot, c=resumed)
     if resumed is not scan:
         code.row(Op.JUMP, c=scan)
         code.put(resumed)
-        check_invariants(c, frame)
+        check_invariants(c, scope)
     code.put_loop(scan)
 
 
-def limited(c: Compilation, frame: LiveFrame, over: Limit, run: Callable[[], None]) -> None:
+def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[], None]) -> None:
     """A body that ends when its limit says so, looked at before it is begun and whenever it would be resumed."""
     code, written = c.code, c.written()
     body = code.variables.take()
     begin, scan, end = Label(), Label(), Label()
-    enter(c, frame, body, begin, scan)
+    enter(c, scope, body, begin, scan)
     with code.statement():
         over(end)
     code.row(Op.RESUME, body)
     code.put(begin)
     begin.used = code.reachable = True
-    with frame.living(), c.guarded(), c.block(body):
+    with scope.in_dynamic_branch(), c.guarded(), c.block(body):
         run()
     code.put(end)
     c.give_up(written)
 
 
-def abort(c: Compilation, frame: LiveFrame, node: nodes.Abort) -> None:
-    c.code.row(Op.JUMP, c=frame.scope.aborts[-1])
+def abort(c: Compilation, scope: CompiledScope, node: nodes.Abort) -> None:
+    c.code.row(Op.JUMP, c=scope.inlined.aborts[-1])

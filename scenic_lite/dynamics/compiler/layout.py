@@ -11,7 +11,7 @@ from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Op
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing, Op
 from scenic_lite.dynamics.machine.compiled import Compiled, leaves
-from scenic_lite.errors import Place
+from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Tape, Value
 
@@ -90,7 +90,7 @@ def start_of(c: Compilation, layout: Layout) -> np.ndarray:
 
 def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
     """What a person reads beside the rows."""
-    nowhere = Place(c.program.file, 1, 0, 1, 1)
+    nowhere = SourceSpan(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
     names = {layout(register): note for register, note in c.code.notes.items()}
     names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
@@ -101,7 +101,7 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     return Listing(places, names, lines, notes, titles)
 
 
-def line_of(program: Program, place: Place) -> str:
+def line_of(program: Program, place: SourceSpan) -> str:
     source = program._sources.get(place.file)
     return "" if source is None else source.line(place.line)
 

@@ -18,7 +18,7 @@ from scenic_lite.dynamics.machine.bytecode import Op
 
 
 @dataclass(eq=False)
-class Kept:
+class WatchedItem:
     """A statement of a setup that watches the scenario; `flag`: the register that says whether it was come to."""
 
     watched: Watched
@@ -30,7 +30,7 @@ class Temporal:
     """A temporal requirement: the frame that its names have, its automaton, and the register of its state."""
 
     watched: Watched
-    frame: Any  # LiveFrame; None: that of the statement
+    scope: Any  # LiveFrame; None: that of the statement
     automaton: Any
     state: int
 
@@ -46,7 +46,7 @@ class Monitor:
 
 
 @dataclass(eq=False)
-class Driver:
+class BehaviorOverride:
     """A behavior that an `override` gives an object; `number` is what the object's register says while it has it."""
 
     agent: Instance
@@ -54,7 +54,7 @@ class Driver:
     slot: int
     entry: Label
     number: int
-    part: Part | None  # None: the behavior that the object begins with
+    part: ScenarioInstance | None  # None: the behavior that the object begins with
 
 
 @dataclass(eq=False)
@@ -67,7 +67,7 @@ class Overridden:
 
 
 @dataclass(eq=False)
-class Part:
+class ScenarioInstance:
     """One scenario where it is run. It runs while the register `running` is not 0.
 
     Labels: `stop`, a routine that returns to the register `back`; `over`, where its own step goes when it ends; `kill`,
@@ -75,14 +75,14 @@ class Part:
     """
 
     name: str
-    parent: Part | None
+    parent: ScenarioInstance | None
     call: BehaviorCall | None
     running: int
     back: int
     slot: int  # of the compose block
     ending: int  # asked for by a monitor of its own: the reason
     ego: Instance | None = None
-    frame: Any = None  # the LiveFrame of its variables
+    scope: Any = None  # the LiveFrame of its variables
     limit: tuple[int, int] | None = None  # registers: steps taken, steps allowed
     stop: Label = field(default_factory=Label)
     over: Label = field(default_factory=Label)
@@ -90,15 +90,15 @@ class Part:
     after: Label = field(default_factory=Label)
     beginning: Label = field(default_factory=Label)  # of the compose block
     progress: Label = field(default_factory=Label)  # a routine: its temporal requirements see a step
-    parts: list[Part] = field(default_factory=list)
+    parts: list[ScenarioInstance] = field(default_factory=list)
     monitors: list[Monitor] = field(default_factory=list)
-    terminations: list[Kept] = field(default_factory=list)
-    records: list[Kept] = field(default_factory=list)
+    terminations: list[WatchedItem] = field(default_factory=list)
+    records: list[WatchedItem] = field(default_factory=list)
     temporal: list[Temporal] = field(default_factory=list)
     overridden: dict[tuple[str, str], Overridden] = field(default_factory=dict)
     resets: list[tuple[int, float]] = field(default_factory=list)  # what its registers are while it does not run
 
-    def family(self) -> Iterator[Part]:
+    def family(self) -> Iterator[ScenarioInstance]:
         """This part and all inside it, outer ones first."""
         yield self
         for part in self.parts:
@@ -123,12 +123,12 @@ class Part:
         return register
 
 
-def part_of(code: Assembler, name: str, parent: Part | None, call: BehaviorCall | None) -> Part:
+def part_of(code: Assembler, name: str, parent: ScenarioInstance | None, call: BehaviorCall | None) -> ScenarioInstance:
     """A part with registers of its own, noted in its parent."""
     first = code.fixed.take(4)
     for i, word in enumerate(("running", "back", "compose", "ending")):
         code.notes[first + i] = f"{name}.{word}"
-    part = Part(name, parent, call, first, first + 1, first + 2, first + 3)
+    part = ScenarioInstance(name, parent, call, first, first + 1, first + 2, first + 3)
     if parent is None:
         code.begin_with(part.running, 1)
     else:

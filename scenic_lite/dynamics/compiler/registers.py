@@ -8,30 +8,30 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import islice
 
-from scenic_lite.core.types import Choice, choose, describe_kind
-from scenic_lite.dynamics.compiler.code import Assembler, Live
+from scenic_lite.core.types import RandomChoice, choose, describe_kind
+from scenic_lite.dynamics.compiler.code import Assembler, RegisterValue
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.types import (
     CAPACITY,
     Items,
     Leaf,
-    LiveList,
     Parts,
+    RegisterList,
     Same,
     Shape,
     Variant,
+    flatten,
     join,
     loaded,
     option_for,
-    put_together,
     shape_of,
-    taken_apart,
+    unflatten,
     varies,
     varying,
 )
 from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.graph import RandomExpr, Value
 
 FEW = 4  # registers: more are copied by one row
 Pair = tuple[int, Value]  # a register, and the number, truth value or text that goes there
@@ -53,10 +53,10 @@ def pairs(shape: Shape, registers: Iterator[int], value: Value) -> Iterator[Pair
 
 
 def parts_of_value(shape: Parts, value: Value) -> list[Value]:
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         columns = zip(*(parts_of_value(shape, option) for option in value.options), strict=True)
         return [choose(value.index, list(column)) for column in columns]
-    apart = taken_apart(value)
+    apart = flatten(value)
     if apart is None or apart[0] != shape.head:
         raise ScenicError("type", f"{describe_kind(value)} where something else was expected")
     return apart[1]
@@ -64,9 +64,9 @@ def parts_of_value(shape: Parts, value: Value) -> list[Value]:
 
 def variant_pairs(shape: Variant, registers: Iterator[int], value: Value) -> Iterator[Pair]:
     tag = next(registers)
-    options = value.options if isinstance(value, Choice) else (value,)
+    options = value.options if isinstance(value, RandomChoice) else (value,)
     places = [option_for(shape, option) for option in options]
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         yield tag, value.index if places == list(range(len(places))) else choose(value.index, places)
     else:
         yield tag, places[0]
@@ -75,7 +75,7 @@ def variant_pairs(shape: Variant, registers: Iterator[int], value: Value) -> Ite
         chosen = [each for each, place in zip(options, places, strict=True) if place == i]
         if not chosen or not own:
             continue
-        if isinstance(value, Choice) and len(chosen) > 1:
+        if isinstance(value, RandomChoice) and len(chosen) > 1:
             filled = [each if place == i else chosen[0] for each, place in zip(options, places, strict=True)]
             yield from pairs(option, iter(own), choose(value.index, filled))
         else:
@@ -84,9 +84,9 @@ def variant_pairs(shape: Variant, registers: Iterator[int], value: Value) -> Ite
 
 def list_pairs(shape: Items, registers: list[int], value: Value) -> Iterator[Pair]:
     length, cells = registers[0], registers[1:]
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         if value.element == shape.element:
-            yield from zip(registers, (Live(each) for each in value.registers), strict=True)
+            yield from zip(registers, (RegisterValue(each) for each in value.registers), strict=True)
             return
         yield length, value.length
         count = CAPACITY if value.element is not None else 0
@@ -104,7 +104,7 @@ def list_pairs(shape: Items, registers: list[int], value: Value) -> Iterator[Pai
 
 def store(code: Assembler, moves: list[Pair]) -> None:
     """Put all values into their registers, as if at once."""
-    moves = [(to, value) for to, value in moves if not (isinstance(value, Live) and value.register == to)]
+    moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
     if len(moves) == 1 or not any(targets & registers_in(value) for _, value in moves):
         for to, value, count in runs(moves):
@@ -117,9 +117,9 @@ def store(code: Assembler, moves: list[Pair]) -> None:
     for i, register in enumerate(found):
         if register in targets:
             found[i] = code.temporaries.take()
-            register_of(code, Live(register), found[i])
+            register_of(code, RegisterValue(register), found[i])
     for (to, _), register in zip(moves, found, strict=True):
-        register_of(code, Live(register), to)
+        register_of(code, RegisterValue(register), to)
 
 
 def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
@@ -128,7 +128,11 @@ def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
     while at < len(moves):
         to, value = moves[at]
         count = 1
-        while at + count < len(moves) and isinstance(value, Live) and follows(moves[at], moves[at + count], count):
+        while (
+            at + count < len(moves)
+            and isinstance(value, RegisterValue)
+            and follows(moves[at], moves[at + count], count)
+        ):
             count += 1
         if count >= FEW:
             yield to, value, count
@@ -139,7 +143,11 @@ def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
 
 def follows(first: Pair, other: Pair, distance: int) -> bool:
     (to, value), (after, following) = first, other
-    return after == to + distance and isinstance(following, Live) and following.register == value.register + distance
+    return (
+        after == to + distance
+        and isinstance(following, RegisterValue)
+        and following.register == value.register + distance
+    )
 
 
 def registers_in(value: Value) -> set[int]:
@@ -148,9 +156,9 @@ def registers_in(value: Value) -> set[int]:
     pending, seen = [value], set()
     while pending:
         node = pending.pop()
-        if isinstance(node, Live):
+        if isinstance(node, RegisterValue):
             found.add(node.register)
-        elif isinstance(node, Random) and id(node) not in seen:
+        elif isinstance(node, RandomExpr) and id(node) not in seen:
             seen.add(id(node))
             pending.extend(node.inputs)
     return found
@@ -179,16 +187,16 @@ def copied(code: Assembler, value: Value) -> Value:
 
 def settled(code: Assembler, value: Value) -> Value:
     """A value with everything in it computed now, so that it is not computed again wherever it is read."""
-    if isinstance(value, Live) or not varies(value):
+    if isinstance(value, RegisterValue) or not varies(value):
         return value
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         return value
-    if isinstance(value, Choice):
-        return Choice(settled(code, value.index), tuple(settled(code, each) for each in value.options))
-    apart = taken_apart(value)
+    if isinstance(value, RandomChoice):
+        return RandomChoice(settled(code, value.index), tuple(settled(code, each) for each in value.options))
+    apart = flatten(value)
     if apart is not None:
-        return put_together(apart[0], [settled(code, each) for each in apart[1]])
-    return Live(register_of(code, value), value.kind, is_whole(value), lasting=False)
+        return unflatten(apart[0], [settled(code, each) for each in apart[1]])
+    return RegisterValue(register_of(code, value), value.kind, is_whole(value), lasting=False)
 
 
 class Slot:

@@ -11,14 +11,21 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from scenic_lite.core.scope import Frame, Watched
-from scenic_lite.core.types import BehaviorCall, Choice, Instance, describe_kind
+from scenic_lite.core.scope import Scope, Watched
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
-from scenic_lite.dynamics.compiler.code import Label, Live
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.parts import Driver, Kept, Monitor, Overridden, Part, Temporal
+from scenic_lite.dynamics.compiler.parts import (
+    BehaviorOverride,
+    Monitor,
+    Overridden,
+    ScenarioInstance,
+    Temporal,
+    WatchedItem,
+)
 from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.watchers import Automaton
 from scenic_lite.dynamics.machine.bytecode import Op
@@ -32,15 +39,15 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 
-def set_up(c: Compilation, part: Part) -> None:
+def set_up(c: Compilation, part: ScenarioInstance) -> None:
     """Execute the setup of a scenario that begins; what it makes is kept by the part."""
     assert part.call is not None
     session = c.session
     with lists_of(c, {"monitors": [], "terminations": [], "records": []}):
-        part.frame.run(part.call.behavior.scenario.setup)
+        part.scope.run(part.call.behavior.scenario.setup)
         part.monitors = [monitor_of(c, call, c.flag_of(call)) for call in session.monitors]
-        part.terminations = [Kept(each, c.flag_of(each)) for each in session.terminations]
-        part.records = [Kept(each, c.flag_of(each)) for each in session.records]
+        part.terminations = [WatchedItem(each, c.flag_of(each)) for each in session.terminations]
+        part.records = [WatchedItem(each, c.flag_of(each)) for each in session.records]
 
 
 @contextmanager
@@ -55,9 +62,9 @@ def lists_of(c: Compilation, lists: dict[str, list]) -> Iterator[None]:
         session.update(outside)
 
 
-def flag_if_live(c: Compilation, frame: LiveFrame, thing: object) -> None:
+def flag_if_live(c: Compilation, scope: CompiledScope, thing: object) -> None:
     """Note whether a match comes to a statement, if that is not certain."""
-    if frame.scope.live:
+    if scope.inlined.live:
         refuse_repeated(c)
         assert c.part is not None
         flag = c.part.flagged(c.code)
@@ -70,17 +77,17 @@ def refuse_repeated(c: Compilation) -> None:
         raise ScenicError("unsupported", "this cannot be repeated in a match", hint="write it before the loop")
 
 
-def keep_condition(c: Compilation, frame: LiveFrame, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    keep_termination(frame, node)
-    flag_if_live(c, frame, c.session.terminations[-1])
+def keep_condition(c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
+    keep_termination(scope, node)
+    flag_if_live(c, scope, c.session.terminations[-1])
 
 
-def keep_value(c: Compilation, frame: LiveFrame, node: nodes.Record) -> None:
-    keep_record(frame, node)
-    flag_if_live(c, frame, c.session.records[-1])
+def keep_value(c: Compilation, scope: CompiledScope, node: nodes.Record) -> None:
+    keep_record(scope, node)
+    flag_if_live(c, scope, c.session.records[-1])
 
 
-def refuse_param(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
+def refuse_param(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
     word = "param" if isinstance(node, nodes.Param) else "mutate"
     raise ScenicError("unsupported", f"`{word}` has no meaning in a match", hint="write it in the main scenario")
 
@@ -88,15 +95,15 @@ def refuse_param(c: Compilation, frame: LiveFrame, node: ast.stmt) -> None:
 # ------------------------------------------------------------ monitors
 
 
-def require_monitor(c: Compilation, frame: LiveFrame, node: nodes.RequireMonitor) -> None:
+def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMonitor) -> None:
     """Start a monitor with the scenario, or at once if that is running."""
-    value = frame.value(node.call)
+    value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
     call = with_own_arguments(c, value)
     if c.setting_up:
         c.session.monitors.append(call)
-        flag_if_live(c, frame, call)
+        flag_if_live(c, scope, call)
         return
     refuse_repeated(c)
     assert c.part is not None
@@ -137,21 +144,21 @@ def check_first(c: Compilation, call: BehaviorCall) -> None:
 # ------------------------------------------------------------ override
 
 
-def override(c: Compilation, frame: LiveFrame, node: nodes.Override) -> None:
+def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
     """`override object with p v, ...`, until the scenario ends."""
-    target = frame.value(node.target)
-    if isinstance(target, Choice):
+    target = scope.value(node.target)
+    if isinstance(target, RandomChoice):
         raise ScenicError("unsupported", "`override` of whichever object a match finds")
     if not isinstance(target, Instance) or not target.label:
-        raise frame.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}
     for each in node.specifiers:
-        name, value = overriding(frame, target, each)
+        name, value = overriding(scope, target, each)
         if name in c.live_names:
-            raise frame.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
+            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:
-            raise frame.error("specifier", f"{target.title()} has no property '{name}' to override", each)
-        values[name] = value if isinstance(value, Choice) else checked(name, value, c.program.dialect)
+            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
+        values[name] = value if isinstance(value, RandomChoice) else checked(name, value, c.program.dialect)
     part = c.part
     assert part is not None
     drivers = {}
@@ -163,18 +170,22 @@ def override(c: Compilation, frame: LiveFrame, node: nodes.Override) -> None:
     begin_driving(c, values.get("behavior"), drivers)
 
 
-def change(c: Compilation, part: Part, target: Instance, name: str, value: Value) -> None:
+def change(c: Compilation, part: ScenarioInstance, target: Instance, name: str, value: Value) -> None:
     """Another value for a property that no simulator knows."""
     refuse_live(c, target, name)
     key = ("object", target.label, name)
-    before = Slot(c.code, c.shapes, (*part.frame.scope.path, "before", *key), shared=True)
+    before = Slot(c.code, c.shapes, (*part.scope.inlined.path, "before", *key), shared=True)
     save = lambda: before.store(shared(c, key).value)  # noqa: E731
     note_first(c, part, (target.label, name), save, lambda: keep(c, key, before.value))
     keep(c, key, value)
 
 
 def note_first(
-    c: Compilation, part: Part, key: tuple[str, str], save: Callable[[], object], restore: Callable[[], object]
+    c: Compilation,
+    part: ScenarioInstance,
+    key: tuple[str, str],
+    save: Callable[[], object],
+    restore: Callable[[], object],
 ) -> None:
     """Before the first override of a property in a scenario, what it was is saved."""
     if key not in part.overridden:
@@ -186,10 +197,10 @@ def note_first(
     c.code.put(done)
 
 
-Drivers = dict[int, Driver]  # by the number of the option, 0 if there is one only
+Drivers = dict[int, BehaviorOverride]  # by the number of the option, 0 if there is one only
 
 
-def drive(c: Compilation, part: Part, target: Instance, value: Value) -> Drivers:
+def drive(c: Compilation, part: ScenarioInstance, target: Instance, value: Value) -> Drivers:
     """Another behavior for an object: its register says which one it has now."""
     code, label = c.code, target.label
     if label not in c.driving:
@@ -197,14 +208,14 @@ def drive(c: Compilation, part: Part, target: Instance, value: Value) -> Drivers
         code.notes[c.driving[label]] = f"{target.title()}.behavior"
         c.drivers[label] = []
     register, before = c.driving[label], code.fixed.take()
-    save = lambda: register_of(code, Live(register), before)  # noqa: E731
-    note_first(c, part, (label, "behavior"), save, lambda: register_of(code, Live(before), register))
+    save = lambda: register_of(code, RegisterValue(register), before)  # noqa: E731
+    note_first(c, part, (label, "behavior"), save, lambda: register_of(code, RegisterValue(before), register))
     if value is None:
         register_of(code, -1, register)
         return {}
-    options = value.options if isinstance(value, Choice) else (value,)
+    options = value.options if isinstance(value, RandomChoice) else (value,)
     drivers = {i: driver_of(c, part, target, option) for i, option in enumerate(options)}
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         first = register_of(code, drivers[0].number)
         code.row(Op.ADD, register, first, register_of(code, value.index))
     else:
@@ -212,13 +223,13 @@ def drive(c: Compilation, part: Part, target: Instance, value: Value) -> Drivers
     return drivers
 
 
-def driver_of(c: Compilation, part: Part, target: Instance, call: Value) -> Driver:
+def driver_of(c: Compilation, part: ScenarioInstance, target: Instance, call: Value) -> BehaviorOverride:
     if not isinstance(call, BehaviorCall):
         checked("behavior", call, c.program.dialect)
     assert isinstance(call, BehaviorCall)
     known = c.drivers[target.label]
     slot = c.code.fixed.take()
-    driver = Driver(target, with_own_arguments(c, call), slot, Label(), 1 + len(known), part)
+    driver = BehaviorOverride(target, with_own_arguments(c, call), slot, Label(), 1 + len(known), part)
     known.append(driver)
     return driver
 
@@ -228,7 +239,7 @@ def begin_driving(c: Compilation, value: Value, drivers: Drivers) -> None:
     code, end, agent = c.code, Label(), c.agent
     for i, driver in drivers.items():
         following = Label()
-        if isinstance(value, Choice):
+        if isinstance(value, RandomChoice):
             code.row(Op.JUMP_NOT_EQUAL, register_of(code, value.index), code.constant(i), following)
         c.agent = driver.agent
         check_first(c, driver.call)
@@ -242,35 +253,37 @@ def begin_driving(c: Compilation, value: Value, drivers: Drivers) -> None:
 # ------------------------------------------------------------ temporal requirements
 
 
-def require_later(c: Compilation, frame: LiveFrame, node: nodes.Require) -> None:
+def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """A temporal requirement that is made during the match: its scenario watches it from the next step on."""
     refuse_repeated(c)
     part, code = c.part, c.code
     assert part is not None
-    label = node.name or source_text(frame, node)
-    own = with_present_names(c, frame, node)
-    watched = Watched(node, frame.place(node), own, label)
+    label = node.name or source_text(scope, node)
+    own = with_present_names(c, scope, node)
+    watched = Watched(node, scope.place(node), own, label)
     state = part.flagged(code, -1)
     part.temporal.append(Temporal(watched, own, Automaton(formula_of(node.condition)), state))
     register_of(code, 0, state)
 
 
-def with_present_names(c: Compilation, frame: LiveFrame, node: nodes.Require) -> LiveFrame:
+def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require) -> CompiledScope:
     """A frame in which the names of a condition keep the values that they have now."""
     code = c.code
     names: dict[str, Value] = {}
     used = {each.id for each in ast.walk(node.condition) if isinstance(each, ast.Name)}
-    at: Frame | None = frame
+    at: Scope | None = scope
     outside, code.variables = code.variables, code.fixed
-    while isinstance(at, LiveFrame):
+    while isinstance(at, CompiledScope):
         for name in sorted(used & set(at.locals) - set(names)):
             names[name] = kept(code, at.locals[name])
         at = at.outer
     code.variables = outside
-    return LiveFrame(c, frame.source, names, frame, Scope((*c.path, id(node)), [], Label(), frame.scope.behavior))
+    return CompiledScope(
+        c, scope.source, names, scope, InlinedBody((*c.path, id(node)), [], Label(), scope.inlined.behavior)
+    )
 
 
-SETTING_UP: dict[type, Callable[[Compilation, LiveFrame, Any], None]] = {
+SETTING_UP: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     nodes.Override: override,
     nodes.RequireMonitor: require_monitor,
     nodes.TerminateWhen: keep_condition,

@@ -13,13 +13,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Bound, Choice, Function, Instance, describe_kind
-from scenic_lite.dynamics.compiler.code import Live
+from scenic_lite.core.types import BehaviorCall, Bound, Function, Instance, RandomChoice, describe_kind
+from scenic_lite.dynamics.compiler.code import RegisterValue
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.strings import FormatEach
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Random, Table, Value, kind_of, pick
+from scenic_lite.values.graph import RandomExpr, Table, Value, kind_of, pick
 from scenic_lite.values.regions import Region
 
 MOST_OPTIONS = 256
@@ -86,28 +86,28 @@ class Items(Shape):
 
 
 @dataclass(frozen=True, eq=False)
-class LiveList:
+class RegisterList:
     """A list in registers: as long as `registers[0]` says."""
 
     element: Shape | None
     registers: tuple[int, ...]
 
     @property
-    def length(self) -> Live:
-        return Live(self.registers[0], whole=True)
+    def length(self) -> RegisterValue:
+        return RegisterValue(self.registers[0], whole=True)
 
 
 def alike(a: Value, b: Value) -> bool:
     """Whether two fixed values are the same for every purpose."""
     if a is b:
         return True
-    if isinstance(a, Random) or isinstance(b, Random) or type(a) is not type(b):
+    if isinstance(a, RandomExpr) or isinstance(b, RandomExpr) or type(a) is not type(b):
         return False
     if isinstance(a, bool | int | float | str):
         return a == b
     if isinstance(a, Function):
         return a.body is b.body
-    first, second = taken_apart(a), taken_apart(b)
+    first, second = flatten(a), flatten(b)
     if first is None or second is None or first[0] != second[0]:
         return False
     return all(map(alike, first[1], second[1]))
@@ -116,7 +116,7 @@ def alike(a: Value, b: Value) -> bool:
 # ------------------------------------------------------------ taking apart, putting together
 
 
-def taken_apart(value: Value) -> tuple[tuple, list[Value]] | None:
+def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
     """How a structure is put together, and its parts; None if it is none."""
     if type(value) in SIMPLE or (type(value) is Instance and value.label):
         return None
@@ -136,23 +136,23 @@ def taken_apart(value: Value) -> tuple[tuple, list[Value]] | None:
         return (Instance, value.cls, value.place, tuple(value.properties)), list(value.properties.values())
     if builds_text(value):
         operation = (FormatEach, value.operation.spec) if isinstance(value.operation, FormatEach) else value.operation
-        return (Random, operation, len(value.inputs)), list(value.inputs)
+        return (RandomExpr, operation, len(value.inputs)), list(value.inputs)
     return None
 
 
 def builds_text(value: Value) -> bool:
     """Whether a text is made of parts in the match, so that it has no number."""
-    if not isinstance(value, Random) or isinstance(value, Live) or value.kind != "text":
+    if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
         return False
     if value.operation is pick:
         return any(map(builds_text, value.inputs[1:]))
     return bool(value.inputs) and not isinstance(value.operation, Table)
 
 
-SIMPLE = frozenset({Live, int, float, bool, str, type(None), Function})
+SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
 
 
-def put_together(head: tuple, parts: list[Value]) -> Value:
+def unflatten(head: tuple, parts: list[Value]) -> Value:
     kind, *rest = head
     if kind is Vector:
         return Vector(*parts)
@@ -166,9 +166,9 @@ def put_together(head: tuple, parts: list[Value]) -> Value:
         return BehaviorCall(rest[0], dict(zip(rest[1], parts, strict=True)), rest[2])
     if kind is Instance:
         return Instance(rest[0], rest[1], properties=dict(zip(rest[2], parts, strict=True)))
-    if kind is Random:
+    if kind is RandomExpr:
         operation = FormatEach(rest[0][1]) if isinstance(rest[0], tuple) else rest[0]
-        return Random(operation, tuple(parts), "text")
+        return RandomExpr(operation, tuple(parts), "text")
     region = object.__new__(kind)
     vars(region).update(zip(rest[0], parts, strict=True))
     return region
@@ -177,14 +177,14 @@ def put_together(head: tuple, parts: list[Value]) -> Value:
 def varies(value: Value) -> bool:
     """Whether anything in a value depends on the running match."""
     if type(value) in SIMPLE:
-        return type(value) is Live
-    if isinstance(value, Random):
+        return type(value) is RegisterValue
+    if isinstance(value, RandomExpr):
         return is_live(value)
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         return True
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return is_live(value.index) or any(map(varies, value.options))
-    apart = taken_apart(value)
+    apart = flatten(value)
     return apart is not None and any(map(varies, apart[1]))
 
 
@@ -195,11 +195,11 @@ def shape_of(value: Value) -> Shape:
     """The narrowest shape of a value."""
     if not varies(value):
         return Same(value)
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         return Items(value.element)
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return variant(None, [shape_of(option) for option in value.options])
-    apart = taken_apart(value)
+    apart = flatten(value)
     if apart is not None:
         return Parts(apart[0], tuple(map(shape_of, apart[1])))
     return Leaf(value.kind, is_whole(value))
@@ -262,7 +262,7 @@ def united_leaf(a: Leaf, b: Leaf) -> Leaf | None:
 
 def parts_of(shape: Shape) -> Parts | None:
     if isinstance(shape, Same):
-        apart = taken_apart(shape.value)
+        apart = flatten(shape.value)
         return None if apart is None else Parts(apart[0], tuple(map(shape_of, apart[1])))
     return shape if isinstance(shape, Parts) else None
 
@@ -330,11 +330,11 @@ def loaded(shape: Shape, registers: Iterator[int]) -> Value:
     if isinstance(shape, Same):
         return shape.value
     if isinstance(shape, Leaf):
-        return Live(next(registers), shape.kind, shape.whole)
+        return RegisterValue(next(registers), shape.kind, shape.whole)
     if isinstance(shape, Parts):
-        return put_together(shape.head, [loaded(part, registers) for part in shape.parts])
+        return unflatten(shape.head, [loaded(part, registers) for part in shape.parts])
     if isinstance(shape, Items):
-        return LiveList(shape.element, tuple(next(registers) for _ in range(shape.size)))
+        return RegisterList(shape.element, tuple(next(registers) for _ in range(shape.size)))
     assert isinstance(shape, Variant)
-    tag = Live(next(registers), whole=True)
-    return Choice(tag, tuple(loaded(option, registers) for option in shape.options))
+    tag = RegisterValue(next(registers), whole=True)
+    return RandomChoice(tag, tuple(loaded(option, registers) for option in shape.options))

@@ -12,30 +12,30 @@ from contextlib import contextmanager, nullcontext
 from itertools import product
 
 from scenic_lite.core.scope import Watched
-from scenic_lite.core.types import BehaviorCall, Choice, Instance
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
-from scenic_lite.dynamics.compiler.code import Label, Live, Operands
-from scenic_lite.dynamics.compiler.compilation import Compilation, LiveFrame, Scope
+from scenic_lite.dynamics.compiler.code import Label, Operands, RegisterValue
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
-from scenic_lite.dynamics.compiler.parts import Kept, Part, Temporal
+from scenic_lite.dynamics.compiler.parts import ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.registers import kept
-from scenic_lite.dynamics.compiler.types import CAPACITY, LiveList, loaded, put_together, taken_apart
+from scenic_lite.dynamics.compiler.types import CAPACITY, RegisterList, flatten, loaded, unflatten
 from scenic_lite.dynamics.machine.bytecode import TERMINATED, Op
 from scenic_lite.dynamics.machine.compiled import Listed, Record
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.temporal import Formula, Settled
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Random, Value
+from scenic_lite.values.graph import RandomExpr, Value
 
 MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for
 
 
-def start(c: Compilation, main: Part, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
+def start(c: Compilation, main: ScenarioInstance, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
     """Before all else: the guards of the program's scenario, its time limit, the guards of behaviors and monitors."""
-    if main.frame is not None:
-        check_guards(c, main.frame)
+    if main.scope is not None:
+        check_guards(c, main.scope)
     limit_of(c, main)
     for agent, call in calls:
         c.agent = agent
@@ -45,17 +45,17 @@ def start(c: Compilation, main: Part, calls: list[tuple[Instance | None, Behavio
     c.agent = None
 
 
-def frame_for(c: Compilation, watched: Watched) -> LiveFrame:
+def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
     """The names that a statement outside of behaviors sees."""
     c.code.place = watched.place
-    scope = Scope((*c.path, id(watched.tree)), [], Label())
-    return LiveFrame(c, watched.frame.source, {}, watched.frame, scope)
+    inlined = InlinedBody((*c.path, id(watched.tree)), [], Label())
+    return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
 
 
 # ------------------------------------------------------------ ends
 
 
-def limit_of(c: Compilation, part: Part) -> None:
+def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     """`terminate after`: how long it is is decided when the scenario begins; the last one counts."""
     code = c.code
     limits = [each for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
@@ -73,27 +73,27 @@ def limit_of(c: Compilation, part: Part) -> None:
         code.put(out)
 
 
-def conditions(c: Compilation, part: Part, scope: str, end: Callable[[str], None]) -> None:
+def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
     """`terminate when`, `terminate simulation when`: rows that end something with the label of the first that holds."""
     for each in part.terminations:
         watched, no = each.watched, Label()
-        if not isinstance(watched.tree, nodes.TerminateWhen) or watched.tree.scope != scope:
+        if not isinstance(watched.tree, nodes.TerminateWhen) or watched.tree.scope != extent:
             continue
-        frame = frame_for(c, watched)
+        scope = frame_for(c, watched)
         with c.code.statement():
             if each.flag is not None:
                 c.code.row(Op.JUMP_UNLESS, each.flag, c=no)
-            jump_on(c, frame, watched.tree.condition, no, when=False)
+            jump_on(c, scope, watched.tree.condition, no, when=False)
             end(watched.label)
             c.code.put(no)
 
 
-def ends_of_match(c: Compilation, main: Part) -> None:
+def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
     """`terminate simulation when` of all scenarios that run."""
     done = Label()
 
     def end(label: str) -> None:
-        register_of(c.code, Live(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
+        register_of(c.code, RegisterValue(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
         c.code.row(Op.JUMP, c=done)
 
     for i, part in enumerate(main.family()):
@@ -103,7 +103,7 @@ def ends_of_match(c: Compilation, main: Part) -> None:
 
 
 @contextmanager
-def while_running(c: Compilation, part: Part, number: int) -> Iterator[None]:
+def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterator[None]:
     """Rows written inside are for a scenario while it runs."""
     out = Label()
     if part.parent is not None:
@@ -116,7 +116,7 @@ def while_running(c: Compilation, part: Part, number: int) -> Iterator[None]:
 # ------------------------------------------------------------ records
 
 
-def record(c: Compilation, main: Part, when: str) -> None:
+def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
     """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
     code = c.code
     for i, part in enumerate(main.family() if when != "final" else [main]):
@@ -127,7 +127,7 @@ def record(c: Compilation, main: Part, when: str) -> None:
                         take_record(c, each)
 
 
-def take_record(c: Compilation, each: Kept) -> None:
+def take_record(c: Compilation, each: WatchedItem) -> None:
     code, tree, out = c.code, each.watched.tree, Label()
     if each.flag is not None:
         code.row(Op.JUMP_UNLESS, each.flag, c=out)
@@ -142,17 +142,17 @@ def take_record(c: Compilation, each: Kept) -> None:
 
 def in_registers(c: Compilation, value: Value) -> Value:
     """A value whose random parts all stand in registers, also those of the scene; a list of varying length in full."""
-    if isinstance(value, LiveList):
+    if isinstance(value, RegisterList):
         count = CAPACITY if value.element is not None else 0
         cells = [iter(value.registers[1 + i :: CAPACITY]) for i in range(count)]
         return Listed(value.length, [in_registers(c, loaded(value.element, each)) for each in cells])  # type: ignore[arg-type]
-    if isinstance(value, Choice):
-        return Choice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
-    apart = taken_apart(value)
+    if isinstance(value, RandomChoice):
+        return RandomChoice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
+    apart = flatten(value)
     if apart is not None:
-        return put_together(apart[0], [in_registers(c, each) for each in apart[1]])
-    if isinstance(value, Random) and not isinstance(value, Live):
-        return Live(register_of(c.code, value), value.kind, is_whole(value))
+        return unflatten(apart[0], [in_registers(c, each) for each in apart[1]])
+    if isinstance(value, RandomExpr) and not isinstance(value, RegisterValue):
+        return RegisterValue(register_of(c.code, value), value.kind, is_whole(value))
     return value
 
 
@@ -204,12 +204,12 @@ class Automaton:
 
 def see_step(c: Compilation, each: Temporal) -> None:
     """Rows that let a temporal requirement see the step."""
-    frame = each.frame or frame_for(c, each.watched)
+    scope = each.scope or frame_for(c, each.watched)
     with each.watched.bindings.restored() if each.watched.bindings is not None else nullcontext():
-        progress(c, each, frame)
+        progress(c, each, scope)
 
 
-def progress(c: Compilation, each: Temporal, frame: LiveFrame) -> None:
+def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
     code, automaton, state = c.code, each.automaton, each.state
     c.code.place = each.watched.place
     end = Label()
@@ -224,7 +224,7 @@ def progress(c: Compilation, each: Temporal, frame: LiveFrame) -> None:
             no = Label()
             code.row(Op.ADD, index, index, index)
             with code.statement():
-                jump_on(c, frame, atom, no, when=False)
+                jump_on(c, scope, atom, no, when=False)
             code.row(Op.ADD, index, index, code.constant(1))
             code.put(no)
         code.row(Op.PICK, state, index, Operands(tuple(code.constant(each) for each in following)))
@@ -234,7 +234,7 @@ def progress(c: Compilation, each: Temporal, frame: LiveFrame) -> None:
     refuse(c, each.watched, state, [i for i, each in enumerate(automaton.states) if each == Settled(False)])
 
 
-def unsatisfied(c: Compilation, part: Part) -> None:
+def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
     """At the end of a scenario: what was required and has not come."""
     for each in part.temporal:
         c.code.place = each.watched.place

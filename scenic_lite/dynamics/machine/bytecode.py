@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.errors import Place
+from scenic_lite.errors import SourceSpan
 
 
 class Op(IntEnum):
@@ -169,7 +169,7 @@ class Code(NamedTuple):
 class Listing(NamedTuple):
     """What a person needs to read the code: a place for each row, a name for each register, the program's lines."""
 
-    places: tuple[Place, ...]  # [n]
+    places: tuple[SourceSpan, ...]  # [n]
     names: dict[int, str]  # of registers
     lines: dict[tuple[str, int], str]  # by file and line
     notes: dict[int, str]  # of rows that are faults of the program

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.scope import in_row
-from scenic_lite.core.types import Choice
+from scenic_lite.core.types import RandomChoice
 from scenic_lite.core.world import Commands, Verdict
-from scenic_lite.dynamics.compiler.code import TOLD, Live
+from scenic_lite.dynamics.compiler.code import TOLD, RegisterValue
 from scenic_lite.dynamics.machine.bytecode import (
     FAULT,
     FAULT_ROW,
@@ -28,10 +28,10 @@ from scenic_lite.dynamics.machine.bytecode import (
     disassemble,
 )
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
-from scenic_lite.errors import Place, ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.kernels.rng import streams
 from scenic_lite.scene.program import Program
-from scenic_lite.values.graph import Random, Tape, Value
+from scenic_lite.values.graph import RandomExpr, Tape, Value
 
 
 class Record(NamedTuple):
@@ -50,7 +50,7 @@ class Record(NamedTuple):
 class Listed(NamedTuple):
     """A list in registers whose length varies: of the elements the first ones count."""
 
-    length: Live
+    length: RegisterValue
     elements: list[Value]
 
 
@@ -73,7 +73,7 @@ class Compiled:
     code: Code
     program: Program
     threads: tuple[int, ...]
-    places: tuple[Place, ...]
+    places: tuple[SourceSpan, ...]
     commands: tuple[tuple[Value, ...], ...]
     reasons: tuple[str, ...]
     broken: tuple[str, ...]
@@ -131,19 +131,19 @@ class Compiled:
             message = message.replace(TOLD, f"{registers[self.code.rows[row, 2]]:g}")
         return self.program.error("value", message, self.places[row])
 
-    def rendered(self, number: float, registers: np.ndarray, scene: dict[Random, Value]) -> tuple[Value, ...]:
+    def rendered(self, number: float, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> tuple[Value, ...]:
         """The actions of a command in a match [R] whose scene gives the draws these values."""
         if number == NO_COMMAND:
             return ()
         return tuple(self.plain(each, registers, scene) for each in self.commands[int(number)])
 
-    def plain(self, value: Value, registers: np.ndarray, scene: dict[Random, Value]) -> Value:
+    def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
         """A value with registers as it is in a match [R] whose scene gives the draws these values."""
         names = {number: text for text, number in self.texts.items()}
         return plain(value, registers, dict(scene), names)
 
 
-def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: dict[int, str]) -> Value:
+def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], names: dict[int, str]) -> Value:
     """A value with everything in it that stands in registers."""
     if isinstance(value, Listed):
         count = int(registers[value.length.register])
@@ -166,13 +166,13 @@ def plain(value: Value, registers: np.ndarray, row: dict[Random, Value], names: 
     return found
 
 
-def leaves(value: Value) -> list[Live]:
+def leaves(value: Value) -> list[RegisterValue]:
     """The registers in a value."""
-    if isinstance(value, Live):
+    if isinstance(value, RegisterValue):
         return [value]
-    if isinstance(value, Random):
+    if isinstance(value, RandomExpr):
         return [leaf for each in value.inputs for leaf in leaves(each)]
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
     if isinstance(value, Listed):
         value = [value.length, *value.elements]
@@ -194,7 +194,7 @@ class CompiledController:
         self.registers = compiled.registers(theta)[0]
         self.holder = np.zeros(1, dtype=HOLDER).view(np.recarray)[0]
         self.holder.random = streams([seed])[0]
-        self._scene: dict[Random, Value] = dict(compiled.program.row(theta[0]))
+        self._scene: dict[RandomExpr, Value] = dict(compiled.program.row(theta[0]))
         self.commands = np.full(len(compiled.program.objects), NO_COMMAND)
         self.records: dict[str, Any] = {}  # as of `Reference`
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from scenic_lite.core.types import Instance
-from scenic_lite.dynamics.compiler.code import Live
+from scenic_lite.dynamics.compiler.code import RegisterValue
 from scenic_lite.dynamics.machine.compiled import Compiled, Record
 from scenic_lite.values.geometry import Vector
 
@@ -50,10 +50,10 @@ def values_of(compiled: Compiled, record: Record, registers: np.ndarray, taken: 
 
 
 def is_number(value: object) -> bool:
-    return isinstance(value, bool | int | float) or (isinstance(value, Live) and value.kind != "text")
+    return isinstance(value, bool | int | float) or (isinstance(value, RegisterValue) and value.kind != "text")
 
 
-def numbers(value: float | Live, registers: np.ndarray) -> np.ndarray:
-    if isinstance(value, Live):
+def numbers(value: float | RegisterValue, registers: np.ndarray) -> np.ndarray:
+    if isinstance(value, RegisterValue):
         return registers[:, value.register]
     return np.full(len(registers), float(value))

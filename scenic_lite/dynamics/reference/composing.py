@@ -11,7 +11,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.reference.episode import Rejected
 from scenic_lite.dynamics.reference.threads import End, Guarded, Step, Thread
@@ -26,12 +26,12 @@ class ComposeThread(Thread):
 
     ended = False
 
-    def _frame(self) -> Frame:
+    def _frame(self) -> Scope:
         return scenario_frame(self.call)
 
-    def use(self, frame: Frame) -> None:
+    def use(self, scope: Scope) -> None:
         """The names of a setup that has been executed already."""
-        self.frame = frame
+        self.scope = scope
 
     @property
     def exists(self) -> bool:

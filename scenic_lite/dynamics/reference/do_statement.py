@@ -54,10 +54,10 @@ def do(thread: Thread, node: nodes.Do) -> Iterator[Step]:
 
 def calls_of(thread: Thread, node: nodes.Do) -> Weighted:
     """What is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
-    frame = thread.frame
-    values = [frame.value(each) for each in node.calls]
+    scope = thread.scope
+    values = [scope.value(each) for each in node.calls]
     places: list[ast.expr] = list(node.calls)
-    weights = [1.0] * len(values) if node.weights is None else [frame.value(each) for each in node.weights]
+    weights = [1.0] * len(values) if node.weights is None else [scope.value(each) for each in node.weights]
     if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
         values, weights = list(values[0]), list(values[0].values())
         places *= len(values)
@@ -75,7 +75,7 @@ def called(thread: Thread, value: Value, place: ast.expr, wanted: str) -> Behavi
     found = describe_kind(value)
     if isinstance(value, BehaviorCall):
         found = f"the {value.behavior.kind} {value.behavior.name}"
-    raise thread.frame.error("type", f"`do` needs a {wanted}, not {found}", place, hint)
+    raise thread.scope.error("type", f"`do` needs a {wanted}, not {found}", place, hint)
 
 
 def checked_weights(thread: Thread, weights: list[Value], node: nodes.Do) -> list[float]:
@@ -125,9 +125,9 @@ def condition_of(thread: Thread, node: nodes.Do | nodes.Wait) -> Callable[[], bo
     """When to end; a duration is evaluated now, a condition each time."""
     if node.until is not None:
         condition = node.until
-        return lambda: bool(thread.frame.truth(condition))
+        return lambda: bool(thread.scope.truth(condition))
     assert node.duration is not None
-    duration = thread.frame.value(node.duration)
+    duration = thread.scope.value(node.duration)
     if not is_number(duration):
         raise thread.error("type", f"a duration is a number, not {describe_kind(duration)}", node.duration)
     episode = thread.episode
@@ -140,4 +140,4 @@ def invoke(thread: Thread, calls: list[BehaviorCall], node: nodes.Do) -> Iterato
     try:
         yield from thread.invoked(calls)
     except ScenicError as error:
-        raise thread.frame.placed(error, node) from None
+        raise thread.scope.placed(error, node) from None

@@ -1,9 +1,10 @@
 """One episode: what is true of it now, put where the evaluator looks.
 
-The evaluator knows a program's session and its objects. While the statements of an episode run, `Episode.playing` lends
-them the episode's own state: the values of everything random in this scene (`Session.row`), the live properties of the
-objects, the draws, and what some statements and functions mean at run time. Outside of it the program is as it was
-loaded, so that many episodes of one program can be played in turns. Read next: `dynamics.reference.threads`.
+The evaluator knows a program's session and its objects. While the statements of an episode run, `Episode.playing`
+lends them the episode's own state: the values of everything random in this scene (`InterpreterState.row`), the live
+properties of the objects, the draws, and what some statements and functions mean at run time. Outside of it the
+program is as it was loaded, so that many episodes of one program can be played in turns. Read next:
+`dynamics.reference.threads`.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from scenic_lite.dynamics.reference.episode_rng import Draws
 from scenic_lite.dynamics.reference.program_state import Belongings
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
-from scenic_lite.values.graph import Column, Random, Value
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 
 Handlers = dict[type, Callable[..., Any]]
 FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
@@ -71,7 +72,7 @@ class Episode:
         self.time, self.timestep = 0, world.timestep
         self.active = False  # its statements run: it is being played, and not rejected
         self.objects = list(program.instances)
-        self._scene: dict[Random, Value] = dict(program.row(theta))
+        self._scene: dict[RandomExpr, Value] = dict(program.row(theta))
         self.row = dict(self._scene)
         self.simulation: Namespace | None = None
         self._facts: dict[str, float] = {}
@@ -98,7 +99,8 @@ class Episode:
             "owner": None,
             "handled": [],
             "budget": Patience(session.budget.limits),
-            "builtins": session.builtins | {"simulation": Builtin("simulation", lambda: self.simulation, lifted=False)},
+            "builtins": session.builtins
+            | {"simulation": Builtin("simulation", lambda: self.simulation, over_choices=False)},
         }
 
     def install(self, statements: Handlers, expressions: Handlers, suspending: Handlers) -> None:
@@ -182,7 +184,7 @@ class Episode:
         self._properties[id(instance)] = instance.properties
         self._attributes[id(instance)] = instance.attributes
 
-    def _draw(self, column: Column) -> Column:
+    def _draw(self, column: ThetaColumn) -> ThetaColumn:
         """Give a draw its value at once."""
         self.row[column] = column.offset + column.span * self.draws.uniform()
         return column
@@ -198,7 +200,7 @@ def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
             old.names[name] = value
 
 
-def settled(value: Value, row: dict[Random, Value]) -> Value:
+def settled(value: Value, row: dict[RandomExpr, Value]) -> Value:
     """A value with everything random in it as it is in one sample; what is not random stays the same container."""
     value = in_row(value, row)
     if isinstance(value, list | tuple):

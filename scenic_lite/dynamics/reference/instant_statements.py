@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.bindings import Bindings
-from scenic_lite.core.scope import Frame, Watched
+from scenic_lite.core.scope import Scope, Watched
 from scenic_lite.core.types import Behavior, BehaviorCall, Instance, describe_kind
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
@@ -21,79 +21,79 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
 
 
-def statements_of(episode: Episode) -> dict[type, Callable[[Frame, Any], None]]:
+def statements_of(episode: Episode) -> dict[type, Callable[[Scope, Any], None]]:
     """The handlers for one episode."""
     return {
-        nodes.Require: lambda frame, node: require(episode, frame, node),
-        nodes.RequireMonitor: lambda frame, node: require_monitor(episode, frame, node),
-        nodes.Override: lambda frame, node: override(episode, frame, node),
+        nodes.Require: lambda scope, node: require(episode, scope, node),
+        nodes.RequireMonitor: lambda scope, node: require_monitor(episode, scope, node),
+        nodes.Override: lambda scope, node: override(episode, scope, node),
     }
 
 
-def require(episode: Episode, frame: Frame, node: nodes.Require) -> None:
+def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
     """`require[p] c` holds now, or the episode is rejected; a temporal one is watched by the scenario from now on."""
-    label = node.name or source_text(frame, node)
+    label = node.name or source_text(scope, node)
     if is_temporal(node.condition):
-        watched = Watched(node, frame.place(node), frame, label, Bindings(frame))
+        watched = Watched(node, scope.place(node), scope, label, Bindings(scope))
         if episode.scenario.running:
             episode.scenario.add_temporal(watched)
         else:
-            frame.session.temporal.append(watched)
+            scope.session.temporal.append(watched)
         return
-    probability = 1.0 if node.probability is None else frame.value(node.probability)
+    probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
-        raise frame.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     if probability < 1 and episode.draws.uniform() > probability:
         return
-    if not frame.truth(node.condition):
+    if not scope.truth(node.condition):
         raise Rejected(label)
 
 
-def require_monitor(episode: Episode, frame: Frame, node: nodes.RequireMonitor) -> None:
+def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) -> None:
     """Start a monitor with the scenario, or at once if that is running."""
-    value = frame.value(node.call)
+    value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise frame.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
     if episode.scenario.running:
         episode.scenario.add_monitor(value)
     else:
-        frame.session.monitors.append(value)
+        scope.session.monitors.append(value)
 
 
-def override(episode: Episode, frame: Frame, node: nodes.Override) -> None:
+def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
     """`override object with p v, ...`, until the scenario ends."""
-    target = frame.value(node.target)
+    target = scope.value(node.target)
     if not is_object(target):
-        raise frame.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}
     for each in node.specifiers:
-        name, value = overriding(frame, target, each)
+        name, value = overriding(scope, target, each)
         if name in episode.live_names(target):
-            raise frame.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
+            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:
-            raise frame.error("specifier", f"{target.title()} has no property '{name}' to override", each)
-        values[name] = checked(name, value, frame.session.dialect)
+            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
+        values[name] = checked(name, value, scope.session.dialect)
     episode.scenario.override(target, values)
 
 
-def overriding(frame: Frame, target: Instance, node: nodes.Specifier) -> tuple[str, Value]:
+def overriding(scope: Scope, target: Instance, node: nodes.Specifier) -> tuple[str, Value]:
     """The property that a specifier sets, and its value."""
     if node.name != "with":
         return ("heading" if "facing" in node.name else "position"), None
     name, expression = node.arguments
     assert name is not None and expression is not None
-    value = frame.value(expression)
+    value = scope.value(expression)
     if isinstance(value, Behavior):
-        value = BehaviorCall(value, {}, frame.place(expression))
+        value = BehaviorCall(value, {}, scope.place(expression))
     return str(name.value), value  # type: ignore[attr-defined]
 
 
-def making_objects(episode: Episode, new: Callable[[Frame, nodes.New], Value]) -> Callable[[Frame, nodes.New], Value]:
+def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -> Callable[[Scope, nodes.New], Value]:
     """`new`, but only in the setup of a scenario."""
 
-    def make(frame: Frame, node: nodes.New) -> Value:
+    def make(scope: Scope, node: nodes.New) -> Value:
         before = len(episode.objects)
-        made = new(frame, node)
+        made = new(scope, node)
         if episode.scenario.running and len(episode.objects) > before:
             del episode.objects[before:]
             hint = "make it before, or in the setup of a scenario"

@@ -52,14 +52,14 @@ def handler_of(thread: Thread, node: nodes.Interrupt) -> Handler:
 
 def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
     try:
-        value = thread.frame.value(node.condition)
+        value = thread.scope.value(node.condition)
     except ScenicError as error:
         if thread.call.behavior.kind == "scenario" and is_unset(error):
             return False
         raise
     if isinstance(value, BehaviorCall):
-        raise thread.frame.error("type", "a behavior cannot be called in a condition", node.condition)
-    return thread.frame.certain_truth(value, node.condition)
+        raise thread.scope.error("type", "a behavior cannot be called in a condition", node.condition)
+    return thread.scope.certain_truth(value, node.condition)
 
 
 def is_unset(error: ScenicError) -> bool:

@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.per_sample import body_of
-from scenic_lite.core.types import Behavior, BehaviorCall, Choice, Function, Instance, Namespace
+from scenic_lite.core.types import Behavior, BehaviorCall, Function, Instance, Namespace, RandomChoice
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
@@ -49,7 +49,7 @@ def fill(container: Any, contents: Any) -> None:
 
 def variables(program: Program) -> list[dict[str, Value]]:
     """The names that an episode may assign: those of the main scenario, and of modules by `global`."""
-    modules = {id(each.frame.module_names): each.frame.module_names for each in program.behaviors.values()}
+    modules = {id(each.scope.module_names): each.scope.module_names for each in program.behaviors.values()}
     found = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
     return found if program.main_frame is None else [*found, program.main_frame.locals]
 
@@ -91,6 +91,6 @@ def parts_of(value: Value) -> list[Value]:
         return [*value.properties.values(), *value.attributes.values()]
     if isinstance(value, BehaviorCall):
         return list(value.arguments.values())
-    if isinstance(value, Choice):
+    if isinstance(value, RandomChoice):
         return list(value.options)
     return list(value.names.values()) if isinstance(value, Namespace) else []

@@ -28,7 +28,7 @@ from scenic_lite.dynamics.reference.agents import Agents
 from scenic_lite.dynamics.reference.composing import ComposeThread
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.threads import End, Thread
-from scenic_lite.language.temporal import Truth, Watch, formula_of
+from scenic_lite.language.temporal import Check, Truth, formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
 
@@ -46,7 +46,7 @@ class Scenario:
         self.subs: list[Scenario] = []
         self.running = False
         self._monitors: list[Thread] = []
-        self._temporal: list[tuple[Watched, Watch]] = []
+        self._temporal: list[tuple[Watched, Check]] = []
         self._overridden: dict[tuple[Instance, str], Value] = {}
         self._elapsed = 0
         self._limit: float | None = None
@@ -72,7 +72,7 @@ class Scenario:
         try:
             with self.current():
                 self.compose.check_guards()
-                self.compose.frame.run(self.compose.call.behavior.scenario.setup)
+                self.compose.scope.run(self.compose.call.behavior.scenario.setup)
         finally:
             vars(session).update(outside)
         self.objects = session.objects[before:]
@@ -121,17 +121,17 @@ class Scenario:
 
     def add_temporal(self, watched: Watched) -> None:
         """Watch a temporal requirement from the next step on."""
-        self._temporal.append((watched, Watch(formula_of(watched.tree.condition))))
+        self._temporal.append((watched, Check(formula_of(watched.tree.condition))))
 
     def _time_limit(self) -> float | None:
         limit = None
         for watched in self.kept["terminations"]:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
-                duration = watched.frame.value(tree.duration)
+                duration = watched.scope.value(tree.duration)
                 if not is_number(duration):
                     message = f"a duration is a number, not {describe_kind(duration)}"
-                    raise watched.frame.error("type", message, tree.duration)
+                    raise watched.scope.error("type", message, tree.duration)
                 limit = duration if tree.unit == "steps" else duration / self.episode.timestep
         return limit
 
@@ -166,7 +166,7 @@ class Scenario:
     def _step(self) -> str | End | None:
         for watched, watch in self._temporal:
             with watched.bindings.restored():
-                known = watch.step(watched.frame.truth)
+                known = watch.step(watched.scope.truth)
             if known is Truth.FALSE:
                 raise Rejected(watched.label)
         if self._limit is not None and self._elapsed >= self._limit:
@@ -179,13 +179,13 @@ class Scenario:
             if self.compose.ended:
                 return self.stop("finished compose block")
         for watched in self._conditions("scenario"):
-            if watched.frame.truth(watched.tree.condition):
+            if watched.scope.truth(watched.tree.condition):
                 return self.stop(watched.label)
         return None
 
-    def _conditions(self, scope: str) -> list[Watched]:
+    def _conditions(self, extent: str) -> list[Watched]:
         kept = self.kept["terminations"]
-        return [each for each in kept if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == scope]
+        return [each for each in kept if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == extent]
 
     def run_monitors(self) -> End | None:
         """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
@@ -212,7 +212,7 @@ class Scenario:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             for watched in self._conditions("simulation"):
-                if watched.frame.truth(watched.tree.condition):
+                if watched.scope.truth(watched.tree.condition):
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
@@ -248,7 +248,7 @@ class Scenario:
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
-                    yield watched.label, settled(watched.frame.value(watched.tree.value), self.episode.row)
+                    yield watched.label, settled(watched.scope.value(watched.tree.value), self.episode.row)
         for sub in self._running():
             yield from sub.records(when)
 

@@ -26,30 +26,30 @@ from scenic_lite.syntax import nodes
 
 
 def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
-    return thread.block(node.body if thread.frame.truth(node.test) else node.orelse)
+    return thread.block(node.body if thread.scope.truth(node.test) else node.orelse)
 
 
 def choose(thread: Thread, node: ast.Match) -> Iterator[Step]:
-    return thread.block(chosen_case(thread.frame, node))
+    return thread.block(chosen_case(thread.scope, node))
 
 
 def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
     """`for`: over the elements that there are when the loop begins."""
-    frame = thread.frame
-    items = frame.value(node.iter)
-    for element in frame.elements(items, node.iter):
-        unpack(frame, node.target, element)
+    scope = thread.scope
+    items = scope.value(node.iter)
+    for element in scope.elements(items, node.iter):
+        unpack(scope, node.target, element)
         if not (yield from one_round(thread, node.body)):
             return
-        went_round(frame, items)
+        went_round(scope, items)
     yield from thread.block(node.orelse)
 
 
 def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
-    while thread.frame.truth(node.test):
+    while thread.scope.truth(node.test):
         if not (yield from one_round(thread, node.body)):
             return
-        thread.frame.session.budget.round()
+        thread.scope.session.budget.round()
     yield from thread.block(node.orelse)
 
 
@@ -88,16 +88,16 @@ def guarded(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[S
 
 def excepting(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator[Step]) -> Iterator[Step]:
     """The body with the `except` and `else` blocks of its statement."""
-    frame = thread.frame
+    scope = thread.scope
     try:
         yield from body
     except ScenicError as error:
         fault = fault_of(error)
-        handler = None if fault is None else handler_for(frame, node, fault)
+        handler = None if fault is None else handler_for(scope, node, fault)
         if fault is None or handler is None:
             raise
         if handler.name is not None:
-            frame.assign(handler.name, fault)
+            scope.assign(handler.name, fault)
         rest = handling(thread, error, thread.block(handler.body))
     else:
         rest = thread.block(node.orelse)
@@ -106,7 +106,7 @@ def excepting(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator
 
 def handling(thread: Thread, error: ScenicError, block: Iterator[Step]) -> Iterator[Step]:
     """The block of an `except`, in which `raise` alone raises the error again."""
-    handled = thread.frame.session.handled
+    handled = thread.scope.session.handled
     while True:
         handled.append(error)
         try:
@@ -121,7 +121,7 @@ def handling(thread: Thread, error: ScenicError, block: Iterator[Step]) -> Itera
 def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
     """`take a, b`; a single tuple or list stands for its elements."""
     row = thread.episode.row
-    actions = [settled(thread.frame.value(each), row) for each in node.actions]
+    actions = [settled(thread.scope.value(each), row) for each in node.actions]
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     assert thread.agent is not None, "the checker lets only behaviors take actions"
@@ -131,8 +131,8 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
 
 def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
     """`terminate`, which in Scenic 2 always means the simulation."""
-    scope = "simulation" if thread.episode.program.dialect == 2 else node.scope
-    yield End(scope, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
+    extent = "simulation" if thread.episode.program.dialect == 2 else node.scope
+    yield End(extent, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
     thread.check_invariants()
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from scenic_lite.core.scope import Frame
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
@@ -53,15 +53,15 @@ class Thread:
     def __init__(self, episode: Episode, call: BehaviorCall, agent: Instance | None, scenario: Scenario) -> None:
         self.episode, self.call, self.agent, self.scenario = episode, call, agent, scenario
         self.depth = 0
-        self.frame = self._frame()
+        self.scope = self._frame()
         self._steps: Iterator[Step] | None = None
 
-    def _frame(self) -> Frame:
+    def _frame(self) -> Scope:
         """The names of the body: the arguments, `self`, and its variables, which hide those outside from the start."""
         behavior = self.call.behavior
-        frame = behavior.frame.inner({**self.call.arguments, "self": self.agent})
-        frame.assigned = behavior.assigned
-        return frame
+        scope = behavior.scope.inner({**self.call.arguments, "self": self.agent})
+        scope.assigned = behavior.assigned
+        return scope
 
     def start(self) -> None:
         """Check the guards, and stand before the first statement. Raises Rejected."""
@@ -88,11 +88,11 @@ class Thread:
             handler = self.episode.suspending.get(type(node)) if lets_time_pass(node) else None
             try:
                 if handler is None:
-                    self.frame.run([node])
+                    self.scope.run([node])
                 else:
                     yield from handler(self, node)
             except ScenicError as error:
-                raise self.frame.placed(error, node) from None
+                raise self.scope.placed(error, node) from None
 
     # ------------------------------------------------------------ guards
 
@@ -114,7 +114,7 @@ class Thread:
     def _holds(self, condition: ast.expr) -> bool:
         """Whether a guard holds; one that has nothing to draw from does not."""
         try:
-            return self.frame.truth(condition)
+            return self.scope.truth(condition)
         except ScenicError as error:
             if error.kind == "rejection":
                 return False
@@ -140,7 +140,7 @@ class Thread:
         yield from thread.run()
 
     def error(self, kind: str, message: str, node: ast.AST) -> ScenicError:
-        return self.frame.error(kind, message, node)
+        return self.scope.error(kind, message, node)
 
 
 @lru_cache(maxsize=4096)

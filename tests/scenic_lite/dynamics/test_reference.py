@@ -279,7 +279,7 @@ def test_the_program_is_as_it_was_loaded_outside_of_episodes():
     run(first_table(program, np.zeros(0)), Reference(program, np.zeros(0), toy_world()), 4, 1.0)
     assert vars(session) == before
     assert (ego.properties["position"].y, ego.attributes) == (3, {})
-    assert program.behaviors["Count"].frame.lookup("count") == 0
+    assert program.behaviors["Count"].scope.lookup("count") == 0
 
 
 # ------------------------------------------------------------ faults

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
-from scenic_lite.language.temporal import Truth, Watch, formula_of
+from scenic_lite.language.temporal import Check, Truth, formula_of
 from scenic_lite.syntax.parser import parse
 
 FORMULAS = {
@@ -50,7 +50,7 @@ def holds(expression, p, q):
 
 @pytest.mark.parametrize(("text", "known"), FORMULAS.items())
 def test_what_is_known_after_each_step(text, known):
-    watch = Watch(formula_of(condition(text)))
+    watch = Check(formula_of(condition(text)))
     found = "".join(LETTERS[watch.step(lambda part, p=p, q=q: holds(part, p, q))] for p, q in STEPS)
     assert found == known
     assert watch.holds == (known[-1] in "tT")
@@ -58,7 +58,7 @@ def test_what_is_known_after_each_step(text, known):
 
 def test_every_operand_is_evaluated_at_most_once_in_a_step():
     seen = []
-    watch = Watch(formula_of(condition("always (p until q)")))
+    watch = Check(formula_of(condition("always (p until q)")))
     for _ in range(3):
         watch.step(lambda part: seen.append(part.id) or True)
     assert sorted(seen) == ["p"] * 3 + ["q"] * 3
