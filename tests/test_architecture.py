@@ -1,4 +1,7 @@
-"""The rules of the house: who may import whom, what loads lazily, how long a file may be."""
+"""The rules of the house: who may import whom, what loads lazily, how long a file may be.
+
+Read next: `tests/floors.py`, the rooms in their order.
+"""
 
 import ast
 import subprocess
@@ -8,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from experiments.__main__ import COMMANDS
+from tests.floors import FLOORS, imported, leads_somewhere, long_functions, modules, pointers, ringed, upward
 
 ROOT = Path(__file__).parent.parent
 OURS = ("scenic_lite", "ued", "envs", "minigames", "experiments")
@@ -29,19 +33,102 @@ EXCEPTIONS = {
     "ued/recorder/scenes.py": {"ued", "numpy", "rerun"},
 }
 
+# What is not yet as it should be. A line goes when its cause goes: the tests fail for lines without a cause, too.
+KNOWN_UPWARD: set[str] = {
+    "envs.football.ai.attack -> envs.football.control.keys",
+    "envs.football.ai.defence -> envs.football.control.keys",
+    "envs.football.ai.keeper -> envs.football.control.keys",
+    "envs.football.gym_env -> envs.football.view.picture",
+    "envs.football.observation.observer -> envs.football.scenic.lineup",
+    "envs.football.physics.frames -> envs.football.rules.offside",
+    "envs.football.physics.frames -> envs.football.rules.whistle",
+    "envs.football.physics.hands -> envs.football.rules.offside",
+    "envs.football.physics.kicks -> envs.football.rules.offside",
+    "envs.football.physics.tackles -> envs.football.rules.fouls",
+    "envs.football.physics.touch -> envs.football.rules.offside",
+    "envs.football.rules.placing -> envs.football.ai.formation",
+    "envs.football.rules.restarts -> envs.football.control.keys",
+    "envs.football.scenic.behaviors -> envs.football.batch",
+    "envs.football.scenic.step -> envs.football.simulator",
+    "envs.football.state -> envs.football.ai.formation",
+    "envs.football.state -> envs.football.control.control_modes",
+    "experiments.pictures.results_page -> experiments.__main__",
+    "scenic_lite.core.per_sample -> scenic_lite.scene.scenes",
+    "scenic_lite.dynamics.compiler.compilation -> scenic_lite.dynamics.reference.threads",
+    "scenic_lite.dynamics.compiler.setups -> scenic_lite.dynamics.reference.instant_statements",
+    "scenic_lite.dynamics.compiler.statements -> scenic_lite.dynamics.reference.threads",
+    "scenic_lite.dynamics.machine.compiled -> scenic_lite.dynamics.compiler.code",
+    "scenic_lite.dynamics.machine.record -> scenic_lite.dynamics.compiler.code",
+    "scenic_lite.evaluation.assignments -> scenic_lite.scene.scenes",
+    "scenic_lite.language.field_rows -> scenic_lite.scene.scenes",
+    "scenic_lite.scene.program -> scenic_lite.inverse.levels",
+    "scenic_lite.scene.program -> scenic_lite.inverse.refusals",
+    "scenic_lite.scene.program -> scenic_lite.inverse.wishes",
+    "scenic_lite.values.algebra -> scenic_lite.language.fields",
+    "ued.levels.adversary -> ued.learning.networks",
+    "ued.levels.teacher -> ued.methods",
+    "ued.training -> ued.methods",
+}
+KNOWN_RINGED: set[str] = {
+    "scenic_lite.core.domain",
+    "scenic_lite.core.paths",
+    "scenic_lite.core.scope",
+    "scenic_lite.core.types",
+    "scenic_lite.core.world",
+    "scenic_lite.dynamics.compiler.attributes",
+    "scenic_lite.dynamics.compiler.behaviors",
+    "scenic_lite.dynamics.compiler.changing",
+    "scenic_lite.dynamics.compiler.choices",
+    "scenic_lite.dynamics.compiler.compilation",
+    "scenic_lite.dynamics.compiler.composing",
+    "scenic_lite.dynamics.compiler.comprehensions",
+    "scenic_lite.dynamics.compiler.conditions",
+    "scenic_lite.dynamics.compiler.functions",
+    "scenic_lite.dynamics.compiler.interrupts",
+    "scenic_lite.dynamics.compiler.lists",
+    "scenic_lite.dynamics.compiler.setups",
+    "scenic_lite.dynamics.compiler.watchers",
+    "scenic_lite.dynamics.reference.agents",
+    "scenic_lite.dynamics.reference.composing",
+    "scenic_lite.dynamics.reference.scenarios",
+    "scenic_lite.dynamics.reference.threads",
+    "scenic_lite.inverse.levels",
+    "scenic_lite.inverse.refusals",
+    "scenic_lite.scene.free_variables",
+    "scenic_lite.scene.program",
+    "scenic_lite.values.regions",
+    "scenic_lite.values.shapes",
+}
+KNOWN_LOST_POINTERS: set[str] = {
+    "scenic_lite/core/types.py: value.name",
+    "scenic_lite/dynamics/compiler/lists.py: compiler_functions",
+    "scenic_lite/syntax/blocks.py: parser_scenic",
+    "scenic_lite/syntax/calls.py: parser_expressions",
+    "scenic_lite/syntax/cursor.py: parser_expressions",
+    "scenic_lite/syntax/displays.py: parser_calls",
+    "scenic_lite/syntax/expressions.py: parser_statements",
+    "scenic_lite/syntax/lexer.py: parser_cursor",
+    "scenic_lite/syntax/literals.py: parser_strings",
+    "scenic_lite/syntax/operators.py: parser_expressions",
+    "scenic_lite/syntax/patterns.py: parser_blocks",
+    "scenic_lite/syntax/specifiers.py: parser_expressions",
+    "scenic_lite/syntax/statements.py: parser_blocks",
+    "scenic_lite/syntax/strings.py: parser_specifiers",
+}
+KNOWN_LONG_FILES: set[str] = {
+    "scenic_lite/core/scope.py",
+    "scenic_lite/dynamics/compiler/statements.py",
+}
+
+# Functions that may be longer than forty lines: tables, recipes that name their stages, the machine's dispatch.
+LONG_FUNCTIONS = {
+    "scenic_lite/dynamics/machine/vm.py: run_thread",  # the machine's dispatch, flat for the branch predictor
+    "scenic_lite/dynamics/machine/vm.py: computed",  # its operations on numbers, one row each
+}
+
 
 def sources(package):
     return sorted((ROOT / package).rglob("*.py"))
-
-
-def imported(path):
-    """Every module that a file imports, wherever in the file."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path} has a relative import; write the package's name"
-            yield node.module
 
 
 def within(module, allowed):
@@ -52,8 +139,8 @@ def within(module, allowed):
 def test_packages_import_only_what_the_design_allows(package):
     for path in sources(package):
         allowed = EXCEPTIONS.get(path.relative_to(ROOT).as_posix(), MAY_IMPORT[package])
-        for module in imported(path):
-            assert module.split(".")[0] in STANDARD or within(module, allowed), f"{path} imports {module}"
+        for name in imported(path):
+            assert name.split(".")[0] in STANDARD or within(name, allowed), f"{path} imports {name}"
 
 
 def test_only_the_recorder_imports_rerun():
@@ -93,10 +180,51 @@ sys.exit(", ".join({{"gymnasium", "matplotlib", "numba", "rerun", "torch"}} & sy
     assert done.stdout.startswith(f"usage: regista {command}")
 
 
-@pytest.mark.parametrize("package", OURS)
-def test_no_file_is_longer_than_five_hundred_lines(package):
-    for path in sources(package):
-        assert len(path.read_text().splitlines()) <= 500, path
+def test_no_import_runs_up():
+    assert {arrow for package in FLOORS for arrow in upward(package)} == KNOWN_UPWARD
+
+
+def test_no_imports_run_in_a_ring():
+    assert {module for package in FLOORS for module in ringed(package)} == KNOWN_RINGED
+
+
+@pytest.mark.parametrize("package", FLOORS)
+def test_every_room_is_there(package):
+    folder = ROOT / package.replace(".", "/")
+    for room in FLOORS[package]:
+        place = folder / room.replace(".", "/")
+        assert place.is_dir() or place.with_suffix(".py").is_file(), f"no {room} in {package}"
+
+
+def test_every_file_sends_its_reader_to_one_that_exists():
+    lost = {
+        f"{path.relative_to(ROOT)}: {pointer}"
+        for package in OURS
+        for path in sources(package)
+        for pointer in pointers(path)
+        if not leads_somewhere(pointer, path)
+    }
+    assert lost == KNOWN_LOST_POINTERS
+
+
+def test_files_are_short():
+    every = [path for package in OURS for path in sources(package)]
+    long = {str(path.relative_to(ROOT)) for path in every if len(path.read_text().splitlines()) > 450}
+    assert long == KNOWN_LONG_FILES
+
+
+def test_functions_are_short():
+    every = [path for package in OURS for path in sources(package)]
+    assert {
+        f"{path.relative_to(ROOT)}: {name}" for path in every for name in long_functions(path, 40)
+    } == LONG_FUNCTIONS
+
+
+@pytest.mark.xfail(strict=True, reason="the language is still being made compact")
+def test_the_language_stays_compact():
+    files = modules("scenic_lite").values()
+    lines = sum(len(path.read_text().splitlines()) for path in files)
+    assert lines <= 19_000 and len(files) <= 95, f"{lines} lines in {len(files)} files"
 
 
 def test_there_is_exactly_one_parallel_loop():

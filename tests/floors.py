@@ -1,0 +1,161 @@
+"""The floors of the house: the rooms of every package from the ground up, and what its files import.
+
+A file may import from its own room and from the rooms below it. Read next: `tests/test_architecture.py`.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+# A room is a folder or a single file. A package's `__init__` is its roof: nothing inside the package imports it.
+FLOORS = {
+    "scenic_lite": (
+        "errors",
+        "kernels",  # what the language and the simulator compile with
+        "syntax",  # text -> checked tree
+        "values",  # random expressions, operations, the plane
+        "core",  # scopes, types, budget: what every chapter stands on
+        "language",  # chapters of the manual
+        "evaluation",  # the tree, walked once
+        "scene",  # theta -> scenes
+        "inverse",
+        "space",
+        "loader",
+        "dynamics.machine",  # what runs in the kernel
+        "dynamics.compiler",  # behaviors -> its code
+        "dynamics.reference",  # what behaviors mean
+        "dynamics.toy",
+        "dynamics",
+    ),
+    "envs.football": (
+        "constants",
+        "config",
+        "state",
+        "physics",
+        "rules",
+        "ai",
+        "control",
+        "observation",
+        "scenic",
+        "simulator",
+        "batch",
+        "vector_env",
+        "gym_env",
+        "view",
+    ),
+    "ued": (
+        "seeding",
+        "config",
+        "statistics",
+        "checkpoint",
+        "upomdp",  # the seam
+        "gym_upomdp",
+        "mixture",
+        "probes",
+        "curriculum",
+        "levels",
+        "learning",
+        "evaluation",
+        "training",
+        "methods",  # the papers
+        "curriculum_wrapper",
+        "recorder",
+    ),
+    "experiments": (
+        "run",
+        "pictures",
+        "benchmarks",
+        "grf",
+        "commands",
+        "__main__",
+    ),
+}
+
+
+def modules(package: str) -> dict[str, Path]:
+    """Return the files of a package by module name; a folder's `__init__` has the folder's name."""
+    files = {}
+    for path in sorted((ROOT / package.replace(".", "/")).rglob("*.py")):
+        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+        files[name.removesuffix(".__init__")] = path
+    return files
+
+
+def imported(path: Path) -> Iterator[str]:
+    """Yield what a file imports anywhere: at the top, in functions, for types alone; `from a import b` is `a.b`."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} has a relative import; write the package's name"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def arrows(package: str) -> dict[str, set[str]]:
+    """Return for each module of a package the modules of the package that it imports."""
+    known = modules(package)
+    graph: dict[str, set[str]] = {}
+    for name, path in known.items():
+        targets = {full if full in known else full.rpartition(".")[0] for full in imported(path)}
+        graph[name] = (targets & known.keys()) - {name}
+    return graph
+
+
+def floor(package: str, module: str) -> int:
+    """Return on which floor a module is, 0 at the ground."""
+    if module == package:
+        return len(FLOORS[package])
+    inside = module.removeprefix(package + ".")
+    rooms = [room for room in FLOORS[package] if inside == room or inside.startswith(room + ".")]
+    assert rooms, f"{module} is in no room of tests/floors.py"
+    return FLOORS[package].index(max(rooms, key=len))
+
+
+def upward(package: str) -> set[str]:
+    """Return the imports of a package that lead to a higher floor, as "here -> there"."""
+    return {
+        f"{module} -> {target}"
+        for module, targets in arrows(package).items()
+        for target in targets
+        if floor(package, target) > floor(package, module)
+    }
+
+
+def ringed(package: str) -> set[str]:
+    """Return the modules of a package from which imports lead back to themselves."""
+    graph = arrows(package)
+
+    def reachable(start: str) -> set[str]:
+        reached, ahead = set(), [start]
+        while ahead:
+            new = graph[ahead.pop()] - reached
+            reached |= new
+            ahead += new
+        return reached
+
+    return {module for module in graph if module in reachable(module)}
+
+
+def pointers(path: Path) -> list[str]:
+    """Return the modules and files to which a file's docstring sends its reader next."""
+    text = ast.get_docstring(ast.parse(path.read_text())) or ""
+    marked = re.findall(r"`(\w[\w./]+)`", text.partition("Read next:")[2])
+    return [name for at, name in enumerate(marked) if at == 0 or "." in name]
+
+
+def leads_somewhere(pointer: str, path: Path) -> bool:
+    """Return whether a pointer names a module or a file, in full or seen from a package that `path` is in."""
+    inside = pointer if "/" in pointer else pointer.replace(".", "/")
+    packages = [ROOT, *(folder for folder in path.parents if folder.is_relative_to(ROOT))]
+    places = [folder / inside for folder in packages]
+    return any(place.exists() or place.with_suffix(".py").exists() for place in places)
+
+
+def long_functions(path: Path, most: int) -> Iterator[str]:
+    """Yield the functions of a file that have more lines than `most`."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.end_lineno - node.lineno >= most:
+            yield node.name
