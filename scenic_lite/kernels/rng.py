@@ -3,7 +3,7 @@
 The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003): shifts and exclusive ors
 only, so that it runs uncompiled without a warning about overflow. Streams start from SplitMix64 hashes of
 the seeds (Steele, Lea and Flood, OOPSLA 2014). Football's matches and the machine that runs behaviors
-(`dynamics.vm`) draw from it.
+(`dynamics.machine.vm`) draw from it.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ def streams(seeds: npt.ArrayLike) -> np.ndarray:
 
 
 @kernel
-def uniform(holder):
-    """Draw from [0, 1) and move the holder's stream on by one."""
-    state = holder.random
+def uniform(rng):
+    """Draw from [0, 1) and move the stream of `rng`, a record, on by one."""
+    state = rng.random
     state ^= state << _A
     state ^= state >> _B
     state ^= state << _C
-    holder.random = state
+    rng.random = state
     return float(state >> _TO_53_BITS) * _UNIT
 
 
 @kernel
-def normal(holder):
+def normal(rng):
     """Draw from the standard normal distribution by Box and Muller's method: two uniform draws."""
-    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(holder)))
-    return radius * math.cos(_TWO_PI * uniform(holder))
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(rng)))
+    return radius * math.cos(_TWO_PI * uniform(rng))

@@ -16,13 +16,15 @@ from scenic_lite.core.types import Behavior, BehaviorCall, RandomChoice, describ
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.attributes import remember
 from scenic_lite.dynamics.compiler.choices import over_options
-from scenic_lite.dynamics.compiler.code import TOLD, Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
 from scenic_lite.dynamics.compiler.registers import kept
-from scenic_lite.dynamics.machine.bytecode import COMPLETE, Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.requirements import source_text
 from scenic_lite.language.temporal import is_temporal
@@ -41,7 +43,7 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
     actions = [checked(c, each, node) for each in actions]
     remember(c, tuple(actions))
     on = Label()
-    c.code.row(Op.TAKE, command(c, actions, node), c.slot, on)
+    c.code.row(op.TAKE, command(c, actions, node), c.slot, on)
     c.code.reachable = False
     c.code.put(on)
     check_invariants(c, scope)
@@ -55,8 +57,8 @@ def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
     action = c.world.command(action, c.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
-        c.code.row(Op.IS_INDEX, known, register, c.code.constant(c.world.actions))
-        c.code.fault_unless(known, c.world.no_action(TOLD), register)
+        c.code.row(op.IS_INDEX, known, register, c.code.constant(c.world.actions))
+        c.code.fault_unless(known, c.world.no_action(MESSAGE_SLOT), register)
     return action
 
 
@@ -93,10 +95,10 @@ def idle(c: Compilation) -> None:
 def suspend(c: Compilation, on: Label) -> None:
     """Let time pass and go on at a label. A compose block lets the step of its scenario go on."""
     if c.part is not None and c.composing:
-        c.code.row(Op.SET_SLOT, c.slot, c=on)
-        c.code.row(Op.JUMP, c=c.part.after)
+        c.code.row(op.SET_SLOT, c.slot, c=on)
+        c.code.row(op.JUMP, c=c.part.after)
     else:
-        c.code.row(Op.WAIT, 0, c.slot, on)
+        c.code.row(op.WAIT, 0, c.slot, on)
     c.code.reachable = False
 
 
@@ -109,12 +111,12 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
     if part is not None and c.composing:
         if whole or part.parent is None:
             register_of(code, RegisterValue(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
-        code.row(Op.JUMP, c=part.kill if whole else part.over)
+        code.row(op.JUMP, c=part.kill if whole else part.over)
         return
     if c.agent is not None or whole or part is None:
         who = "Behavior" if c.agent is not None else "Monitor"
         on = Label()
-        code.row(Op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.slot, on)
+        code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.slot, on)
         code.reachable = False
         code.put(on)
     else:  # when all monitors have run
@@ -136,8 +138,8 @@ def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
         raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     if probability < 1:
         mark = c.code.temporaries.take()
-        c.code.row(Op.DRAW, mark, c.code.constant(0), c.code.constant(1))
-        c.code.row(Op.JUMP_LESS, c.code.constant(probability), mark, fine)
+        c.code.row(op.DRAW, mark, c.code.constant(0), c.code.constant(1))
+        c.code.row(op.JUMP_LESS, c.code.constant(probability), mark, fine)
     jump_on(c, scope, node.condition, fine, when=True)
     c.reject(node.name or source_text(scope, node))
     c.code.put(fine)
@@ -225,10 +227,10 @@ def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     index = register_of(c.code, call.index)
     for i, option in enumerate(call.options):
         following = Label()
-        c.code.row(Op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
+        c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
         with c.round(node, i):
             run_behavior(c, option, node)
-        c.code.row(Op.JUMP, c=end)
+        c.code.row(op.JUMP, c=end)
         c.code.put(following)
     c.code.put(end)
 
@@ -279,8 +281,8 @@ def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) 
 
     def over(end: Label) -> None:
         passed = code.temporaries.take()
-        code.row(Op.SUBTRACT, passed, time.register, start)
-        code.row(Op.JUMP_LESS_EQUAL, start + 1, passed, end)
+        code.row(op.SUBTRACT, passed, time.register, start)
+        code.row(op.JUMP_LESS_EQUAL, start + 1, passed, end)
 
     return over
 
@@ -297,17 +299,17 @@ def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> Callable[
     for i, way in enumerate(ways):
         c.code.put(way)
         register_of(c.code, i, which)
-        c.code.row(Op.JUMP, c=chosen)
+        c.code.row(op.JUMP, c=chosen)
     c.code.put(chosen)
 
     def run() -> None:
         end = Label()
         for i, (call, _) in enumerate(calls):
             following = Label()
-            c.code.row(Op.JUMP_NOT_EQUAL, which, c.code.constant(i), following)
+            c.code.row(op.JUMP_NOT_EQUAL, which, c.code.constant(i), following)
             with c.round(node, i):
                 run_called(c, [call], node)
-            c.code.row(Op.JUMP, c=end)
+            c.code.row(op.JUMP, c=end)
             c.code.put(following)
         c.code.put(end)
 
@@ -325,13 +327,13 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
     code.put_loop(again)
     some = Label()
     for i in range(len(calls)):
-        code.row(Op.JUMP_IF, left + i, c=some)
-    code.row(Op.JUMP, c=end)
+        code.row(op.JUMP_IF, left + i, c=some)
+    code.row(op.JUMP, c=end)
     code.put(some)
     for i, (call, _) in enumerate(calls):
         gone = Label()
         register_of(code, 0, able + i)
-        code.row(Op.JUMP_UNLESS, left + i, c=gone)
+        code.row(op.JUMP_UNLESS, left + i, c=gone)
         can_start(c, call, node, i, able + i)
         code.put(gone)
     ways = drawn(c, [weight for _, weight in calls], able)
@@ -340,7 +342,7 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
         register_of(code, 0, left + i)
         with c.round(node, i):
             run_called(c, [call], node)
-        code.row(Op.JUMP, c=again)
+        code.row(op.JUMP, c=again)
     code.put(end)
 
 
@@ -365,27 +367,27 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
     register_of(code, 0, total)
     register_of(code, 0, count)
     for i, weight in enumerate(weights):
-        code.row(Op.MULTIPLY, share, register_of(code, weight), able + i)
-        code.row(Op.ADD, total, total, share)
-        code.row(Op.ADD, count, count, able + i)
+        code.row(op.MULTIPLY, share, register_of(code, weight), able + i)
+        code.row(op.ADD, total, total, share)
+        code.row(op.ADD, count, count, able + i)
     some, one = Label(), Label()
-    code.row(Op.JUMP_IF, count, c=some)
+    code.row(op.JUMP_IF, count, c=some)
     c.reject('deadlock in "do choose/shuffle"')
     code.put(some)
     ways = [Label() for _ in weights]
-    code.row(Op.JUMP_EQUAL, count, code.constant(1), one)
-    code.row(Op.DRAW, mark, code.constant(0), total)
+    code.row(op.JUMP_EQUAL, count, code.constant(1), one)
+    code.row(op.DRAW, mark, code.constant(0), total)
     for i, weight in enumerate(weights):
         following = Label()
-        code.row(Op.JUMP_UNLESS, able + i, c=following)
-        code.row(Op.SUBTRACT, mark, mark, register_of(code, weight))
-        code.row(Op.JUMP_LESS, mark, code.constant(0), ways[i])
+        code.row(op.JUMP_UNLESS, able + i, c=following)
+        code.row(op.SUBTRACT, mark, mark, register_of(code, weight))
+        code.row(op.JUMP_LESS, mark, code.constant(0), ways[i])
         code.put(following)
     for i in reversed(range(len(weights))):  # the last one, should rounding leave something over
-        code.row(Op.JUMP_IF, able + i, c=ways[i])
+        code.row(op.JUMP_IF, able + i, c=ways[i])
     code.put(one)
     for i in range(len(weights)):
-        code.row(Op.JUMP_IF, able + i, c=ways[i])
+        code.row(op.JUMP_IF, able + i, c=ways[i])
     code.reachable = False
     return ways
 

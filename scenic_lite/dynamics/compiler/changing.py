@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import choose
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.functions import in_order
@@ -26,7 +26,8 @@ from scenic_lite.dynamics.compiler.lists import (
 )
 from scenic_lite.dynamics.compiler.registers import kept, settled
 from scenic_lite.dynamics.compiler.types import RegisterList, varies
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT, Value, apply, as_number
 
@@ -114,7 +115,7 @@ def count_of(c: Compilation, scope: Scope, node: ast.AST, items: Value, argument
     register_of(c.code, 0, found)
     for item, after in each_of(c, as_live_list(c, items)):
         jump(c.code, same_value(c, scope, equality(node), item, arguments[0]), after, when=False)
-        c.code.row(Op.ADD, found, found, c.code.constant(1))
+        c.code.row(op.ADD, found, found, c.code.constant(1))
     return items, RegisterValue(found, whole=True, lasting=False)
 
 
@@ -194,10 +195,10 @@ def place_of(
     for each, after in each_of(c, items):
         jump(code, same_value(c, scope, equality(node), each, item), after, when=False)
         register_of(code, RegisterValue(counter), found)
-        code.row(Op.JUMP, c=over)
+        code.row(op.JUMP, c=over)
         code.reachable = True
         code.put(after)
-        code.row(Op.ADD, counter, counter, code.constant(1))
+        code.row(op.ADD, counter, counter, code.constant(1))
     code.put(over)
     there = apply(GREATER_EQUAL, RegisterValue(found), 0, kind="truth")
     code.fault_unless(register_of(code, there), otherwise)

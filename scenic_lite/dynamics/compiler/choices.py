@@ -12,12 +12,13 @@ from collections.abc import Callable
 
 from scenic_lite.core.scope import PYTHON_FAULTS, Scope, from_python
 from scenic_lite.core.types import Function, RandomChoice, choose
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_live, register_of
 from scenic_lite.dynamics.compiler.registers import Slot
 from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of, signed
@@ -115,10 +116,10 @@ def switch(c: Compilation, choice: RandomChoice, results: list[tuple[list, Value
         if each is None:
             continue
         following = Label()
-        code.row(Op.JUMP_NOT_EQUAL, index, code.constant(i), following)
+        code.row(op.JUMP_NOT_EQUAL, index, code.constant(i), following)
         code.rows.extend(each[0])
         slot.store(each[1])
-        code.row(Op.JUMP, c=end)
+        code.row(op.JUMP, c=end)
         code.put(following)
     code.put(end)
     return slot.value

@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.dynamics.machine.bytecode import FIRST_FREE, Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import FIRST_FREE
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
-TOLD = "{}"  # in the text of a fault: the number that it tells
 LABEL = -1  # in place of an opcode: the label of this row stands here
 AREA = 1 << 24  # registers are numbered by area until they are laid side by side
 FIXED, CONSTANTS, INPUTS, VARIABLES, SCRATCH, TEMPORARIES = (area * AREA for area in range(6))
@@ -42,26 +42,12 @@ class Operands(NamedTuple):
 
 
 class Row(NamedTuple):
-    op: int
+    opcode: int
     a: int
     b: int
     c: int | Label | Operands
     place: SourceSpan | None
     note: str = ""
-
-
-class RegisterValue(RandomExpr):
-    """A value that stands in a register while a match runs; the leaf of what the compiler computes with.
-
-    `whole`: it is an integer, which counts where it is written as text. `lasting`: the register belongs to a variable
-    or to the world, and may change; an intermediate result does not change before the end of its statement.
-    """
-
-    __slots__ = ("lasting", "register", "whole")
-
-    def __init__(self, register: int, kind: str = "number", whole: bool = False, lasting: bool = True) -> None:
-        super().__init__(None, (), kind)
-        self.register, self.whole, self.lasting = register, whole, lasting
 
 
 class DrawnNow(ThetaColumn):
@@ -116,7 +102,7 @@ class Assembler:
 
     def row(
         self,
-        op: Op,
+        opcode: int,
         a: int = 0,
         b: int = 0,
         c: int | Label | Operands = 0,
@@ -127,10 +113,10 @@ class Assembler:
             return
         if isinstance(c, Label):
             c.used = True
-        self.rows.append(Row(op, a, b, c, place or self.place, note))
+        self.rows.append(Row(opcode, a, b, c, place or self.place, note))
         if len(self.rows) > MOST_ROWS:
             raise exceeded(f"the behaviors of the program become more than {MOST_ROWS:,} rows of code")
-        if op in ENDS:
+        if opcode in ENDS:
             self.reachable = False
 
     def put(self, label: Label) -> None:
@@ -145,10 +131,10 @@ class Assembler:
         self.known.clear()
 
     def fault(self, message: str) -> None:
-        self.row(Op.FAULT, note=message)
+        self.row(op.FAULT, note=message)
 
     def fault_unless(self, register: int, message: str, told: int = 0) -> None:
-        self.row(Op.FAULT_UNLESS, register, told, note=message)
+        self.row(op.FAULT_UNLESS, register, told, note=message)
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:
@@ -204,4 +190,4 @@ class Assembler:
             self.known.clear()
 
 
-ENDS = frozenset({Op.END, Op.JUMP, Op.AGAIN, Op.RESUME, Op.REJECT, Op.FAULT})
+ENDS = frozenset({op.END, op.JUMP, op.LOOP_BACK, op.RESUME, op.REJECT, op.FAULT})

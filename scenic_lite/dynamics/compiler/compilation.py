@@ -20,7 +20,7 @@ from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance
 from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.types import Shape
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.dynamics.reference.threads import within
 from scenic_lite.errors import ScenicError
@@ -95,7 +95,7 @@ class CompiledScope(Scope):
             slot.store(value)
             self.locals[name] = slot.value
             if name in self.given:
-                self.compilation.code.row(Op.COPY, self.given[name], self.compilation.code.constant(1))
+                self.compilation.code.row(op.COPY, self.given[name], self.compilation.code.constant(1))
         else:
             self.locals[name] = kept(self.compilation.code, value)
 
@@ -294,7 +294,7 @@ class Compilation:
 
     def reject(self, message: str) -> None:
         self.broken.append(message)
-        self.code.row(Op.REJECT, c=len(self.broken))
+        self.code.row(op.REJECT, c=len(self.broken))
 
     def reason(self, message: str) -> int:
         """The register of the number of a reason to end."""
@@ -354,7 +354,7 @@ def guarded(
                 compilation.doubts.append(error)
             del code.rows[start:]
             code.reachable = True
-            code.row(Op.FAULT, note=said(error), place=error.place)
+            code.row(op.FAULT, note=said(error), place=error.place)
         finally:
             code.place = before
 

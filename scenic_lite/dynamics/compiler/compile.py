@@ -22,7 +22,7 @@ from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, run_behavior
 from scenic_lite.dynamics.compiler.calls import call_node, call_value, certain
 from scenic_lite.dynamics.compiler.choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, guarded
 from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
 from scenic_lite.dynamics.compiler.comprehensions import comprehension, dictionary_comprehension
@@ -34,8 +34,10 @@ from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
 from scenic_lite.dynamics.compiler.types import Shape
 from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start
-from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED, Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED
 from scenic_lite.dynamics.machine.compiled import Compiled
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.calls import meaning
 from scenic_lite.language.classes import OBJECT
@@ -142,7 +144,7 @@ def draw(c: Compilation, kind: str, place: SourceSpan, offset: float = 0.0, span
     """A number from the match's stream, drawn where the program is now."""
     code = c.code
     register = code.temporaries.take()
-    code.row(Op.DRAW, register, code.constant(offset), code.constant(span))
+    code.row(op.DRAW, register, code.constant(offset), code.constant(span))
     return DrawnNow(register, kind, place, offset, span)
 
 
@@ -169,7 +171,7 @@ def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
 def walk(c: Compilation) -> list[Thread]:
     """Compile everything once; the threads: slot, object, entry, title."""
     code = c.code
-    code.row(Op.END, code.fixed.take())  # row 0: where a thread stands that has ended
+    code.row(op.END, code.fixed.take())  # row 0: where a thread stands that has ended
     code.reachable = False
     show_world(c)
     threads: list[Thread] = []
@@ -254,10 +256,10 @@ def driven(c: Compilation, threads: list[Thread], number: int, agent: Instance, 
     begin(code, entry)
     for each in drivers:
         other = Label()
-        code.row(Op.JUMP_NOT_EQUAL, register, code.constant(each.number), other)
-        code.row(Op.RESUME, each.slot)
+        code.row(op.JUMP_NOT_EQUAL, register, code.constant(each.number), other)
+        code.row(op.RESUME, each.slot)
         code.put(other)
-    code.row(Op.WAIT, 0, slot, entry)
+    code.row(op.WAIT, 0, slot, entry)
     code.reachable = False
     threads.append((slot, number, entry, f"{agent.title()}: its behavior"))
     c.starting[slot] = entry
@@ -312,14 +314,14 @@ def put_aside(c: Compilation, before: int) -> None:
 def end_asked_for(c: Compilation, part: ScenarioInstance, before: int) -> None:
     """What a monitor's `terminate` does when all have run: any other end that was asked for inside counts more."""
     code, out, none, known = c.code, Label(), Label(), Label()
-    code.row(Op.JUMP_UNLESS, part.ending, c=none)
+    code.row(op.JUMP_UNLESS, part.ending, c=none)
     if part.parent is not None:
         part.call_routine(code, part.stop)
-    code.row(Op.JUMP_IF, TERMINATED, c=out)
+    code.row(op.JUMP_IF, TERMINATED, c=out)
     register_of(code, RegisterValue(part.ending), TERMINATED)
-    code.row(Op.JUMP, c=out)
+    code.row(op.JUMP, c=out)
     code.put(none)
-    code.row(Op.JUMP_IF, TERMINATED, c=known)
+    code.row(op.JUMP_IF, TERMINATED, c=known)
     register_of(code, RegisterValue(before), TERMINATED)
     code.put(known)
     code.put(out)
@@ -392,9 +394,9 @@ def every(c: Compilation, threads: list[Thread], title: str, write: Callable[[],
     with code.statement():
         write()
     if once:
-        code.row(Op.END, slot)
+        code.row(op.END, slot)
     else:
-        code.row(Op.WAIT, 0, slot, entry)
+        code.row(op.WAIT, 0, slot, entry)
     code.reachable = False
     threads.append((slot, -1, entry, title))
     c.starting[slot] = entry
@@ -424,5 +426,5 @@ def write_body(c: Compilation, slot: int, entry: Label, call: BehaviorCall, key:
     code.place = call.place
     with code.statement(), c.block(slot), c.round(call.behavior.node, key[0]), c.rounds(key[1]):
         run_behavior(c, call, call.behavior.node, guards=False)
-    code.row(Op.END, slot)
+    code.row(op.END, slot)
     code.reachable = False

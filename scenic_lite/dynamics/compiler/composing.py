@@ -15,13 +15,15 @@ from contextlib import contextmanager
 
 from scenic_lite.core.types import BehaviorCall, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, check_invariants, frame_of, pause, suspend
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.parts import ScenarioInstance, part_of
 from scenic_lite.dynamics.compiler.setups import set_up, start_monitor
 from scenic_lite.dynamics.compiler.watchers import conditions, limit_of, see_step, unsatisfied
-from scenic_lite.dynamics.machine.bytecode import COMPLETE, Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import COMPLETE
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
@@ -59,8 +61,8 @@ def run_parts(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
             show_names(part)
     on = Label()
     for part in parts:
-        code.row(Op.JUMP_IF, part.running, c=on)
-    code.row(Op.JUMP, c=end)
+        code.row(op.JUMP_IF, part.running, c=on)
+    code.row(op.JUMP, c=end)
     code.put(on)
     suspend(c, again)
     code.put(end)
@@ -75,9 +77,9 @@ def begun(c: Compilation, call: Value, node: nodes.Do, number: int) -> list[Scen
     index = register_of(c.code, call.index)
     for i, option in enumerate(call.options):
         following = Label()
-        c.code.row(Op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
+        c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
         parts.append(begin(c, option, node))
-        c.code.row(Op.JUMP, c=end)
+        c.code.row(op.JUMP, c=end)
         c.code.put(following)
     c.code.put(end)
     return parts
@@ -130,7 +132,7 @@ def start(c: Compilation, part: ScenarioInstance) -> None:
     code = c.code
     assert part.call is not None
     if acts(part.call):
-        code.row(Op.SET_SLOT, part.slot, c=part.beginning)
+        code.row(op.SET_SLOT, part.slot, c=part.beginning)
     with c.within(part), code.statement():
         limit_of(c, part)
     for monitor in part.monitors:
@@ -151,7 +153,7 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
     """One step of a scenario: its requirements, its time limit, its compose block, its conditions."""
     code, done = c.code, Label()
     if part.parent is not None:
-        code.row(Op.JUMP_UNLESS, part.running, c=done)
+        code.row(op.JUMP_UNLESS, part.running, c=done)
     if may_require(c, part):
         part.call_routine(code, part.progress)
     take_time(c, part)
@@ -160,14 +162,14 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
             compose(c, part)
     with c.within(part):
         conditions(c, part, "scenario", lambda label: ended(c, part, label))
-    code.row(Op.JUMP, c=done)
+    code.row(op.JUMP, c=done)
     code.put(part.over)
     part.call_routine(code, part.stop)
-    code.row(Op.JUMP, c=done)
+    code.row(op.JUMP, c=done)
     code.put(part.kill)
     part.call_routine(code, part.stop)
     if part.parent is not None:
-        code.row(Op.JUMP, c=part.parent.kill)
+        code.row(op.JUMP, c=part.parent.kill)
     code.put(done)
 
 
@@ -187,17 +189,17 @@ def take_time(c: Compilation, part: ScenarioInstance) -> None:
     if part.limit is None:
         return
     code, (taken, allowed), going = c.code, part.limit, Label()
-    code.row(Op.JUMP_LESS, taken, allowed, going)
+    code.row(op.JUMP_LESS, taken, allowed, going)
     ended(c, part, "reached time limit")
     code.put(going)
-    code.row(Op.ADD, taken, taken, code.constant(1))
+    code.row(op.ADD, taken, taken, code.constant(1))
 
 
 def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
     """The scenario has ended by itself; the end of the program's own is that of the match."""
     if part.parent is None:
         register_of(c.code, RegisterValue(c.reason(f"scenarioComplete: {reason}")), COMPLETE)
-    c.code.row(Op.JUMP, c=part.over)
+    c.code.row(op.JUMP, c=part.over)
 
 
 def compose(c: Compilation, part: ScenarioInstance) -> None:
@@ -205,7 +207,7 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     code, scope = c.code, part.scope
     assert part.call is not None
     node = part.call.behavior.scenario
-    code.row(Op.RESUME, part.slot)
+    code.row(op.RESUME, part.slot)
     part.beginning.used = code.reachable = True
     code.put(part.beginning)
     with c.block(part.slot):
@@ -217,7 +219,7 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
         else:
             pause(c)
             check_invariants(c, scope)
-            code.row(Op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
+            code.row(op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
     code.put(part.after)
 
 
@@ -256,7 +258,7 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
                 code.temporaries.used = code.temporaries.most  # others' intermediate results stay as they are
                 with c.within(part):
                     write(c, part)
-                code.row(Op.RESUME, part.back)
+                code.row(op.RESUME, part.back)
 
 
 def see_steps(c: Compilation, part: ScenarioInstance) -> None:
@@ -268,7 +270,7 @@ def see_steps(c: Compilation, part: ScenarioInstance) -> None:
 def stop(c: Compilation, part: ScenarioInstance) -> None:
     """Stop what runs inside, give back what was overridden, reject the match if a requirement does not hold."""
     code, out = c.code, Label()
-    code.row(Op.JUMP_UNLESS, part.running, c=out)
+    code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
     if part.parent is not None:
         for monitor in part.monitors:
@@ -277,7 +279,7 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
         each.call_routine(code, each.stop)
     for property_ in part.overridden.values():
         kept = Label()
-        code.row(Op.JUMP_UNLESS, property_.flag, c=kept)
+        code.row(op.JUMP_UNLESS, property_.flag, c=kept)
         with code.statement():
             property_.restore()
         register_of(code, 0, property_.flag)

@@ -18,7 +18,7 @@ from scenic_lite.dynamics.compiler.emit import jump
 from scenic_lite.dynamics.compiler.lists import contains
 from scenic_lite.dynamics.compiler.registers import Slot, settled
 from scenic_lite.dynamics.compiler.types import RegisterList
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import compared
 from scenic_lite.values.graph import AND, NOT, NOT_EQUAL, OR, RandomExpr, Value, apply
@@ -124,7 +124,7 @@ def joined(c: Compilation, otherwise: Label, yes: Way, no: Way, key: object) -> 
     end = Label()
     c.code.rows.extend(yes[0])
     slot.store(yes[1])
-    c.code.row(Op.JUMP, c=end)
+    c.code.row(op.JUMP, c=end)
     c.code.put(otherwise)
     c.code.rows.extend(no[0])
     slot.store(no[1])

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands, RegisterValue
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import math_builtins
 from scenic_lite.evaluation.builtins import TRUE_OR_FALSE
@@ -25,67 +26,67 @@ from scenic_lite.values import geometry, graph, regions
 from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value
 from scenic_lite.values.polygons import Holds
 
-SIMPLE: dict[Any, Op] = {  # operands in their order
-    graph.ADD.array: Op.ADD,
-    graph.SUBTRACT.array: Op.SUBTRACT,
-    graph.MULTIPLY.array: Op.MULTIPLY,
-    graph.DIVIDE.array: Op.DIVIDE,
-    graph.FLOOR_DIVIDE.array: Op.FLOOR_DIVIDE,
-    graph.MODULO.array: Op.MODULO,
-    graph.POWER.array: Op.POWER,
-    graph.NEGATE.array: Op.NEGATE,
-    graph.ABSOLUTE.array: Op.ABSOLUTE,
-    graph.LESS.array: Op.LESS,
-    graph.LESS_EQUAL.array: Op.LESS_EQUAL,
-    graph.EQUAL.array: Op.EQUAL,
-    graph.NOT_EQUAL.array: Op.NOT_EQUAL,
-    graph.AND.array: Op.AND,
-    graph.OR.array: Op.OR,
-    graph.NOT.array: Op.NOT,
-    graph.MINIMUM.array: Op.MINIMUM,
-    graph.MAXIMUM.array: Op.MAXIMUM,
-    graph.HYPOTENUSE.array: Op.HYPOTENUSE,
-    graph.INTEGER.array: Op.TRUNCATE,
-    graph.ROUND.array: Op.ROUND,
-    graph.FLOAT.array: Op.COPY,
-    geometry.NORMALISE.array: Op.NORMALISE,
-    distributions.normal_quantile: Op.QUANTILE,
+SIMPLE: dict[Any, int] = {  # operands in their order
+    graph.ADD.array: op.ADD,
+    graph.SUBTRACT.array: op.SUBTRACT,
+    graph.MULTIPLY.array: op.MULTIPLY,
+    graph.DIVIDE.array: op.DIVIDE,
+    graph.FLOOR_DIVIDE.array: op.FLOOR_DIVIDE,
+    graph.MODULO.array: op.MODULO,
+    graph.POWER.array: op.POWER,
+    graph.NEGATE.array: op.NEGATE,
+    graph.ABSOLUTE.array: op.ABSOLUTE,
+    graph.LESS.array: op.LESS,
+    graph.LESS_EQUAL.array: op.LESS_EQUAL,
+    graph.EQUAL.array: op.EQUAL,
+    graph.NOT_EQUAL.array: op.NOT_EQUAL,
+    graph.AND.array: op.AND,
+    graph.OR.array: op.OR,
+    graph.NOT.array: op.NOT,
+    graph.MINIMUM.array: op.MINIMUM,
+    graph.MAXIMUM.array: op.MAXIMUM,
+    graph.HYPOTENUSE.array: op.HYPOTENUSE,
+    graph.INTEGER.array: op.TRUNCATE,
+    graph.ROUND.array: op.ROUND,
+    graph.FLOAT.array: op.COPY,
+    geometry.NORMALISE.array: op.NORMALISE,
+    distributions.normal_quantile: op.QUANTILE,
 }
-BY_NAME: dict[str, Op] = {
-    "sin": Op.SINE,
-    "cos": Op.COSINE,
-    "tan": Op.TANGENT,
-    "asin": Op.ARC_SINE,
-    "acos": Op.ARC_COSINE,
-    "atan": Op.ARC_TANGENT,
-    "sqrt": Op.SQUARE_ROOT,
-    "exp": Op.EXPONENTIAL,
-    "log": Op.LOGARITHM,
-    "log2": Op.LOGARITHM_2,
-    "log10": Op.LOGARITHM_10,
-    "floor": Op.FLOOR,
-    "ceil": Op.CEILING,
-    "fabs": Op.ABSOLUTE,
-    "atan2": Op.ARC_TANGENT_2,
-    "copysign": Op.COPY_SIGN,
-    "fmod": Op.REMAINDER,
-    "pow": Op.POWER,
+BY_NAME: dict[str, int] = {
+    "sin": op.SINE,
+    "cos": op.COSINE,
+    "tan": op.TANGENT,
+    "asin": op.ARC_SINE,
+    "acos": op.ARC_COSINE,
+    "atan": op.ARC_TANGENT,
+    "sqrt": op.SQUARE_ROOT,
+    "exp": op.EXPONENTIAL,
+    "log": op.LOGARITHM,
+    "log2": op.LOGARITHM_2,
+    "log10": op.LOGARITHM_10,
+    "floor": op.FLOOR,
+    "ceil": op.CEILING,
+    "fabs": op.ABSOLUTE,
+    "atan2": op.ARC_TANGENT_2,
+    "copysign": op.COPY_SIGN,
+    "fmod": op.REMAINDER,
+    "pow": op.POWER,
 }
 TABLES = (*math_builtins.OF_ONE, *math_builtins.OF_TWO, graph.Operation(math.log, np.log))
 SIMPLE |= {array: BY_NAME[scalar.__name__] for scalar, array in TABLES if scalar.__name__ in BY_NAME}
-SWAPPED: dict[Any, Op] = {graph.GREATER.array: Op.LESS, graph.GREATER_EQUAL.array: Op.LESS_EQUAL}
-LISTED: dict[Any, Op] = {
-    geometry.in_sector: Op.IN_SECTOR,
-    regions.in_rectangle: Op.IN_RECTANGLE,
-    geometry.rectangles_meet: Op.RECTANGLES_MEET,
-    sector_and_rectangle: Op.SECTOR_MEETS,
+SWAPPED: dict[Any, int] = {graph.GREATER.array: op.LESS, graph.GREATER_EQUAL.array: op.LESS_EQUAL}
+LISTED: dict[Any, int] = {
+    geometry.in_sector: op.IN_SECTOR,
+    regions.in_rectangle: op.IN_RECTANGLE,
+    geometry.rectangles_meet: op.RECTANGLES_MEET,
+    sector_and_rectangle: op.SECTOR_MEETS,
 }
-WHOLE = (Op.ADD, Op.SUBTRACT, Op.MULTIPLY, Op.FLOOR_DIVIDE, Op.MODULO, Op.NEGATE, Op.ABSOLUTE, Op.MINIMUM, Op.MAXIMUM)
-SIGNED_ZEROS = (Op.MULTIPLY, Op.MODULO, Op.NEGATE)
-QUOTIENTS = (Op.DIVIDE, Op.FLOOR_DIVIDE, Op.MODULO, Op.REMAINDER)
-LOGARITHMS = (Op.LOGARITHM, Op.LOGARITHM_2, Op.LOGARITHM_10)
-RISKS = (*QUOTIENTS, *LOGARITHMS, Op.POWER, Op.SQUARE_ROOT, Op.ARC_SINE, Op.ARC_COSINE)
-ALWAYS_WHOLE = (Op.TRUNCATE, Op.ROUND, Op.FLOOR, Op.CEILING)
+WHOLE = (op.ADD, op.SUBTRACT, op.MULTIPLY, op.FLOOR_DIVIDE, op.MODULO, op.NEGATE, op.ABSOLUTE, op.MINIMUM, op.MAXIMUM)
+SIGNED_ZEROS = (op.MULTIPLY, op.MODULO, op.NEGATE)
+QUOTIENTS = (op.DIVIDE, op.FLOOR_DIVIDE, op.MODULO, op.REMAINDER)
+LOGARITHMS = (op.LOGARITHM, op.LOGARITHM_2, op.LOGARITHM_10)
+RISKS = (*QUOTIENTS, *LOGARITHMS, op.POWER, op.SQUARE_ROOT, op.ARC_SINE, op.ARC_COSINE)
+ALWAYS_WHOLE = (op.TRUNCATE, op.ROUND, op.FLOOR, op.CEILING)
 
 
 class Unsupported(ScenicError):
@@ -107,7 +108,7 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
     else:
         raise TypeError(f"no register holds {value!r}")
     if into is not None and found != into:
-        code.row(Op.COPY, into, found)
+        code.row(op.COPY, into, found)
         return into
     return found
 
@@ -152,30 +153,30 @@ def can_fail(node: RandomExpr) -> bool:
         if not isinstance(each, RandomExpr) or id(each) in seen or not _hashable(each.operation):
             continue
         seen.add(id(each))
-        op = SIMPLE.get(each.operation)
-        if op in RISKS and not _harmless(op, each.inputs[-1]):
+        opcode = SIMPLE.get(each.operation)
+        if opcode in RISKS and not _harmless(opcode, each.inputs[-1]):
             return True
-        if op is not None and op not in (Op.AND, Op.OR):
+        if opcode is not None and opcode not in (op.AND, op.OR):
             pending.extend(each.inputs)
     return False
 
 
-def _harmless(op: Op, operand: Value) -> bool:
+def _harmless(opcode: int, operand: Value) -> bool:
     """Whether a division by this, or a power of this exponent, is always a number."""
     if isinstance(operand, RandomExpr):
         return False
-    return operand >= 0 and operand == int(operand) if op is Op.POWER else operand != 0
+    return operand >= 0 and operand == int(operand) if opcode is op.POWER else operand != 0
 
 
 def compute(code: Assembler, node: RandomExpr, out: int) -> None:
     """Rows for one operation, operands first."""
     operation = node.operation
     if _hashable(operation) and operation in SIMPLE:
-        op = SIMPLE[operation]
+        opcode = SIMPLE[operation]
         first, *others = [register_of(code, each) for each in node.inputs]
-        code.row(op, out, first, others[0] if others else 0)
-        if op in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
-            code.row(Op.ADD, out, out, code.constant(0))
+        code.row(opcode, out, first, others[0] if others else 0)
+        if opcode in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
+            code.row(op.ADD, out, out, code.constant(0))
     elif _hashable(operation) and operation in SWAPPED:
         left, right = (register_of(code, each) for each in node.inputs)
         code.row(SWAPPED[operation], out, right, left)
@@ -215,33 +216,33 @@ def choose_value(code: Assembler, node: RandomExpr, out: int) -> None:
 
 def pick(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
     registers = tuple(register_of(code, each) for each in options)
-    code.row(Op.PICK, out, register_of(code, index), Operands(registers))
+    code.row(op.SELECT, out, register_of(code, index), Operands(registers))
 
 
 def cut(code: Assembler, node: RandomExpr, out: int) -> None:
     assert isinstance(node.operation, distributions.Cut)
     bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
-    code.row(Op.CUT, out, register_of(code, node.inputs[0]), Operands(bounds))
+    code.row(op.BUCKETIZE, out, register_of(code, node.inputs[0]), Operands(bounds))
 
 
 def integers(code: Assembler, node: RandomExpr, out: int) -> None:
     """first + min(int(u · count), count - 1)."""
     assert isinstance(node.operation, distributions.Integers)
     first, count = node.operation.first, node.operation.count
-    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
-    code.row(Op.TRUNCATE, out, out)
-    code.row(Op.MINIMUM, out, out, code.constant(count - 1))
-    code.row(Op.ADD, out, out, code.constant(first))
+    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
+    code.row(op.TRUNCATE, out, out)
+    code.row(op.MINIMUM, out, out, code.constant(count - 1))
+    code.row(op.ADD, out, out, code.constant(first))
 
 
 def clip(code: Assembler, node: RandomExpr, out: int) -> None:
     value, low, high = (register_of(code, each) for each in node.inputs)
-    code.row(Op.MAXIMUM, out, value, low)
-    code.row(Op.MINIMUM, out, out, high)
+    code.row(op.MAXIMUM, out, value, low)
+    code.row(op.MINIMUM, out, out, high)
 
 
 def as_truth(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(Op.NOT_EQUAL, out, register_of(code, node.inputs[0]), code.constant(0))
+    code.row(op.NOT_EQUAL, out, register_of(code, node.inputs[0]), code.constant(0))
 
 
 def where(code: Assembler, node: RandomExpr, out: int) -> None:
@@ -250,11 +251,11 @@ def where(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def as_radians(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(math.pi / 180))
+    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(math.pi / 180))
 
 
 def as_degrees(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(Op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(180 / math.pi))
+    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(180 / math.pi))
 
 
 def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
@@ -270,7 +271,7 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
     if len(edges) > 4000:
         raise Unsupported("a region of more than 1000 edges cannot be asked for points")
     registers = (register_of(code, x), register_of(code, y), *(code.constant(each) for each in edges))
-    code.row(Op.IN_RINGS, out, 0, Operands(registers))
+    code.row(op.IN_RINGS, out, 0, Operands(registers))
 
 
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], None]], ...] = (
@@ -302,21 +303,21 @@ def is_whole(value: Value) -> bool:
         return all(is_whole(each) for each in value.inputs[1:])
     if isinstance(operation, distributions.Cut | distributions.Integers):
         return True
-    op = SIMPLE.get(operation) if _hashable(operation) else None
-    if op in ALWAYS_WHOLE:
+    opcode = SIMPLE.get(operation) if _hashable(operation) else None
+    if opcode in ALWAYS_WHOLE:
         return True
-    return op in WHOLE and all(is_whole(each) for each in value.inputs)
+    return opcode in WHOLE and all(is_whole(each) for each in value.inputs)
 
 
 # ------------------------------------------------------------ jumps
 
-JUMPS: dict[Any, tuple[Op, Op, bool]] = {  # if it holds, if it does not, operands swapped
-    graph.LESS.array: (Op.JUMP_LESS, Op.JUMP_NOT_LESS, False),
-    graph.GREATER.array: (Op.JUMP_LESS, Op.JUMP_NOT_LESS, True),
-    graph.LESS_EQUAL.array: (Op.JUMP_LESS_EQUAL, Op.JUMP_NOT_LESS_EQUAL, False),
-    graph.GREATER_EQUAL.array: (Op.JUMP_LESS_EQUAL, Op.JUMP_NOT_LESS_EQUAL, True),
-    graph.EQUAL.array: (Op.JUMP_EQUAL, Op.JUMP_NOT_EQUAL, False),
-    graph.NOT_EQUAL.array: (Op.JUMP_NOT_EQUAL, Op.JUMP_EQUAL, False),
+JUMPS: dict[Any, tuple[int, int, bool]] = {  # if it holds, if it does not, operands swapped
+    graph.LESS.array: (op.JUMP_LESS, op.JUMP_NOT_LESS, False),
+    graph.GREATER.array: (op.JUMP_LESS, op.JUMP_NOT_LESS, True),
+    graph.LESS_EQUAL.array: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL, False),
+    graph.GREATER_EQUAL.array: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL, True),
+    graph.EQUAL.array: (op.JUMP_EQUAL, op.JUMP_NOT_EQUAL, False),
+    graph.NOT_EQUAL.array: (op.JUMP_NOT_EQUAL, op.JUMP_EQUAL, False),
 }
 
 
@@ -324,7 +325,7 @@ def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
     """Go to the target if the truth of `test` is `when`."""
     if not isinstance(test, RandomExpr):
         if bool(test) == when:
-            code.row(Op.JUMP, c=target)
+            code.row(op.JUMP, c=target)
         return
     operation = test.operation
     if operation is graph.NOT.array:
@@ -335,4 +336,4 @@ def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
         left, right = (right, left) if swapped else (left, right)
         code.row(holds if when else fails, left, right, target)
     else:
-        code.row(Op.JUMP_IF if when else Op.JUMP_UNLESS, register_of(code, test), c=target)
+        code.row(op.JUMP_IF if when else op.JUMP_UNLESS, register_of(code, test), c=target)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import RandomChoice, describe_kind
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
 from scenic_lite.dynamics.compiler.lists import (
@@ -28,7 +28,8 @@ from scenic_lite.dynamics.compiler.lists import (
 )
 from scenic_lite.dynamics.compiler.registers import Slot, settled
 from scenic_lite.dynamics.compiler.types import CAPACITY, RegisterList, loaded, varies
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT, RandomExpr, Value, apply, kind_of
 
@@ -152,7 +153,7 @@ def extreme_of_objects(
     for item, after in each_object(c, items, counter):
         mark = settled(code, key_of(c, scope, key, item, node))
         first = Label()
-        code.row(Op.JUMP_EQUAL, counter, code.constant(0), first)
+        code.row(op.JUMP_EQUAL, counter, code.constant(0), first)
         jump(code, better(mark, RegisterValue(best), least), after, when=False)
         code.put(first)
         register_of(code, mark, best)
@@ -221,13 +222,13 @@ def in_order(c: Compilation, scope: Scope, node: ast.AST, arguments: list, keywo
         register_of(code, 0, place.register)
         for item, _ in each_of(c, items):
             mark = key_of(c, scope, key, item, node)
-            code.row(Op.STORE, keys, place.register, register_of(code, signed_key(mark, reverse)))
-            code.row(Op.ADD, place.register, place.register, code.constant(1))
+            code.row(op.STORE, keys, place.register, register_of(code, signed_key(mark, reverse)))
+            code.row(op.ADD, place.register, place.register, code.constant(1))
     else:
         items = as_live_list(c, values)
         for i, mark in enumerate(marks):
             register_of(code, signed_key(mark, reverse), keys + i)
-    code.row(Op.SORT, order, keys, items.registers[0])
+    code.row(op.SORT, order, keys, items.registers[0])
     return permuted(c, items, order)
 
 
@@ -247,7 +248,7 @@ def permuted(c: Compilation, items: RegisterList, order: int) -> RegisterList:
 
     def source(at: RegisterValue) -> RegisterValue:
         found = c.code.temporaries.take()
-        c.code.row(Op.FETCH, found, order, at.register)
+        c.code.row(op.LOAD_INDEXED, found, order, at.register)
         return RegisterValue(found, lasting=False)
 
     return rebuilt(c, items, items.length, source)
@@ -273,7 +274,7 @@ def numbered(c: Compilation, scope: Scope, node: ast.AST, arguments: list, keywo
     register_of(c.code, start, counter.register)
     for item, _ in each_of(c, arguments[0]):
         found.add((counter, item))
-        c.code.row(Op.ADD, counter.register, counter.register, c.code.constant(1))
+        c.code.row(op.ADD, counter.register, counter.register, c.code.constant(1))
     return found.value
 
 
@@ -342,7 +343,7 @@ def rounded(c: Compilation, scope: Scope, node: ast.AST, arguments: list, keywor
     ):
         return NotImplemented
     out = c.code.temporaries.take()
-    c.code.row(Op.ROUND_DIGITS, out, register_of(c.code, arguments[0]), c.code.constant(digits))
+    c.code.row(op.ROUND_DIGITS, out, register_of(c.code, arguments[0]), c.code.constant(digits))
     return RegisterValue(out, lasting=False)
 
 

@@ -17,7 +17,7 @@ from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, assigned_names
 from scenic_lite.dynamics.compiler.conditions import jump_on
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
 
@@ -38,19 +38,19 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
         register_of(code, 0, slot)
     enter(c, scope, body, begin, scan)
     for slot, handler, start in reversed(list(zip(slots, node.interrupts, starts, strict=True))):
-        code.row(Op.RESUME_IF_RUNNING, slot)
+        code.row(op.RESUME_IF_RUNNING, slot)
         with code.statement():
             code.place = scope.place(handler.condition)
             with once_set(c, scope, surely_read(handler.condition) & given.keys()) as readable:
                 if readable:
                     jump_on(c, scope, handler.condition, start, when=True)
-    code.row(Op.RESUME, body)
+    code.row(op.RESUME, body)
     with scope.in_dynamic_branch(), c.guarded():
         code.put(begin)
         begin.used = code.reachable = True
         with c.block(body):
             scope.run(node.body)
-        code.row(Op.JUMP, c=end)
+        code.row(op.JUMP, c=end)
         for slot, handler, start in zip(slots, node.interrupts, starts, strict=True):
             code.put(start)
             scope.inlined.aborts.append(end)
@@ -58,7 +58,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
                 scope.run(handler.body)
             scope.inlined.aborts.pop()
             register_of(code, 0, slot)
-            code.row(Op.AGAIN, c=scan)
+            code.row(op.LOOP_BACK, c=scan)
     code.put(end)
     c.give_up(written)
 
@@ -91,7 +91,7 @@ def once_set(c: Compilation, scope: CompiledScope, names: set[str]) -> Iterator[
     unset = Label()
     before = dict(scope.locals)
     for name in sorted(names):
-        c.code.row(Op.JUMP_UNLESS, scope.given[name], c=unset)
+        c.code.row(op.JUMP_UNLESS, scope.given[name], c=unset)
         c.code.relied_on.add(scope.slots[name].key)  # also while nothing is known of it
         scope.locals[name] = scope.slots[name].value
     yield all(scope.slots[name].shape is not None for name in names)
@@ -107,10 +107,10 @@ def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: L
     code = c.code
     behavior = scope.inlined.behavior
     resumed = Label() if behavior is not None and behavior.node.invariants else scan
-    code.row(Op.SET_SLOT, body, c=begin)
-    code.row(Op.SET_SLOT, c.slot, c=resumed)
+    code.row(op.SET_SLOT, body, c=begin)
+    code.row(op.SET_SLOT, c.slot, c=resumed)
     if resumed is not scan:
-        code.row(Op.JUMP, c=scan)
+        code.row(op.JUMP, c=scan)
         code.put(resumed)
         check_invariants(c, scope)
     code.put_loop(scan)
@@ -124,7 +124,7 @@ def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[],
     enter(c, scope, body, begin, scan)
     with code.statement():
         over(end)
-    code.row(Op.RESUME, body)
+    code.row(op.RESUME, body)
     code.put(begin)
     begin.used = code.reachable = True
     with scope.in_dynamic_branch(), c.guarded(), c.block(body):
@@ -134,4 +134,4 @@ def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[],
 
 
 def abort(c: Compilation, scope: CompiledScope, node: nodes.Abort) -> None:
-    c.code.row(Op.JUMP, c=scope.inlined.aborts[-1])
+    c.code.row(op.JUMP, c=scope.inlined.aborts[-1])

@@ -9,8 +9,11 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation
-from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing, Op
-from scenic_lite.dynamics.machine.compiled import Compiled, leaves
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing
+from scenic_lite.dynamics.machine.compiled import Compiled
+from scenic_lite.dynamics.machine.opcodes import OPCODES
+from scenic_lite.dynamics.machine.register_values import leaves
 from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Tape, Value
@@ -61,7 +64,7 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
     for i, row in enumerate(rows):
-        table[i] = (row.op, *layout.operands(row, lists))
+        table[i] = (row.opcode, *layout.operands(row, lists))
     return Code(
         table,
         np.array([*lists, 0], dtype=np.uint32),
@@ -130,7 +133,7 @@ class Layout:
         return self.bases[register // AREA] + register % AREA
 
     def operands(self, row: Row, lists: list[int]) -> tuple[int, int, int]:
-        form = Op(row.op).form
+        form = OPCODES[row.opcode].operands
         a, b = (self(row.a) if form[0] in "abc" else 0), (self(row.b) if form[1] in "abc" else 0)
         if isinstance(row.c, Label):
             return a, b, row.c.row
@@ -149,24 +152,24 @@ def shortened(rows: list[Row]) -> list[Row]:
     first = following(rows)
     kept: list[Row] = []
     for i, row in enumerate(rows):
-        if isinstance(row.c, Label) and row.op != LABEL:
+        if isinstance(row.c, Label) and row.opcode != LABEL:
             target = final(row.c, rows, first)
-            if row.op in SKIPPING and first[i + 1] == first[target.row]:
+            if row.opcode in SKIPPING and first[i + 1] == first[target.row]:
                 continue
             row = row._replace(c=target)
         kept.append(row)
     return kept
 
 
-SKIPPING = frozenset({Op.JUMP, Op.JUMP_IF, Op.JUMP_UNLESS, Op.JUMP_EQUAL, Op.JUMP_NOT_EQUAL})
+SKIPPING = frozenset({op.JUMP, op.JUMP_IF, op.JUMP_UNLESS, op.JUMP_EQUAL, op.JUMP_NOT_EQUAL})
 
 
 def following(rows: list[Row]) -> list[int]:
     """For each position the first real row at it or behind; labels note where they stand."""
     first = [len(rows)] * (len(rows) + 1)
     for i, row in reversed(list(enumerate(rows))):
-        first[i] = first[i + 1] if row.op == LABEL else i
-        if row.op == LABEL:
+        first[i] = first[i + 1] if row.opcode == LABEL else i
+        if row.opcode == LABEL:
             assert isinstance(row.c, Label)
             row.c.row = i
     return first
@@ -176,7 +179,7 @@ def final(label: Label, rows: list[Row], first: list[int]) -> Label:
     """Where a jump to a label ends up."""
     for _ in range(20):
         at = first[label.row]
-        if at >= len(rows) or rows[at].op != Op.JUMP:
+        if at >= len(rows) or rows[at].opcode != op.JUMP:
             return label
         target = rows[at].c
         assert isinstance(target, Label)
@@ -186,10 +189,10 @@ def final(label: Label, rows: list[Row], first: list[int]) -> Label:
 
 def placed(rows: list[Row]) -> list[Row]:
     """The rows without the labels, which now know theirs."""
-    real = [row for row in rows if row.op != LABEL]
+    real = [row for row in rows if row.opcode != LABEL]
     at = 0
     for row in rows:
-        if row.op != LABEL:
+        if row.opcode != LABEL:
             at += 1
         else:
             assert isinstance(row.c, Label)

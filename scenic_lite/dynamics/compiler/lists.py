@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Instance, RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import Slot, pairs, settled, store
 from scenic_lite.dynamics.compiler.types import CAPACITY, Items, RegisterList, element_of, join, loaded, shape_of
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import membership
 from scenic_lite.evaluation.expressions import item_of
@@ -82,7 +83,7 @@ def element_at(c: Compilation, items: RegisterList, index: Value) -> Value:
     registers = []
     for leaf in range(items.element.size):
         registers.append(c.code.temporaries.take())
-        c.code.row(Op.FETCH, registers[-1], items.registers[1 + leaf * CAPACITY], place)
+        c.code.row(op.LOAD_INDEXED, registers[-1], items.registers[1 + leaf * CAPACITY], place)
     return loaded(items.element, iter(registers))
 
 
@@ -95,7 +96,7 @@ def item_at(c: Compilation, scope: Scope, container: Value, index: Value) -> Val
     if isinstance(container, RegisterList):
         place = from_start(c, index, container.length)
         inside = c.code.temporaries.take()
-        c.code.row(Op.IS_INDEX, inside, register_of(c.code, place), container.registers[0])
+        c.code.row(op.IS_INDEX, inside, register_of(c.code, place), container.registers[0])
         c.code.fault_unless(inside, "list index out of range")
         return element_at(c, container, place)
     items = scope.elements(container, ast.Pass())
@@ -170,7 +171,7 @@ def appended(c: Compilation, items: Value, item: Value) -> Value:
 def put_with_room(c: Compilation, items: RegisterList, item: Value) -> None:
     """Put an element behind the last, in place; a fault if there is no room."""
     fits = c.code.temporaries.take()
-    c.code.row(Op.LESS, fits, items.registers[0], c.code.constant(CAPACITY))
+    c.code.row(op.LESS, fits, items.registers[0], c.code.constant(CAPACITY))
     c.code.fault_unless(fits, f"a list grows beyond {CAPACITY} elements")
     put_at_end(c, items, item)
 
@@ -188,7 +189,7 @@ def as_live_list_of(c: Compilation, items: RegisterList, item: Value) -> Registe
 def put_at_end(c: Compilation, items: RegisterList, item: Value) -> None:
     """Put an element behind the last, in place."""
     put_at(c, items, items.registers[0], item)
-    c.code.row(Op.ADD, items.registers[0], items.registers[0], c.code.constant(1))
+    c.code.row(op.ADD, items.registers[0], items.registers[0], c.code.constant(1))
 
 
 def put_at(c: Compilation, items: RegisterList, place: int, item: Value) -> None:
@@ -198,7 +199,7 @@ def put_at(c: Compilation, items: RegisterList, place: int, item: Value) -> None
     registers = range(start, start + items.element.size)
     store(c.code, list(pairs(items.element, iter(registers), item)))
     for leaf, register in enumerate(registers):
-        c.code.row(Op.STORE, items.registers[1 + leaf * CAPACITY], place, register)
+        c.code.row(op.STORE, items.registers[1 + leaf * CAPACITY], place, register)
 
 
 def rebuilt(
@@ -213,13 +214,13 @@ def rebuilt(
     register_of(code, 0, at.register)
     again, over = Label(), Label()
     code.put_loop(again)
-    code.row(Op.JUMP_NOT_LESS, at.register, start, over)
+    code.row(op.JUMP_NOT_LESS, at.register, start, over)
     place = register_of(code, source(at))
     for leaf in range(0 if items.element is None else items.element.size):
-        code.row(Op.FETCH, value, items.registers[1 + leaf * CAPACITY], place)
-        code.row(Op.STORE, out.registers[1 + leaf * CAPACITY], at.register, value)
-    code.row(Op.ADD, at.register, at.register, code.constant(1))
-    code.row(Op.JUMP, c=again)
+        code.row(op.LOAD_INDEXED, value, items.registers[1 + leaf * CAPACITY], place)
+        code.row(op.STORE, out.registers[1 + leaf * CAPACITY], at.register, value)
+    code.row(op.ADD, at.register, at.register, code.constant(1))
+    code.row(op.JUMP, c=again)
     code.put(over)
     return out
 
@@ -334,11 +335,11 @@ def each_number(c: Compilation, numbers: LiveRange) -> Iterator[tuple[Value, Lab
     first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
     again, over, after = Label(), Label(), Label()
     c.code.put_loop(again)
-    c.code.row(Op.JUMP_NOT_LESS, first, second, over)
+    c.code.row(op.JUMP_NOT_LESS, first, second, over)
     yield RegisterValue(counter, whole=True), after
     c.code.put(after)
-    c.code.row(Op.ADD, counter, counter, c.code.constant(numbers.step))
-    c.code.row(Op.JUMP, c=again)
+    c.code.row(op.ADD, counter, counter, c.code.constant(numbers.step))
+    c.code.row(op.JUMP, c=again)
     c.code.put(over)
 
 
@@ -360,8 +361,8 @@ def each_object(c: Compilation, items: list[Value], counter: int) -> Iterator[tu
     c.code.put_loop(again)
     yield found, after
     c.code.put(after)
-    c.code.row(Op.ADD, counter, counter, c.code.constant(1))
-    c.code.row(Op.JUMP_LESS, counter, c.code.constant(len(items)), again)
+    c.code.row(op.ADD, counter, counter, c.code.constant(1))
+    c.code.row(op.JUMP_LESS, counter, c.code.constant(len(items)), again)
 
 
 def each_of(c: Compilation, items: RegisterList) -> Iterator[tuple[Value, Label]]:
@@ -370,9 +371,9 @@ def each_of(c: Compilation, items: RegisterList) -> Iterator[tuple[Value, Label]
     register_of(c.code, 0, counter)
     again, over, after = Label(), Label(), Label()
     c.code.put_loop(again)
-    c.code.row(Op.JUMP_NOT_LESS, counter, items.registers[0], over)
+    c.code.row(op.JUMP_NOT_LESS, counter, items.registers[0], over)
     yield element_at(c, items, RegisterValue(counter, whole=True)), after
     c.code.put(after)
-    c.code.row(Op.ADD, counter, counter, c.code.constant(1))
-    c.code.row(Op.JUMP, c=again)
+    c.code.row(op.ADD, counter, counter, c.code.constant(1))
+    c.code.row(op.JUMP, c=again)
     c.code.put(over)

@@ -14,7 +14,7 @@ from typing import Any
 from scenic_lite.core.scope import Watched
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
 
 
 @dataclass(eq=False)
@@ -111,8 +111,8 @@ class ScenarioInstance:
     def call_routine(self, code: Assembler, routine: Label) -> None:
         """Rows that run `stop` or `progress` and come back."""
         on = Label()
-        code.row(Op.SET_SLOT, self.back, c=on)
-        code.row(Op.JUMP, c=routine)
+        code.row(op.SET_SLOT, self.back, c=on)
+        code.row(op.JUMP, c=routine)
         code.put(on)
 
     def flagged(self, code: Assembler, at_rest: float = 0.0) -> int:

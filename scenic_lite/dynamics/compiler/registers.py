@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from itertools import islice
 
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.code import Assembler, RegisterValue
+from scenic_lite.dynamics.compiler.code import Assembler
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.types import (
     CAPACITY,
@@ -29,7 +29,8 @@ from scenic_lite.dynamics.compiler.types import (
     varies,
     varying,
 )
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, Value
 
@@ -111,7 +112,7 @@ def store(code: Assembler, moves: list[Pair]) -> None:
             if count < FEW:
                 register_of(code, value, to)
             else:
-                code.row(Op.COPY_MANY, to, value.register, count)
+                code.row(op.COPY_MANY, to, value.register, count)
         return
     found = [register_of(code, value) for _, value in moves]
     for i, register in enumerate(found):

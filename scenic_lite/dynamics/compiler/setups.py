@@ -15,7 +15,7 @@ from scenic_lite.core.scope import Scope, Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.parts import (
@@ -28,7 +28,8 @@ from scenic_lite.dynamics.compiler.parts import (
 )
 from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.watchers import Automaton
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.dynamics.reference.instant_statements import overriding
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.statements import keep_record, keep_termination
@@ -127,9 +128,9 @@ def start_monitor(c: Compilation, monitor: Monitor) -> None:
     """Check its guards and let it begin."""
     code, out = c.code, Label()
     if monitor.flag is not None:
-        code.row(Op.JUMP_UNLESS, monitor.flag, c=out)
+        code.row(op.JUMP_UNLESS, monitor.flag, c=out)
     check_first(c, monitor.call)
-    code.row(Op.SET_SLOT, monitor.slot, c=monitor.entry)
+    code.row(op.SET_SLOT, monitor.slot, c=monitor.entry)
     code.put(out)
 
 
@@ -191,7 +192,7 @@ def note_first(
     if key not in part.overridden:
         part.overridden[key] = Overridden(c.code.fixed.take(), save, restore)
     first, done = part.overridden[key], Label()
-    c.code.row(Op.JUMP_IF, first.flag, c=done)
+    c.code.row(op.JUMP_IF, first.flag, c=done)
     first.save()
     register_of(c.code, 1, first.flag)
     c.code.put(done)
@@ -217,7 +218,7 @@ def drive(c: Compilation, part: ScenarioInstance, target: Instance, value: Value
     drivers = {i: driver_of(c, part, target, option) for i, option in enumerate(options)}
     if isinstance(value, RandomChoice):
         first = register_of(code, drivers[0].number)
-        code.row(Op.ADD, register, first, register_of(code, value.index))
+        code.row(op.ADD, register, first, register_of(code, value.index))
     else:
         register_of(code, drivers[0].number, register)
     return drivers
@@ -240,12 +241,12 @@ def begin_driving(c: Compilation, value: Value, drivers: Drivers) -> None:
     for i, driver in drivers.items():
         following = Label()
         if isinstance(value, RandomChoice):
-            code.row(Op.JUMP_NOT_EQUAL, register_of(code, value.index), code.constant(i), following)
+            code.row(op.JUMP_NOT_EQUAL, register_of(code, value.index), code.constant(i), following)
         c.agent = driver.agent
         check_first(c, driver.call)
         c.agent = agent
-        code.row(Op.SET_SLOT, driver.slot, c=driver.entry)
-        code.row(Op.JUMP, c=end)
+        code.row(op.SET_SLOT, driver.slot, c=driver.entry)
+        code.row(op.JUMP, c=end)
         code.put(following)
     code.put(end)
 

@@ -17,7 +17,7 @@ from scenic_lite.dynamics.compiler.attributes import set_attribute
 from scenic_lite.dynamics.compiler.cases import SUBJECT, branches_of
 from scenic_lite.dynamics.compiler.changing import mutated
 from scenic_lite.dynamics.compiler.choices import combination
-from scenic_lite.dynamics.compiler.code import Label, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import (
     Compilation,
     CompiledScope,
@@ -31,7 +31,8 @@ from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
 from scenic_lite.dynamics.compiler.registers import Slot, copied, kept, settled
 from scenic_lite.dynamics.compiler.types import RegisterList, varies
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.dynamics.reference.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import TRACKED
@@ -138,7 +139,7 @@ def branch(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
         end = Label()
         with scope.in_dynamic_branch() if live else nullcontext():
             scope.run(node.body)
-            c.code.row(Op.JUMP, c=end)
+            c.code.row(op.JUMP, c=end)
             c.code.put(no)
             scope.run(node.orelse)
         c.code.put(end)
@@ -154,7 +155,7 @@ def repeat_while(c: Compilation, scope: CompiledScope, node: ast.While) -> None:
     with scope.in_dynamic_branch():
         in_loop(scope, loop, node.body)
         c.code.put(loop.again)
-        c.code.row(Op.AGAIN, c=again)
+        c.code.row(op.LOOP_BACK, c=again)
         c.code.put(failed)
         scope.run(node.orelse)
     c.code.put(loop.exit)
@@ -191,12 +192,12 @@ def count_through(c: Compilation, scope: CompiledScope, node: ast.For, numbers: 
 
     def done(label: Label) -> None:
         first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
-        code.row(Op.JUMP_NOT_LESS, first, second, label)
+        code.row(op.JUMP_NOT_LESS, first, second, label)
 
     def count() -> None:
-        code.row(Op.ADD, counter, counter, code.constant(numbers.step))
+        code.row(op.ADD, counter, counter, code.constant(numbers.step))
 
-    live_loop(c, scope, node, done, count, lambda: RegisterValue(counter, whole=numbers.whole), Op.AGAIN)
+    live_loop(c, scope, node, done, count, lambda: RegisterValue(counter, whole=numbers.whole), op.LOOP_BACK)
 
 
 def go_through(c: Compilation, scope: CompiledScope, node: ast.For, items: RegisterList) -> None:
@@ -207,10 +208,10 @@ def go_through(c: Compilation, scope: CompiledScope, node: ast.For, items: Regis
     register_of(code, 0, counter)
 
     def done(label: Label) -> None:
-        code.row(Op.JUMP_NOT_LESS, counter, items.length.register, label)
+        code.row(op.JUMP_NOT_LESS, counter, items.length.register, label)
 
     def count() -> None:
-        code.row(Op.ADD, counter, counter, code.constant(1))
+        code.row(op.ADD, counter, counter, code.constant(1))
 
     live_loop(c, scope, node, done, count, lambda: element_at(c, items, RegisterValue(counter, whole=True)))
 
@@ -236,10 +237,10 @@ def go_through_objects(c: Compilation, scope: CompiledScope, node: ast.For, item
     register_of(code, 0, counter)
 
     def done(label: Label) -> None:
-        code.row(Op.JUMP_NOT_LESS, counter, code.constant(len(items)), label)
+        code.row(op.JUMP_NOT_LESS, counter, code.constant(len(items)), label)
 
     def count() -> None:
-        code.row(Op.ADD, counter, counter, code.constant(1))
+        code.row(op.ADD, counter, counter, code.constant(1))
 
     live_loop(c, scope, node, done, count, lambda: among_objects(items, counter))
 
@@ -251,7 +252,7 @@ def live_loop(
     done: Callable[[Label], None],
     count: Callable[[], None],
     element: Callable[[], Value],
-    back: Op = Op.JUMP,
+    back: int = op.JUMP,
 ) -> None:
     """A loop whose rounds share their rows; `back` leads from one to the next."""
     code = c.code
@@ -330,20 +331,20 @@ def leave_loop(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
     if loop.leave is not None:
         loop.leave()
     c.give_up(loop.parts)
-    c.code.row(Op.JUMP, c=loop.exit)
+    c.code.row(op.JUMP, c=loop.exit)
 
 
 def next_round(c: Compilation, scope: CompiledScope, node: ast.Continue) -> None:
     loop = scope.inlined.loops[-1]
     c.give_up(loop.parts)
-    c.code.row(Op.JUMP, c=loop.again)
+    c.code.row(op.JUMP, c=loop.again)
 
 
 def give_back(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
     """`return`: of a behavior its end; of a function its value, in registers if it returns from several places."""
     inlined = scope.inlined
     if inlined.behavior is not None:
-        c.code.row(Op.JUMP, c=inlined.end)
+        c.code.row(op.JUMP, c=inlined.end)
         return
     value = None if node.value is None else scope.value(node.value)
     if inlined.live == 0 and inlined.result is None and not inlined.loops:
@@ -353,7 +354,7 @@ def give_back(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
     if inlined.result is None:
         inlined.result = Slot(c.code, c.shapes, (*inlined.path, "return"), varying=True)
     inlined.result.store(value)
-    c.code.row(Op.JUMP, c=inlined.end)
+    c.code.row(op.JUMP, c=inlined.end)
 
 
 def certify(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from scenic_lite.core.types import BehaviorCall, Bound, Function, Instance, RandomChoice, describe_kind
-from scenic_lite.dynamics.compiler.code import RegisterValue
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.strings import FormatEach
 from scenic_lite.values.geometry import Vector

@@ -14,15 +14,17 @@ from itertools import product
 from scenic_lite.core.scope import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
-from scenic_lite.dynamics.compiler.code import Label, Operands, RegisterValue
+from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.parts import ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.registers import kept
 from scenic_lite.dynamics.compiler.types import CAPACITY, RegisterList, flatten, loaded, unflatten
-from scenic_lite.dynamics.machine.bytecode import TERMINATED, Op
-from scenic_lite.dynamics.machine.compiled import Listed, Record
+from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import TERMINATED
+from scenic_lite.dynamics.machine.compiled import Record
+from scenic_lite.dynamics.machine.register_values import Listed, RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.temporal import Formula, Settled
 from scenic_lite.syntax import nodes
@@ -67,7 +69,7 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     for each in limits:
         tree, out = each.watched.tree, Label()
         if each.flag is not None:
-            code.row(Op.JUMP_UNLESS, each.flag, c=out)
+            code.row(op.JUMP_UNLESS, each.flag, c=out)
         duration = needs_number(frame_for(c, each.watched).value(tree.duration), "a duration")
         register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
         code.put(out)
@@ -82,7 +84,7 @@ def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callabl
         scope = frame_for(c, watched)
         with c.code.statement():
             if each.flag is not None:
-                c.code.row(Op.JUMP_UNLESS, each.flag, c=no)
+                c.code.row(op.JUMP_UNLESS, each.flag, c=no)
             jump_on(c, scope, watched.tree.condition, no, when=False)
             end(watched.label)
             c.code.put(no)
@@ -94,7 +96,7 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
     def end(label: str) -> None:
         register_of(c.code, RegisterValue(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
-        c.code.row(Op.JUMP, c=done)
+        c.code.row(op.JUMP, c=done)
 
     for i, part in enumerate(main.family()):
         with while_running(c, part, i):
@@ -107,7 +109,7 @@ def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterat
     """Rows written inside are for a scenario while it runs."""
     out = Label()
     if part.parent is not None:
-        c.code.row(Op.JUMP_UNLESS, part.running, c=out)
+        c.code.row(op.JUMP_UNLESS, part.running, c=out)
     with c.within(part), c.rounds(number):
         yield
     c.code.put(out)
@@ -130,7 +132,7 @@ def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
 def take_record(c: Compilation, each: WatchedItem) -> None:
     code, tree, out = c.code, each.watched.tree, Label()
     if each.flag is not None:
-        code.row(Op.JUMP_UNLESS, each.flag, c=out)
+        code.row(op.JUMP_UNLESS, each.flag, c=out)
     value = in_registers(c, kept(code, frame_for(c, each.watched).value(tree.value)))
     taken = code.fixed.take()
     code.begin_with(taken, -1)
@@ -217,18 +219,18 @@ def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
         if isinstance(automaton.states[number], Settled):
             continue
         other = Label()
-        code.row(Op.JUMP_NOT_EQUAL, state, code.constant(number), other)
+        code.row(op.JUMP_NOT_EQUAL, state, code.constant(number), other)
         index = code.temporaries.take()
         register_of(code, 0, index)
         for atom in atoms:
             no = Label()
-            code.row(Op.ADD, index, index, index)
+            code.row(op.ADD, index, index, index)
             with code.statement():
                 jump_on(c, scope, atom, no, when=False)
-            code.row(Op.ADD, index, index, code.constant(1))
+            code.row(op.ADD, index, index, code.constant(1))
             code.put(no)
-        code.row(Op.PICK, state, index, Operands(tuple(code.constant(each) for each in following)))
-        code.row(Op.JUMP, c=end)
+        code.row(op.SELECT, state, index, Operands(tuple(code.constant(each) for each in following)))
+        code.row(op.JUMP, c=end)
         code.put(other)
     code.put(end)
     refuse(c, each.watched, state, [i for i, each in enumerate(automaton.states) if each == Settled(False)])
@@ -246,6 +248,6 @@ def refuse(c: Compilation, watched: Watched, state: int, bad: list[int]) -> None
     """Reject the match in some states."""
     for number in bad:
         fine = Label()
-        c.code.row(Op.JUMP_NOT_EQUAL, state, c.code.constant(number), fine)
+        c.code.row(op.JUMP_NOT_EQUAL, state, c.code.constant(number), fine)
         c.reject(watched.label)
         c.code.put(fine)

@@ -10,23 +10,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import in_row
-from scenic_lite.core.types import RandomChoice
 from scenic_lite.core.world import Commands, Verdict
-from scenic_lite.dynamics.compiler.code import TOLD, RegisterValue
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import (
     FAULT,
+    FAULT_MESSAGES,
     FAULT_ROW,
+    INFINITE_LOOP,
+    MAX_LOOP_ITERATIONS,
+    MESSAGE_SLOT,
     NO_COMMAND,
-    PATIENCE,
     REJECTED,
     TERMINATED,
     Code,
-    Fault,
     Listing,
-    Op,
     disassemble,
 )
+from scenic_lite.dynamics.machine.register_values import plain
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.kernels.rng import streams
@@ -45,13 +45,6 @@ class Record(NamedTuple):
     when: str
     taken: int
     value: Value
-
-
-class Listed(NamedTuple):
-    """A list in registers whose length varies: of the elements the first ones count."""
-
-    length: RegisterValue
-    elements: list[Value]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,14 +114,14 @@ class Compiled:
         if registers[FAULT] == 0:
             return None
         row = min(int(registers[FAULT_ROW]), len(self.places) - 1)
-        fault = Fault(int(registers[FAULT]))
-        if fault is Fault.ENDLESS:
+        fault = int(registers[FAULT])
+        if fault == INFINITE_LOOP:
             hint = "is a take or wait missing in a loop?"
-            message = f"more than {PATIENCE:,} rounds of loops without an action"
+            message = f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action"
             return self.program.error("budget", message, self.places[row], hint)
-        message = self.listing.notes.get(row, "") or fault.words
-        if Op(self.code.rows[row, 0]) is Op.FAULT_UNLESS:
-            message = message.replace(TOLD, f"{registers[self.code.rows[row, 2]]:g}")
+        message = self.listing.notes.get(row, "") or FAULT_MESSAGES[fault]
+        if self.code.rows[row, 0] == op.FAULT_UNLESS:
+            message = message.replace(MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
         return self.program.error("value", message, self.places[row])
 
     def rendered(self, number: float, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> tuple[Value, ...]:
@@ -143,45 +136,6 @@ class Compiled:
         return plain(value, registers, dict(scene), names)
 
 
-def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], names: dict[int, str]) -> Value:
-    """A value with everything in it that stands in registers."""
-    if isinstance(value, Listed):
-        count = int(registers[value.length.register])
-        return [plain(each, registers, row, names) for each in value.elements[:count]]
-    for leaf in leaves(value):
-        number = float(registers[leaf.register])
-        if leaf.kind == "text":
-            row[leaf] = names[int(number)]
-        elif leaf.kind == "truth":
-            row[leaf] = bool(number)
-        else:
-            row[leaf] = int(number) if leaf.whole else number
-    found = in_row(value, row)
-    if isinstance(found, Listed):
-        return plain(found, registers, row, names)
-    if isinstance(found, dict):
-        return {key: plain(each, registers, row, names) for key, each in found.items()}
-    if isinstance(found, list | tuple):
-        return type(found)(plain(each, registers, row, names) for each in found)
-    return found
-
-
-def leaves(value: Value) -> list[RegisterValue]:
-    """The registers in a value."""
-    if isinstance(value, RegisterValue):
-        return [value]
-    if isinstance(value, RandomExpr):
-        return [leaf for each in value.inputs for leaf in leaves(each)]
-    if isinstance(value, RandomChoice):
-        return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
-    if isinstance(value, Listed):
-        value = [value.length, *value.elements]
-    if isinstance(value, dict):
-        value = list(value.values())
-    parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
-    return [leaf for each in parts for leaf in leaves(each)]
-
-
 # ------------------------------------------------------------ one match from Python
 
 
@@ -192,8 +146,8 @@ class CompiledController:
         self.compiled = compiled
         theta = np.asarray(theta, dtype=float)[None]
         self.registers = compiled.registers(theta)[0]
-        self.holder = np.zeros(1, dtype=HOLDER).view(np.recarray)[0]
-        self.holder.random = streams([seed])[0]
+        self.rng = np.zeros(1, dtype=RNG_DTYPE).view(np.recarray)[0]
+        self.rng.random = streams([seed])[0]
         self._scene: dict[RandomExpr, Value] = dict(compiled.program.row(theta[0]))
         self.commands = np.full(len(compiled.program.objects), NO_COMMAND)
         self.records: dict[str, Any] = {}  # as of `Reference`
@@ -202,7 +156,7 @@ class CompiledController:
         """As `Reference.act`."""
         self._see(world, facts)
         with np.errstate(all="ignore"):
-            run_behaviors(self.compiled.code, self.registers, self.commands, self.holder)
+            run_behaviors(self.compiled.code, self.registers, self.commands, self.rng)
         self._check()
         self._note("initial", "final")
         actions = tuple(self._actions(number) for number in self.commands)
@@ -227,7 +181,7 @@ class CompiledController:
         self._see(world, facts)
         running = not over(self.registers)
         with np.errstate(all="ignore"):
-            reward = run_watchers(self.compiled.code, self.registers, self.holder)
+            reward = run_watchers(self.compiled.code, self.registers, self.rng)
         self._check()
         if running:
             self._note("initial", "each", "final")
@@ -236,7 +190,7 @@ class CompiledController:
     def finish(self) -> str | None:
         """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
         if not over(self.registers):
-            end(self.compiled.code, self.registers, self.commands, self.holder)
+            end(self.compiled.code, self.registers, self.commands, self.rng)
             self._note("final")
         return self._rejected()
 
@@ -272,4 +226,4 @@ class CompiledController:
         return self.compiled.broken[number - 1] if number else None
 
 
-HOLDER = np.dtype([("random", "u8")])
+RNG_DTYPE = np.dtype([("random", "u8")])

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from scenic_lite.core.types import Instance
-from scenic_lite.dynamics.compiler.code import RegisterValue
 from scenic_lite.dynamics.machine.compiled import Compiled, Record
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.values.geometry import Vector
 
 

@@ -11,22 +11,26 @@ import math
 
 import numpy as np
 
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import (
     COMPLETE,
+    DIVISION_BY_ZERO,
+    DOMAIN_ERROR,
     FAULT,
     FAULT_ROW,
+    INDEX_ERROR,
+    INFINITE_LOOP,
+    MAX_LOOP_ITERATIONS,
     MOST_ROWS,
     NO_COMMAND,
-    PATIENCE,
+    PROGRAM_ERROR,
     REJECTED,
     REWARD,
     SEEN,
     TERMINATED,
-    Fault,
-    Op,
 )
 from scenic_lite.dynamics.machine.vm_geometry import (
-    cut,
+    bucketize,
     in_rectangle,
     in_rings,
     in_sector,
@@ -40,84 +44,6 @@ from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
 TURN = 2 * math.pi
-ENDLESS, ZERO, DOMAIN, INDEX, OWN = map(int, (Fault.ENDLESS, Fault.ZERO, Fault.DOMAIN, Fault.INDEX, Fault.OWN))
-# Numba reads plain integers faster than members of an enumeration, and compiles them to constants.
-(
-    _END,
-    _TAKE,
-    _WAIT,
-    _JUMP,
-    _JUMP_IF,
-    _JUMP_UNLESS,
-    _JUMP_LESS,
-    _JUMP_NOT_LESS,
-    _JUMP_LESS_EQUAL,
-    _JUMP_NOT_LESS_EQUAL,
-    _JUMP_EQUAL,
-    _JUMP_NOT_EQUAL,
-    _SET_SLOT,
-    _RESUME,
-    _RESUME_IF_RUNNING,
-    _COPY,
-    _PICK,
-    _FETCH,
-    _STORE,
-    _ADD,
-    _SUBTRACT,
-    _MULTIPLY,
-    _DIVIDE,
-    _FLOOR_DIVIDE,
-    _MODULO,
-    _POWER,
-    _NEGATE,
-    _ABSOLUTE,
-    _MINIMUM,
-    _MAXIMUM,
-    _LESS,
-    _LESS_EQUAL,
-    _EQUAL,
-    _NOT_EQUAL,
-    _AND,
-    _OR,
-    _NOT,
-    _SQUARE_ROOT,
-    _HYPOTENUSE,
-    _SINE,
-    _COSINE,
-    _TANGENT,
-    _ARC_SINE,
-    _ARC_COSINE,
-    _ARC_TANGENT,
-    _ARC_TANGENT_2,
-    _EXPONENTIAL,
-    _LOGARITHM,
-    _LOGARITHM_2,
-    _LOGARITHM_10,
-    _FLOOR,
-    _CEILING,
-    _TRUNCATE,
-    _ROUND,
-    _ROUND_DIGITS,
-    _COPY_SIGN,
-    _REMAINDER,
-    _NORMALISE,
-    _IN_SECTOR,
-    _IN_RECTANGLE,
-    _RECTANGLES_MEET,
-    _SECTOR_MEETS,
-    _IN_RINGS,
-    _DRAW,
-    _CUT,
-    _QUANTILE,
-    _SORT,
-    _REJECT,
-    _TERMINATE,
-    _FAULT,
-    _FAULT_UNLESS,
-    _IS_INDEX,
-    _AGAIN,
-    _COPY_MANY,
-) = map(int, Op)
 
 
 @kernel
@@ -129,123 +55,123 @@ def stop(registers, fault, row):
 
 
 @kernel
-def run_thread(code, registers, commands, thread, holder):
-    """Resume one thread until it lets time pass, ends or fails. `holder.random` is the match's stream."""
+def run_thread(code, registers, commands, thread, rng):
+    """Resume one thread until it lets time pass, ends or fails. `rng.random` is the match's stream."""
     rows, lists = code.rows, code.lists
-    thing = code.threads[thread, 1]
-    at = int(registers[code.threads[thread, 0]])
-    if at == 0:
+    obj = code.threads[thread, 1]
+    pc = int(registers[code.threads[thread, 0]])
+    if pc == 0:
         return
     rounds = 0
     for _ in range(MOST_ROWS):
-        op, a, b, c = rows[at, 0], rows[at, 1], rows[at, 2], rows[at, 3]
-        at += 1
-        if op == _COPY:
+        opcode, a, b, c = rows[pc, 0], rows[pc, 1], rows[pc, 2], rows[pc, 3]
+        pc += 1
+        if opcode == op.COPY:
             registers[a] = registers[b]
-        elif op == _ADD:
+        elif opcode == op.ADD:
             registers[a] = registers[b] + registers[c]
-        elif op == _SUBTRACT:
+        elif opcode == op.SUBTRACT:
             registers[a] = registers[b] - registers[c]
-        elif op == _MULTIPLY:
+        elif opcode == op.MULTIPLY:
             registers[a] = registers[b] * registers[c]
-        elif op == _DIVIDE:
+        elif opcode == op.DIVIDE:
             if registers[c] == 0:
-                stop(registers, ZERO, at - 1)
+                stop(registers, DIVISION_BY_ZERO, pc - 1)
                 return
             registers[a] = registers[b] / registers[c]
-        elif op == _JUMP:
-            at = c
-        elif op == _JUMP_IF:
+        elif opcode == op.JUMP:
+            pc = c
+        elif opcode == op.JUMP_IF:
             if registers[a] != 0:
-                at = c
-        elif op == _JUMP_UNLESS:
+                pc = c
+        elif opcode == op.JUMP_UNLESS:
             if registers[a] == 0:
-                at = c
-        elif op == _JUMP_LESS:
+                pc = c
+        elif opcode == op.JUMP_LESS:
             if registers[a] < registers[b]:
-                at = c
-        elif op == _JUMP_NOT_LESS:
+                pc = c
+        elif opcode == op.JUMP_NOT_LESS:
             if not registers[a] < registers[b]:
-                at = c
-        elif op == _JUMP_LESS_EQUAL:
+                pc = c
+        elif opcode == op.JUMP_LESS_EQUAL:
             if registers[a] <= registers[b]:
-                at = c
-        elif op == _JUMP_NOT_LESS_EQUAL:
+                pc = c
+        elif opcode == op.JUMP_NOT_LESS_EQUAL:
             if not registers[a] <= registers[b]:
-                at = c
-        elif op == _JUMP_EQUAL:
+                pc = c
+        elif opcode == op.JUMP_EQUAL:
             if registers[a] == registers[b]:
-                at = c
-        elif op == _JUMP_NOT_EQUAL:
+                pc = c
+        elif opcode == op.JUMP_NOT_EQUAL:
             if registers[a] != registers[b]:
-                at = c
-        elif op == _AGAIN:
+                pc = c
+        elif opcode == op.LOOP_BACK:
             rounds += 1
-            if rounds > PATIENCE:
-                stop(registers, ENDLESS, at - 1)
+            if rounds > MAX_LOOP_ITERATIONS:
+                stop(registers, INFINITE_LOOP, pc - 1)
                 return
-            at = c
-        elif op == _TAKE:
-            commands[thing] = registers[a]
+            pc = c
+        elif opcode == op.TAKE:
+            commands[obj] = registers[a]
             registers[b] = c
             return
-        elif op == _WAIT:
+        elif opcode == op.WAIT:
             registers[b] = c
             return
-        elif op == _SET_SLOT:
+        elif opcode == op.SET_SLOT:
             registers[a] = c
-        elif op == _RESUME:
-            at = int(registers[a])
-        elif op == _RESUME_IF_RUNNING:
+        elif opcode == op.RESUME:
+            pc = int(registers[a])
+        elif opcode == op.RESUME_IF_RUNNING:
             if registers[a] != 0:
-                at = int(registers[a])
-        elif op == _PICK:
+                pc = int(registers[a])
+        elif opcode == op.SELECT:
             place = int(registers[b])
             if place < 0 or place >= lists[c - 1]:
-                stop(registers, INDEX, at - 1)
+                stop(registers, INDEX_ERROR, pc - 1)
                 return
             registers[a] = registers[lists[c + place]]
-        elif op == _FETCH:
+        elif opcode == op.LOAD_INDEXED:
             registers[a] = registers[b + int(registers[c])]
-        elif op == _STORE:
+        elif opcode == op.STORE:
             registers[a + int(registers[b])] = registers[c]
-        elif op == _LESS:
+        elif opcode == op.LESS:
             registers[a] = registers[b] < registers[c]
-        elif op == _LESS_EQUAL:
+        elif opcode == op.LESS_EQUAL:
             registers[a] = registers[b] <= registers[c]
-        elif op == _EQUAL:
+        elif opcode == op.EQUAL:
             registers[a] = registers[b] == registers[c]
-        elif op == _NOT_EQUAL:
+        elif opcode == op.NOT_EQUAL:
             registers[a] = registers[b] != registers[c]
-        elif op == _AND:
+        elif opcode == op.AND:
             registers[a] = registers[b] != 0 and registers[c] != 0
-        elif op == _OR:
+        elif opcode == op.OR:
             registers[a] = registers[b] != 0 or registers[c] != 0
-        elif op == _NOT:
+        elif opcode == op.NOT:
             registers[a] = registers[b] == 0
-        elif op == _HYPOTENUSE:
+        elif opcode == op.HYPOTENUSE:
             registers[a] = math.hypot(registers[b], registers[c])
-        elif op == _NORMALISE:
+        elif opcode == op.NORMALISE:
             registers[a] = registers[b] - TURN * np.rint(registers[b] / TURN)
-        elif op == _ARC_TANGENT_2:
+        elif opcode == op.ARC_TANGENT_2:
             registers[a] = math.atan2(registers[b], registers[c])
-        elif op == _NEGATE:
+        elif opcode == op.NEGATE:
             registers[a] = -registers[b]
-        elif op == _ABSOLUTE:
+        elif opcode == op.ABSOLUTE:
             registers[a] = abs(registers[b])
-        elif op == _MINIMUM:
+        elif opcode == op.MINIMUM:
             registers[a] = registers[c] if registers[c] < registers[b] else registers[b]
-        elif op == _MAXIMUM:
+        elif opcode == op.MAXIMUM:
             registers[a] = registers[c] if registers[c] > registers[b] else registers[b]
-        elif op == _SINE:
+        elif opcode == op.SINE:
             registers[a] = math.sin(registers[b])
-        elif op == _COSINE:
+        elif opcode == op.COSINE:
             registers[a] = math.cos(registers[b])
-        elif op == _DRAW:
-            registers[a] = registers[b] + registers[c] * uniform(holder)
-        elif op == _CUT:
-            registers[a] = cut(registers[b], registers, lists, c)
-        elif op == _IN_SECTOR:
+        elif opcode == op.DRAW:
+            registers[a] = registers[b] + registers[c] * uniform(rng)
+        elif opcode == op.BUCKETIZE:
+            registers[a] = bucketize(registers[b], registers, lists, c)
+        elif opcode == op.IN_SECTOR:
             registers[a] = in_sector(
                 registers[lists[c]],
                 registers[lists[c + 1]],
@@ -253,55 +179,55 @@ def run_thread(code, registers, commands, thread, holder):
                 registers[lists[c + 3]],
                 registers[lists[c + 4]],
             )
-        elif op == _IN_RECTANGLE:
+        elif opcode == op.IN_RECTANGLE:
             registers[a] = in_rectangle(registers, lists, c)
-        elif op == _END:
+        elif opcode == op.END:
             registers[a] = 0
             return
-        elif op == _TERMINATE:
+        elif opcode == op.TERMINATE:
             registers[TERMINATED] = registers[a]
             registers[b] = c
             return
-        elif op == _REJECT:
+        elif opcode == op.REJECT:
             registers[REJECTED] = c
             return
-        elif op == _FAULT:
-            stop(registers, OWN, at - 1)
+        elif opcode == op.FAULT:
+            stop(registers, PROGRAM_ERROR, pc - 1)
             return
-        elif op == _FAULT_UNLESS:
+        elif opcode == op.FAULT_UNLESS:
             if registers[a] == 0:
-                stop(registers, OWN, at - 1)
+                stop(registers, PROGRAM_ERROR, pc - 1)
                 return
-        elif op == _IS_INDEX:
+        elif opcode == op.IS_INDEX:
             registers[a] = 0 <= registers[b] < registers[c] and registers[b] == np.floor(registers[b])
-        elif op == _COPY_MANY:
+        elif opcode == op.COPY_MANY:
             for i in range(c):
                 registers[a + i] = registers[b + i]
-        elif op == _SORT:
+        elif opcode == op.SORT:
             sort_order(registers, a, b, int(registers[c]))
-        elif op in (_FLOOR_DIVIDE, _MODULO, _REMAINDER):
+        elif opcode in (op.FLOOR_DIVIDE, op.MODULO, op.REMAINDER):
             if registers[c] == 0:
-                stop(registers, ZERO if op != _REMAINDER else DOMAIN, at - 1)
+                stop(registers, DIVISION_BY_ZERO if opcode != op.REMAINDER else DOMAIN_ERROR, pc - 1)
                 return
-            registers[a] = divided(op, registers[b], registers[c])
+            registers[a] = divided(opcode, registers[b], registers[c])
         else:
-            result, fine = computed(code, registers, op, b, c)
+            result, fine = computed(code, registers, opcode, b, c)
             if not fine:
-                stop(registers, ZERO if op == _POWER and registers[b] == 0 else DOMAIN, at - 1)
+                stop(registers, DIVISION_BY_ZERO if opcode == op.POWER and registers[b] == 0 else DOMAIN_ERROR, pc - 1)
                 return
             registers[a] = result
-    stop(registers, ENDLESS, at - 1)
+    stop(registers, INFINITE_LOOP, pc - 1)
 
 
 @kernel
-def divided(op, x, y):
+def divided(opcode, x, y):
     """The divisions that round, of which none is by 0."""
-    if op == _REMAINDER:
+    if opcode == op.REMAINDER:
         return np.fmod(x, y)
     rest = np.fmod(x, y)
     if rest != 0 and (rest < 0) != (y < 0):
         rest += y
-    if op == _MODULO:
+    if opcode == op.MODULO:
         return rest if rest != 0 else math.copysign(0.0, y)
     quotient = (x - rest) / y
     if quotient == 0:
@@ -311,74 +237,74 @@ def divided(op, x, y):
 
 
 @kernel
-def computed(code, registers, op, b, c):
+def computed(code, registers, opcode, b, c):
     """The rarer functions: the result, and whether there is one. Integers have no -0, hence `+ 0.0`."""
     x = registers[b]
-    if op == _POWER:
+    if opcode == op.POWER:
         return power(x, registers[c])
-    if op == _SQUARE_ROOT:
+    if opcode == op.SQUARE_ROOT:
         return math.sqrt(max(x, 0.0)), x >= 0
-    if op == _FLOOR:
+    if opcode == op.FLOOR:
         return np.floor(x) + 0.0, np.isfinite(x)
-    if op == _CEILING:
+    if opcode == op.CEILING:
         return np.ceil(x) + 0.0, np.isfinite(x)
-    if op == _TRUNCATE:
+    if opcode == op.TRUNCATE:
         return np.trunc(x) + 0.0, np.isfinite(x)
-    if op == _ROUND:
+    if opcode == op.ROUND:
         return np.rint(x) + 0.0, np.isfinite(x)
-    if op == _ROUND_DIGITS:
+    if opcode == op.ROUND_DIGITS:
         scale = 10.0 ** registers[c]
         return np.rint(x * scale) / scale, True
-    if op == _TANGENT:
+    if opcode == op.TANGENT:
         return math.tan(x), True
-    if op == _ARC_SINE:
+    if opcode == op.ARC_SINE:
         return math.asin(min(max(x, -1.0), 1.0)), abs(x) <= 1
-    if op == _ARC_COSINE:
+    if opcode == op.ARC_COSINE:
         return math.acos(min(max(x, -1.0), 1.0)), abs(x) <= 1
-    if op == _ARC_TANGENT:
+    if opcode == op.ARC_TANGENT:
         return math.atan(x), True
-    if op == _EXPONENTIAL:
+    if opcode == op.EXPONENTIAL:
         return math.exp(min(x, 709.0)), x <= 709.0
-    if op == _LOGARITHM:
+    if opcode == op.LOGARITHM:
         return math.log(max(x, 1e-300)), x > 0
-    if op == _LOGARITHM_2:
+    if opcode == op.LOGARITHM_2:
         return math.log2(max(x, 1e-300)), x > 0
-    if op == _LOGARITHM_10:
+    if opcode == op.LOGARITHM_10:
         return math.log10(max(x, 1e-300)), x > 0
-    if op == _COPY_SIGN:
+    if opcode == op.COPY_SIGN:
         return math.copysign(x, registers[c]), True
-    if op == _RECTANGLES_MEET:
+    if opcode == op.RECTANGLES_MEET:
         return (1.0 if rectangles_meet(registers, code.lists, c) else 0.0), True
-    if op == _SECTOR_MEETS:
+    if opcode == op.SECTOR_MEETS:
         return (1.0 if sector_meets(registers, code.lists, c) else 0.0), True
-    if op == _IN_RINGS:
+    if opcode == op.IN_RINGS:
         return (1.0 if in_rings(registers, code.lists, c) else 0.0), True
-    if op == _QUANTILE:
+    if opcode == op.QUANTILE:
         return quantile(x), True
     return 0.0, False
 
 
 @kernel
-def run_threads(code, registers, commands, first, count, holder):
+def run_threads(code, registers, commands, first, count, rng):
     """Resume some threads, in order, as long as nothing is broken."""
     for thread in range(first, first + count):
         if registers[FAULT] != 0 or registers[REJECTED] != 0:
             return
-        run_thread(code, registers, commands, thread, holder)
+        run_thread(code, registers, commands, thread, rng)
 
 
 @kernel
-def step_scenario(code, registers, commands, holder):
+def step_scenario(code, registers, commands, rng):
     """The scenario takes one step at each time, by whatever it is asked for first."""
     if registers[SEEN] < registers[code.clock]:
         registers[SEEN] = registers[code.clock]
-        run_threads(code, registers, commands, 0, code.scenarios, holder)
+        run_threads(code, registers, commands, 0, code.scenarios, rng)
 
 
 @kernel
-def end(code, registers, commands, holder):
+def end(code, registers, commands, rng):
     """The match ends: it is rejected if that leaves a requirement unsatisfied."""
-    run_threads(code, registers, commands, code.threads.shape[0] - 1, 1, holder)
+    run_threads(code, registers, commands, code.threads.shape[0] - 1, 1, rng)
 
 
 @kernel
@@ -388,7 +314,7 @@ def over(registers):
 
 
 @kernel
-def run_behaviors(code, registers, commands, holder):
+def run_behaviors(code, registers, commands, rng):
     """One step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND where there is none.
 
     The registers hold the world and the facts of now. Afterwards they say in `TERMINATED`, `REJECTED` and `FAULT`
@@ -397,40 +323,40 @@ def run_behaviors(code, registers, commands, holder):
     commands[:] = NO_COMMAND
     if over(registers):
         return
-    step_scenario(code, registers, commands, holder)
+    step_scenario(code, registers, commands, rng)
     if registers[COMPLETE] != 0:
         registers[TERMINATED] = registers[COMPLETE]
     for thread in range(code.scenarios, code.scenarios + code.behaviors):
         if over(registers):
             break
-        run_thread(code, registers, commands, thread, holder)
+        run_thread(code, registers, commands, thread, rng)
     if over(registers):
         commands[:] = NO_COMMAND
         if registers[TERMINATED] != 0:
-            end(code, registers, commands, holder)
+            end(code, registers, commands, rng)
 
 
 @kernel
-def run_watchers(code, registers, holder):
+def run_watchers(code, registers, rng):
     """One step of all that watches a match; returns the reward and clears it.
 
     First what is recorded, then the monitors, then the conditions that end the match.
     """
     if over(registers):
         return 0.0
-    step_scenario(code, registers, registers, holder)
+    step_scenario(code, registers, registers, rng)
     first = code.scenarios + code.behaviors
-    run_threads(code, registers, registers, first, code.records, holder)
+    run_threads(code, registers, registers, first, code.records, rng)
     first += code.records
     if registers[COMPLETE] == 0 or code.parting:
-        run_threads(code, registers, registers, first, code.monitors, holder)
+        run_threads(code, registers, registers, first, code.monitors, rng)
     if registers[TERMINATED] == 0:
         if registers[COMPLETE] != 0:
             registers[TERMINATED] = registers[COMPLETE]
         else:
-            run_threads(code, registers, registers, first + code.monitors, 1, holder)
+            run_threads(code, registers, registers, first + code.monitors, 1, rng)
     if registers[TERMINATED] != 0:
-        end(code, registers, registers, holder)
+        end(code, registers, registers, rng)
     reward = registers[REWARD]
     registers[REWARD] = 0.0
     return reward

@@ -127,7 +127,7 @@ def in_rings(registers, lists, at):
 
 
 @kernel
-def cut(value, registers, lists, at):
+def bucketize(value, registers, lists, at):
     """How many of the rising numbers of a list are at most `value`."""
     count = 0
     while count < lists[at - 1] and registers[lists[at + count]] <= value:

@@ -20,7 +20,7 @@ from scenic_lite.core.budget import Budget
 from scenic_lite.core.scope import in_row
 from scenic_lite.core.types import Builtin, Instance, Namespace
 from scenic_lite.core.world import World
-from scenic_lite.dynamics.machine.bytecode import PATIENCE
+from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
 from scenic_lite.dynamics.reference.episode_rng import Draws
 from scenic_lite.dynamics.reference.program_state import Belongings
 from scenic_lite.errors import ScenicError
@@ -51,9 +51,11 @@ class Patience(Budget):
 
     def round(self) -> None:
         self.rounds += 1
-        if self.rounds > PATIENCE:
+        if self.rounds > MAX_LOOP_ITERATIONS:
             hint = "is a take or wait missing in a loop?"
-            raise ScenicError("budget", f"more than {PATIENCE:,} rounds of loops without an action", hint=hint)
+            raise ScenicError(
+                "budget", f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action", hint=hint
+            )
 
 
 class Episode:

@@ -13,9 +13,9 @@ from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import ScenicError, load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine import vm
-from scenic_lite.dynamics.machine.bytecode import Op
+from scenic_lite.dynamics.machine import opcodes, vm
 from scenic_lite.dynamics.machine.compiled import CompiledController
+from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import toy_world
 from tests.scenic_lite.dynamics import feature_programs, python_programs
@@ -59,7 +59,7 @@ def test_watchers_give_the_same_verdicts():
 def test_every_opcode_is_used():
     texts = [*map(feature_programs.program, feature_programs.BODIES), feature_programs.watched_program(), FAULTY]
     used = {op for text in texts for op in differences(text, range(1), steps=3)[1].code.rows[:, 0].tolist()}
-    assert {op.name for op in Op} - {Op(each).name for each in used} == set()
+    assert {row.name for i, row in enumerate(OPCODES) if i not in used} == set()
 
 
 FAULTY = feature_programs.DEFINITIONS + "behavior Main():\n    assert self.position.y < 2\n    take 'a'\n"
@@ -162,7 +162,8 @@ def test_disassembly_shows_the_lines_of_the_program():
 
 
 def test_every_opcode_says_what_it_does():
-    assert all(op.meaning and len(op.form) == 3 for op in Op)
+    assert all(getattr(opcodes, row.name) == number for number, row in enumerate(OPCODES))
+    assert all(row.meaning and len(row.operands) == 3 for row in OPCODES)
 
 
 # ------------------------------------------------------------ faults
@@ -209,10 +210,10 @@ def test_other_matches_go_on():
     program = load(text, dialect=3)
     compiled = compile_program(program, toy_world())
     rows = compiled.registers(program.sample(2, np.random.default_rng(0))[0])
-    commands, holder = np.zeros((2, 3)), np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
+    commands, rng = np.zeros((2, 3)), np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
     for match, y in enumerate((0.0, 2.0)):
         rows[match, compiled.world_base + 1] = y
-        vm.run_behaviors(compiled.code, rows[match], commands[match], holder)
+        vm.run_behaviors(compiled.code, rows[match], commands[match], rng)
     assert compiled.fault(rows[0]) is not None
     assert compiled.fault(rows[1]) is None
     assert commands[1, 0] >= 0 > commands[0, 0]

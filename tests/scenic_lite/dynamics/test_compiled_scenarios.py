@@ -68,12 +68,12 @@ def test_many_matches_record_side_by_side():
     compiled = compile_program(loaded, toy_world())
     theta = loaded.sample(4, np.random.default_rng(1))[0]
     rows = compiled.registers(theta)
-    holder = np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
+    rng = np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
     assert np.isnan(recorded(compiled, rows)["y"]).all()
     for match, row in enumerate(rows[:3]):
         table = first_table(loaded, theta[match])
         row[compiled.world_base : compiled.world_base + table.size] = table.ravel()
-        vm.run_watchers(compiled.code, row, holder)
+        vm.run_watchers(compiled.code, row, rng)
     found = recorded(compiled, rows)
     y = [first_table(loaded, each)[0, 1] for each in theta[:3]]
     assert found["y"].tolist()[:3] == found["first"].tolist()[:3] == found["place"][:3, 1].tolist() == y

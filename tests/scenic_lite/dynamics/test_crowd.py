@@ -11,8 +11,8 @@ from scenic_lite import load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler import lists
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine.bytecode import Op
 from scenic_lite.dynamics.machine.compiled import CompiledController
+from scenic_lite.dynamics.machine.opcodes import COPY_MANY
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.generated import program as generated
@@ -111,7 +111,7 @@ def test_a_behavior_among_22_players_gives_the_same_commands(name: str) -> None:
 
 def test_a_long_list_is_copied_by_one_row() -> None:
     code = compile_program(load(text_of(BODIES["the nearest of a filtered list"]), FOOTBALL), FOOTBALL_WORLD).code
-    assert Op.COPY_MANY in code.rows[:, 0]
+    assert COPY_MANY in code.rows[:, 0]
 
 
 @pytest.mark.parametrize("seed", range(900, 930))

@@ -169,11 +169,11 @@ new Object at 5 @ 5
 
 
 def test_draws_are_those_of_compiled_programs():
-    holder = np.zeros(1, [("random", np.uint64)]).view(np.recarray)
+    rng = np.zeros(1, [("random", np.uint64)]).view(np.recarray)
     for seed in (0, 1, 12345, 2**40):
-        holder.random = streams(seed)
+        rng.random = streams(seed)
         draws = Draws(seed)
-        assert [draws.uniform() for _ in range(5)] == [uniform(holder[0]) for _ in range(5)]
+        assert [draws.uniform() for _ in range(5)] == [uniform(rng[0]) for _ in range(5)]
 
 
 def test_a_behavior_draws_anew_and_its_arguments_are_drawn_once():

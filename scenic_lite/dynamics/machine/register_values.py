@@ -1,0 +1,74 @@
+"""Values that stand in registers while a match runs, and how to read them back as plain ones.
+
+Read next: `dynamics.machine.compiled`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from scenic_lite.core.scope import in_row
+from scenic_lite.core.types import RandomChoice
+from scenic_lite.values.graph import RandomExpr, Value
+
+
+class RegisterValue(RandomExpr):
+    """A value that stands in a register while a match runs; the leaf of what the compiler computes with.
+
+    `whole`: it is an integer, which counts where it is written as text. `lasting`: the register belongs to a variable
+    or to the world, and may change; an intermediate result does not change before the end of its statement.
+    """
+
+    __slots__ = ("lasting", "register", "whole")
+
+    def __init__(self, register: int, kind: str = "number", whole: bool = False, lasting: bool = True) -> None:
+        super().__init__(None, (), kind)
+        self.register, self.whole, self.lasting = register, whole, lasting
+
+
+class Listed(NamedTuple):
+    """A list in registers whose length varies: of the elements the first ones count."""
+
+    length: RegisterValue
+    elements: list[Value]
+
+
+def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], names: dict[int, str]) -> Value:
+    """A value with everything in it that stands in registers."""
+    if isinstance(value, Listed):
+        count = int(registers[value.length.register])
+        return [plain(each, registers, row, names) for each in value.elements[:count]]
+    for leaf in leaves(value):
+        number = float(registers[leaf.register])
+        if leaf.kind == "text":
+            row[leaf] = names[int(number)]
+        elif leaf.kind == "truth":
+            row[leaf] = bool(number)
+        else:
+            row[leaf] = int(number) if leaf.whole else number
+    found = in_row(value, row)
+    if isinstance(found, Listed):
+        return plain(found, registers, row, names)
+    if isinstance(found, dict):
+        return {key: plain(each, registers, row, names) for key, each in found.items()}
+    if isinstance(found, list | tuple):
+        return type(found)(plain(each, registers, row, names) for each in found)
+    return found
+
+
+def leaves(value: Value) -> list[RegisterValue]:
+    """The registers in a value."""
+    if isinstance(value, RegisterValue):
+        return [value]
+    if isinstance(value, RandomExpr):
+        return [leaf for each in value.inputs for leaf in leaves(each)]
+    if isinstance(value, RandomChoice):
+        return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
+    if isinstance(value, Listed):
+        value = [value.length, *value.elements]
+    if isinstance(value, dict):
+        value = list(value.values())
+    parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
+    return [leaf for each in parts for leaf in leaves(each)]
