@@ -57,8 +57,6 @@ KNOWN_UPWARD: set[str] = {
     "scenic_lite.dynamics.compiler.compilation -> scenic_lite.dynamics.reference.threads",
     "scenic_lite.dynamics.compiler.setups -> scenic_lite.dynamics.reference.instant_statements",
     "scenic_lite.dynamics.compiler.statements -> scenic_lite.dynamics.reference.threads",
-    "scenic_lite.dynamics.machine.compiled -> scenic_lite.dynamics.compiler.code",
-    "scenic_lite.dynamics.machine.record -> scenic_lite.dynamics.compiler.code",
     "scenic_lite.evaluation.assignments -> scenic_lite.scene.scenes",
     "scenic_lite.language.field_rows -> scenic_lite.scene.scenes",
     "scenic_lite.scene.program -> scenic_lite.inverse.levels",
