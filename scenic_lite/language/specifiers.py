@@ -15,6 +15,7 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, 
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.alternatives import one_behavior
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
+from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalised
 from scenic_lite.values.graph import Value
 
@@ -230,3 +231,15 @@ def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, va
         hint = f"did you mean 'behavior {name}()'?"
     if hint or isinstance(value, BehaviorCall):
         scope.warn(f"{cls.name} has no property '{name}'", node, hint or "a behavior is attached by 'with behavior'")
+
+
+def overridden_property(scope: Scope, node: nodes.Specifier) -> tuple[str, Value]:
+    """Return the property that a specifier of `override` sets, and its value."""
+    if node.name != "with":
+        return ("heading" if "facing" in node.name else "position"), None
+    name, expression = node.arguments
+    assert name is not None and expression is not None
+    value = scope.value(expression)
+    if isinstance(value, Behavior):
+        value = BehaviorCall(value, {}, scope.place(expression))
+    return str(name.value), value  # type: ignore[attr-defined]

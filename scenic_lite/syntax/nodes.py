@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import dataclass_transform
 
 
@@ -261,3 +261,16 @@ class Override(Statement):
 
     target: ast.expr
     specifiers: list[Specifier]
+
+
+INNER_SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
+
+
+def walk_own(*trees: ast.AST) -> Iterator[ast.AST]:
+    """Yield all nodes of some trees but those inside functions and classes that are defined there."""
+    pending = list(trees)
+    while pending:
+        node = pending.pop()
+        yield node
+        if not isinstance(node, INNER_SCOPES):
+            pending.extend(ast.iter_child_nodes(node))

@@ -22,7 +22,6 @@ from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.types import Shape
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
-from scenic_lite.dynamics.reference.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
@@ -372,7 +371,7 @@ def said(error: ScenicError) -> str:
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
     """The variables that some statements change, loop targets aside: a loop looks after its own."""
     found: set[str] = set()
-    for each in within(*trees):
+    for each in nodes.walk_own(*trees):
         if isinstance(each, ast.Assign):
             targets: list[ast.expr] = each.targets
         elif isinstance(each, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
@@ -402,4 +401,4 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
 def suspends(trees: Iterable[ast.AST]) -> bool:
     """Whether time may pass in some statements."""
     kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
-    return any(isinstance(each, kinds) for each in within(*trees))
+    return any(isinstance(each, kinds) for each in nodes.walk_own(*trees))

@@ -30,11 +30,11 @@ from scenic_lite.dynamics.compiler.registers import Slot, kept
 from scenic_lite.dynamics.compiler.watchers import Automaton
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
-from scenic_lite.dynamics.reference.instant_statements import overriding
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.statements import keep_record, keep_termination
 from scenic_lite.language.classes import checked
 from scenic_lite.language.requirements import source_text
+from scenic_lite.language.specifiers import overridden_property
 from scenic_lite.language.temporal import formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
@@ -154,7 +154,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
         raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}
     for each in node.specifiers:
-        name, value = overriding(scope, target, each)
+        name, value = overridden_property(scope, each)
         if name in c.live_names:
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:

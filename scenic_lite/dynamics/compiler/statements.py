@@ -33,13 +33,13 @@ from scenic_lite.dynamics.compiler.registers import Slot, copied, kept, settled
 from scenic_lite.dynamics.compiler.types import RegisterList, varies
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
-from scenic_lite.dynamics.reference.threads import within
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import TRACKED
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import item_of
 from scenic_lite.evaluation.matching import chosen_case
 from scenic_lite.evaluation.statements import define_function, nothing
+from scenic_lite.syntax.nodes import walk_own
 from scenic_lite.values.graph import RandomExpr, Value
 
 MOST_UNROLLED = 64  # rounds of a loop over a fixed list
@@ -278,7 +278,7 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
         items = [kept(code, each) for each in items]
     else:
         items = [settled(code, each) for each in items]
-    jumps = [each for each in within(*node.body) if isinstance(each, ast.Break | ast.Continue)]
+    jumps = [each for each in walk_own(*node.body) if isinstance(each, ast.Break | ast.Continue)]
     if jumps:
         scope.pin(assigned_names(*node.body))
     exit_ = Label()

@@ -11,11 +11,12 @@ from typing import Any
 
 from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.scope import Scope, Watched
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance, describe_kind
+from scenic_lite.core.types import BehaviorCall, describe_kind
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import checked, is_object
 from scenic_lite.language.requirements import source_text
+from scenic_lite.language.specifiers import overridden_property
 from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
@@ -67,25 +68,13 @@ def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
         raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}
     for each in node.specifiers:
-        name, value = overriding(scope, target, each)
+        name, value = overridden_property(scope, each)
         if name in episode.live_names(target):
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:
             raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
         values[name] = checked(name, value, scope.session.dialect)
     episode.scenario.override(target, values)
-
-
-def overriding(scope: Scope, target: Instance, node: nodes.Specifier) -> tuple[str, Value]:
-    """The property that a specifier sets, and its value."""
-    if node.name != "with":
-        return ("heading" if "facing" in node.name else "position"), None
-    name, expression = node.arguments
-    assert name is not None and expression is not None
-    value = scope.value(expression)
-    if isinstance(value, Behavior):
-        value = BehaviorCall(value, {}, scope.place(expression))
-    return str(name.value), value  # type: ignore[attr-defined]
 
 
 def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -> Callable[[Scope, nodes.New], Value]:

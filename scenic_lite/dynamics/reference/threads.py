@@ -146,18 +146,7 @@ class Thread:
 @lru_cache(maxsize=4096)
 def lets_time_pass(node: ast.stmt) -> bool:
     """Whether a statement is or contains one that suspends its thread or acts on its blocks."""
-    return any(isinstance(each, SUSPENDING) for each in within(node))
+    return any(isinstance(each, SUSPENDING) for each in nodes.walk_own(node))
 
 
 SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate, nodes.Abort, nodes.TryInterrupt)
-SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
-
-
-def within(*trees: ast.AST) -> Iterator[ast.AST]:
-    """All nodes of some trees but those in functions and classes defined there."""
-    pending = list(trees)
-    while pending:
-        node = pending.pop()
-        yield node
-        if not isinstance(node, SCOPES):
-            pending.extend(ast.iter_child_nodes(node))
