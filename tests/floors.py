@@ -56,11 +56,12 @@ FLOORS = {
         "mixture",
         "probes",
         "curriculum",
-        "levels",
-        "learning",
-        "evaluation",
+        "learning",  # student, rollout, PPO
+        "levels",  # records, queue, buffer, scores, teacher
+        "method",  # what methods are made of
         "training",
         "methods",  # the papers
+        "evaluation",
         "curriculum_wrapper",
         "recorder",
     ),

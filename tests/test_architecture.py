@@ -60,9 +60,6 @@ KNOWN_UPWARD: set[str] = {
     "scenic_lite.scene.program -> scenic_lite.inverse.refusals",
     "scenic_lite.scene.program -> scenic_lite.inverse.wishes",
     "scenic_lite.values.algebra -> scenic_lite.language.fields",
-    "ued.levels.adversary -> ued.learning.networks",
-    "ued.levels.teacher -> ued.methods",
-    "ued.training -> ued.methods",
 }
 KNOWN_RINGED: set[str] = {
     "scenic_lite.core.domain",

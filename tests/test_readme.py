@@ -10,7 +10,7 @@ import torch
 import envs.football.scenic.domain
 import scenic_lite
 from experiments.__main__ import COMMANDS, main
-from experiments.run.build import METHODS
+from ued.methods import METHODS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
@@ -55,8 +55,8 @@ def test_the_curriculum_with_a_trainer_of_ones_own():
 
 def test_every_method_is_in_the_table():
     (section,) = re.findall(r"^## The methods\n(.*?)^## ", README, re.M | re.S)
-    shown = re.findall(r"^\| `(\w+)` \|", section, re.M)
-    assert shown == list(METHODS)
+    shown = re.findall(r"^\| `\w+` .*$", section, re.M)
+    assert shown == [f"| `{row.name}` | {row.paper} | {row.help} | {row.steps} |" for row in METHODS.values()]
 
 
 def test_the_scenario_has_the_free_parameters_that_are_promised():

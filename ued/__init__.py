@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ued.levels.adversary import Adversary
     from ued.levels.buffer import LevelBuffer
     from ued.levels.record import trial_dtype
-    from ued.methods import LevelBatch, Method
+    from ued.method import LevelBatch, Method
     from ued.methods.accel import ACCEL
     from ued.methods.alp_gmm import ALPGMM
     from ued.methods.dr import DR
@@ -61,9 +61,9 @@ _HOME = {
     "DRConfig": "ued.config",
     "Evaluation": "ued.evaluation",
     "GymUPOMDP": "ued.gym_upomdp",
-    "LevelBatch": "ued.methods",
+    "LevelBatch": "ued.method",
     "LevelBuffer": "ued.levels.buffer",
-    "Method": "ued.methods",
+    "Method": "ued.method",
     "Minimax": "ued.methods.minimax",
     "Mixture": "ued.mixture",
     "MinimaxConfig": "ued.config",

@@ -32,7 +32,7 @@ from ued.learning.worker import Player, collect
 from ued.levels.diagnostics import level_metrics
 from ued.levels.queue import TrialQueue
 from ued.levels.record import mean_returns
-from ued.methods import LevelBatch, episode_metrics, prefixed
+from ued.method import LevelBatch, episode_metrics, prefixed
 from ued.seeding import split_seed, torch_stream
 from ued.upomdp import UPOMDP
 

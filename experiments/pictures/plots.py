@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from experiments.run.table import cannot_write, read_columns, read_header
+from ued.methods import METHODS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,37 +22,9 @@ if TYPE_CHECKING:
 
 INK = "#22262b"
 FAINT = "#8a9199"
-METHOD_COLOURS = {  # neighbours in a usual comparison differ in hue and in lightness
-    "dr": "#4a6fa5",
-    "minimax": "#7a5c48",
-    "paired": "#e4572e",
-    "paired_literal": "#f0a202",
-    "self_regret": "#d81e8c",
-    "repaired": "#8c1c2e",
-    "plr": "#7cc6a4",
-    "robust_plr": "#00798c",
-    "accel": "#2e8b3d",
-    "sfl": "#7b4bb3",
-    "alp_gmm": "#1f2a44",
-    "shoot": "#9aa3ab",
-    "random": "#cfd5da",
-}
+METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {"shoot": "#9aa3ab", "random": "#cfd5da"}
 OTHER_COLOUR = "#5f6670"
-METHOD_NAMES = {
-    "dr": "domain randomisation",
-    "minimax": "minimax",
-    "paired": "PAIRED",
-    "paired_literal": "literal PAIRED",
-    "self_regret": "self-regret",
-    "repaired": "REPAIRED",
-    "plr": "PLR",
-    "robust_plr": "PLR⊥",
-    "accel": "ACCEL",
-    "sfl": "SFL",
-    "alp_gmm": "ALP-GMM",
-    "shoot": "shoot at once",
-    "random": "random",
-}
+METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {"shoot": "shoot at once", "random": "random"}
 LEGEND_COLUMNS = 6  # at most, of names beside each other
 WINDOW = 0.04  # of a curve's length: its running mean
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from experiments.run.errors import UsageError, nearest
+from ued.methods import METHODS
 
 if TYPE_CHECKING:
     from envs.football.config import FootballConfig
@@ -20,21 +21,6 @@ if TYPE_CHECKING:
     from experiments.run.config import TrainConfig
     from minigames.suites import Minigame
     from scenic_lite import Program
-
-METHODS = {
-    "dr": "domain randomisation: a new uniform level for every episode",
-    "minimax": "an adversary that is paid what the student loses",
-    "paired": "protagonist, antagonist and an adversary that is paid their regret",
-    "paired_literal": "PAIRED to the letter: students are paid by regret, no entropy bonus, no random levels",
-    "self_regret": "an adversary that is paid what the student's later episodes bring above its earlier ones",
-    "repaired": "PAIRED's levels in a replay buffer; students learn from replayed ones alone",
-    "plr": "prioritised level replay: new and replayed levels by turns",
-    "robust_plr": "prioritised level replay that learns from replayed levels alone",
-    "accel": "robust replay of levels whose edited copies enter the buffer",
-    "sfl": "random levels that are solved about half of the time",
-    "alp_gmm": "levels where returns have been changing, by Gaussian mixtures",
-}
-CONFIG_OF = {"robust_plr": "plr"}  # the group of settings of a method that does not have one of its own name
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
 
@@ -152,37 +138,12 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     """
     import torch
 
-    import ued
-
-    classes = {
-        "dr": "DR",
-        "minimax": "Minimax",
-        "paired": "Paired",
-        "paired_literal": "Paired",
-        "self_regret": "SelfRegret",
-        "repaired": "Repaired",
-        "plr": "PLR",
-        "robust_plr": "RobustPLR",
-        "accel": "ACCEL",
-        "sfl": "SFL",
-        "alp_gmm": "ALPGMM",
-    }
-    name = find_method(config.method)
+    method = METHODS[find_method(config.method)]
     torch.set_num_threads(config.threads)
     try:
-        return getattr(ued, classes[name])(upomdp, config.ppo, method_config(config), config.seed)
+        return method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
-
-
-def config_name(method: str) -> str:
-    """Give the name of the group of settings of a method."""
-    return CONFIG_OF.get(method, method)
-
-
-def method_config(config: TrainConfig) -> Any:
-    """Give the settings of the method of a run."""
-    return getattr(config, config_name(config.method))
 
 
 def make_painter(program: Program) -> FootballPainter:

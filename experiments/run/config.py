@@ -17,21 +17,8 @@ from typing import Any, TypeVar
 from envs.football.config import FootballConfig
 from experiments.run.arguments import group, positional
 from experiments.run.errors import CommandError, nearest
-from ued.config import (
-    ACCELConfig,
-    ALPGMMConfig,
-    DRConfig,
-    MinimaxConfig,
-    PairedConfig,
-    PLRConfig,
-    PPOConfig,
-    RepairedConfig,
-    SelfRegretConfig,
-    SFLConfig,
-    check_at_least_1,
-    check_not_negative,
-    setting,
-)
+from ued.config import PairedConfig, PPOConfig, check_at_least_1, check_not_negative, setting
+from ued.methods import METHODS
 
 Config = TypeVar("Config")
 
@@ -60,8 +47,8 @@ def football_ppo() -> PPOConfig:
 
 
 @dataclass(frozen=True)
-class TrainConfig:
-    """One training run. Two runs with equal configurations on one machine give equal numbers."""
+class RunConfig:
+    """What a training run depends on whatever its method."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     method: str = setting("paired", "how levels are chosen: dr, paired, plr, accel ... (see ued/methods)")
@@ -76,22 +63,25 @@ class TrainConfig:
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none")
     env: FootballConfig = group(FootballConfig, "environment")
     ppo: PPOConfig = group(football_ppo, "PPO")
-    dr: DRConfig = group(DRConfig, "domain randomisation", prefix="dr.")
-    minimax: MinimaxConfig = group(MinimaxConfig, "minimax adversary", prefix="minimax.")
-    paired: PairedConfig = group(PairedConfig, "PAIRED", prefix="paired.")
-    paired_literal: PairedConfig = group(PairedConfig.literal, "PAIRED to the letter", prefix="paired-literal.")
-    self_regret: SelfRegretConfig = group(SelfRegretConfig, "self-regret", prefix="self-regret.")
-    repaired: RepairedConfig = group(RepairedConfig, "REPAIRED", prefix="repaired.")
-    plr: PLRConfig = group(PLRConfig, "prioritised level replay", prefix="plr.")
-    accel: ACCELConfig = group(ACCELConfig, "ACCEL", prefix="accel.")
-    sfl: SFLConfig = group(SFLConfig, "sampling for learnability", prefix="sfl.")
-    alp_gmm: ALPGMMConfig = group(ALPGMMConfig, "ALP-GMM", prefix="alp-gmm.")
 
     def __post_init__(self) -> None:
         if self.env.representation == "raw":
             raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
         check_at_least_1(self, "total_env_steps", "num_envs", "threads", "eval_episodes")
         check_not_negative(self, "seed", "eval_every", "record_rollouts", "checkpoint_seconds")
+
+
+def _settings_of_methods() -> list[tuple[str, type, Any]]:
+    """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
+    return [
+        (row.name, type(row.settings()), group(row.settings, row.title, prefix=f"{row.name}.".replace("_", "-")))
+        for row in METHODS.values()
+        if row.group == row.name
+    ]
+
+
+class TrainConfig(dataclasses.make_dataclass("Settings", _settings_of_methods(), bases=(RunConfig,), frozen=True)):
+    """One training run. Two runs with equal configurations on one machine give equal numbers."""
 
 
 # ---------------------------------------------------------------- JSON

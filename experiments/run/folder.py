@@ -22,11 +22,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from experiments.run import build
 from experiments.run import config as configs
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.table import Table, cannot_write, read_rows
+from ued.methods import METHODS
 
 
 class RunFolder:
@@ -67,8 +67,7 @@ class RunFolder:
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
-        of_methods = {build.config_name(method) for method in build.METHODS}
-        others = of_methods - {build.config_name(self.config.method)}
+        others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others
             if name not in MAY_CHANGE and not of_others:

@@ -14,7 +14,6 @@ from ued.config import TeacherConfig
 from ued.curriculum import LevelSpace
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.record import Origin, make_trials, trial_dtype
-from ued.methods import prefixed
 from ued.seeding import split_seed, torch_stream
 from ued.upomdp import UPOMDP, level_dtype
 
@@ -89,7 +88,7 @@ class Teacher:
         proposals = Proposals(*(np.ascontiguousarray(self.lessons[name]) for name in ("z", "raw", "log_prob")))
         losses = self.adversary.learn(proposals, self.lessons["score"])
         self.lessons = self.lessons[:0]
-        return prefixed("adversary", losses)
+        return {f"adversary/{name}": value for name, value in losses.items()}
 
     def state_dict(self) -> dict[str, Any]:
         """Give everything that changes."""

@@ -1,84 +1,113 @@
-"""The methods: one file each, the paper's algorithm box on top of one shared PPO.
+"""The table of methods. A method is one file of this folder and one row here.
 
+The command line, the table of the README, the pictures and `from ued import ...` read this table, which needs no torch.
 Read next: `methods.dr`, then `methods.paired`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from importlib import import_module
+from typing import Any
 
-import numpy as np
-
-if TYPE_CHECKING:  # torch is heavy, and records of levels need none
-    from ued.learning.student import Student
-    from ued.learning.worker import Episodes
+from ued.config import (
+    ACCELConfig,
+    ALPGMMConfig,
+    DRConfig,
+    MinimaxConfig,
+    PairedConfig,
+    PLRConfig,
+    RepairedConfig,
+    SelfRegretConfig,
+    SFLConfig,
+)
 
 
 @dataclass(frozen=True)
-class LevelBatch:
-    """The L levels on which an update was based.
+class MethodRow:
+    """What there is to know of a method without loading it.
 
     Attributes:
-        theta: `[L, D]`.
-        returns: for each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none.
-        episodes: for each student, number of these episodes `[L]`.
-        score: `[L]` what the teacher makes of the level (PAIRED: regret); nan where there is no teacher.
+        name: `regista train --method NAME`, and the prefix of its settings: `--name.setting`.
+        module: the file that holds it.
+        class_name: the class in it, made with (upomdp, ppo, settings, seed).
+        settings: makes its settings as they are by default.
+        title, colour: in pictures; the colour is the method's own in all of them.
+        paper: where it was described, or – for none.
+        help: one line on how it chooses levels.
+        steps: simulated steps per step that the student learns from, with the default settings.
+        settings_of: the method whose settings it shares, if they are not its own.
     """
 
-    theta: np.ndarray
-    returns: dict[str, np.ndarray]
-    episodes: dict[str, np.ndarray]
-    score: np.ndarray
-
-
-class Method(Protocol):
-    """A way to train students on levels of its choice.
-
-    Attributes:
-        student: the policy to evaluate (PAIRED: the protagonist).
-        students: all policies in training, by name.
-        env_steps: steps simulated so far, for whatever purpose.
-        updates: training iterations so far.
-        last: the levels that the last update was based on.
-    """
+    name: str
+    module: str
+    class_name: str
+    settings: Callable[[], Any]
+    title: str
+    colour: str
+    paper: str
+    help: str
+    steps: str
+    settings_of: str = ""
 
     @property
-    def student(self) -> Student: ...
-    @property
-    def students(self) -> Mapping[str, Student]: ...
-    @property
-    def env_steps(self) -> int: ...
-    @property
-    def updates(self) -> int: ...
-    @property
-    def last(self) -> LevelBatch | None: ...
+    def group(self) -> str:
+        """The name under which its settings are kept."""
+        return self.settings_of or self.name
 
-    def update(self) -> dict[str, float]:
-        """Do one training iteration; give its metrics."""
-
-    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Give everything: a method made anew with the same arguments resumes from it to the same numbers.
-
-        `episodes=False` leaves out the state of the environments, which for a `GymUPOMDP` no checkpoint can hold; open
-        episodes then begin anew.
-        """
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
+    def load(self) -> Any:
+        """Return its class, which loads torch."""
+        return getattr(import_module(self.module), self.class_name)
 
 
-def episode_metrics(name: str, episodes: Episodes) -> dict[str, float]:
-    """Give mean return, mean length and number of a student's episodes; the means of none are nan."""
-    count = len(episodes.returns)
-    return {
-        f"return/{name}": float(episodes.returns.mean()) if count else float("nan"),
-        f"length/{name}": float(episodes.lengths.mean()) if count else float("nan"),
-        f"episodes/{name}": float(count),
-    }
-
-
-def prefixed(prefix: str, metrics: Mapping[str, float]) -> dict[str, float]:
-    """Give the metrics with `prefix/` before each name."""
-    return {f"{prefix}/{key}": value for key, value in metrics.items()}
+# fmt: off
+METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
+    MethodRow(
+        "dr", "ued.methods.dr", "DR", DRConfig, "domain randomisation", "#4a6fa5", "Tobin et al. 2017",
+        "a uniform level for every episode", "1",
+    ),
+    MethodRow(
+        "minimax", "ued.methods.minimax", "Minimax", MinimaxConfig, "minimax", "#7a5c48", "Dennis et al. 2020",
+        "an adversary is paid what the student loses", "1",
+    ),
+    MethodRow(
+        "paired", "ued.methods.paired", "Paired", PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
+        "an adversary is paid the regret of a protagonist against an antagonist; with options for what stabilises it",
+        "2, for the student that counts",
+    ),
+    MethodRow(
+        "paired_literal", "ued.methods.paired", "Paired", PairedConfig.literal, "literal PAIRED", "#f0a202",
+        "the same, to the letter",
+        "the students are paid in regret, too; no entropy bonus, no random levels", "2, and episodes that are cut off",
+    ),
+    MethodRow(
+        "self_regret", "ued.methods.self_regret", "SelfRegret", SelfRegretConfig, "self-regret", "#d81e8c", "–",
+        "the student's own later episodes are the antagonist", "1",
+    ),
+    MethodRow(
+        "repaired", "ued.methods.repaired", "Repaired", RepairedConfig, "REPAIRED", "#8c1c2e", "Jiang et al. 2021a",
+        "PAIRED's levels in a buffer; students learn from replayed ones alone", "4",
+    ),
+    MethodRow(
+        "plr", "ued.methods.plr", "PLR", PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
+        "new levels, and by turns those again that were worth it", "1",
+    ),
+    MethodRow(
+        "robust_plr", "ued.methods.plr", "RobustPLR", PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
+        "the same, learning from replayed levels alone (PLR⊥)", "2", settings_of="plr",
+    ),
+    MethodRow(
+        "accel", "ued.methods.accel", "ACCEL", ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",
+        "replayed levels are edited, and their copies enter the buffer", "2.25",
+    ),
+    MethodRow(
+        "sfl", "ued.methods.sfl", "SFL", SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
+        "random levels that are solved about half of the time", "1 / (1 − share of looking around)",
+    ),
+    MethodRow(
+        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
+        "levels where returns have been changing, by Gaussian mixtures", "1",
+    ),
+)}
+# fmt: on
