@@ -1,16 +1,18 @@
 """A compact interpreter of Scenic: programs that describe distributions of scenes, evaluated for N samples at once.
 
 `load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. README.md is the
-manual of the language. The packages, in the order in which a program passes them:
+manual of the language. The rooms, from the ground up:
 
+    kernels     what the language and a simulator compile with
     syntax      text → tokens → checked tree
+    values      random expressions as graphs, and the plane that they lie in
+    core        scopes, types, budget: what every chapter stands on
+    language    the chapters of the manual: classes, distributions, specifiers, operators, requirements, regions
     evaluation  the tree walked once, on numbers and on random values alike
-    space       vectors, regions, vector fields
-    inverse     from a scene back to θ
+    scene       θ → scenes, and back
     dynamics    behaviors and monitors: the reference, the compiler, the machine
 
-and here the chapters of the language: `distributions`, `classes`, `specifiers`, `placement`, `operators`,
-`requirements`, `rules`. Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.interpreter`.
+Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.interpreter`.
 """
 
 from scenic_lite.core.domain import Domain

@@ -21,8 +21,6 @@ FLOORS = {
         "language",  # chapters of the manual
         "evaluation",  # the tree, walked once
         "scene",  # theta -> scenes
-        "inverse",
-        "space",
         "loader",
         "dynamics.machine",  # what runs in the kernel
         "dynamics.compiler",  # behaviors -> its code

@@ -53,13 +53,6 @@ KNOWN_UPWARD: set[str] = {
     "envs.football.state -> envs.football.ai.formation",
     "envs.football.state -> envs.football.control.control_modes",
     "experiments.pictures.results_page -> experiments.__main__",
-    "scenic_lite.core.per_sample -> scenic_lite.scene.scenes",
-    "scenic_lite.evaluation.assignments -> scenic_lite.scene.scenes",
-    "scenic_lite.language.field_rows -> scenic_lite.scene.scenes",
-    "scenic_lite.scene.program -> scenic_lite.inverse.levels",
-    "scenic_lite.scene.program -> scenic_lite.inverse.refusals",
-    "scenic_lite.scene.program -> scenic_lite.inverse.wishes",
-    "scenic_lite.values.algebra -> scenic_lite.language.fields",
 }
 KNOWN_RINGED: set[str] = {
     "scenic_lite.core.domain",
@@ -84,12 +77,6 @@ KNOWN_RINGED: set[str] = {
     "scenic_lite.dynamics.reference.composing",
     "scenic_lite.dynamics.reference.scenarios",
     "scenic_lite.dynamics.reference.threads",
-    "scenic_lite.inverse.levels",
-    "scenic_lite.inverse.refusals",
-    "scenic_lite.scene.free_variables",
-    "scenic_lite.scene.program",
-    "scenic_lite.values.regions",
-    "scenic_lite.values.shapes",
 }
 KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/core/types.py: value.name",

@@ -16,9 +16,8 @@ from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FallibleOperation
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Function, Instance, RandomChoice
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Function, Instance, RandomChoice, randoms_in
 from scenic_lite.errors import ScenicError
-from scenic_lite.scene.scenes import randoms_in
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 

@@ -232,6 +232,40 @@ class BehaviorCall:
     names: dict[str, Value] = field(default_factory=dict)
 
 
+def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
+    """The random nodes that a value is made of, in order."""
+    seen = set() if seen is None else seen
+    if isinstance(value, RandomExpr):
+        yield value
+        return
+    if id(value) in seen:
+        return
+    parts = parts_of(value)
+    if parts:
+        seen.add(id(value))
+    for part in parts:
+        yield from randoms_in(part, seen)
+
+
+def parts_of(value: Value) -> tuple[Value, ...]:
+    """What a structured value is made of."""
+    if isinstance(value, Vector):
+        return (value.x, value.y)
+    if isinstance(value, list | tuple | set):
+        return tuple(value)
+    if isinstance(value, dict):
+        return tuple(value.values())
+    if isinstance(value, RandomChoice):
+        return (value.index, *value.options)
+    if isinstance(value, Instance):
+        return tuple(value.properties.values())
+    if isinstance(value, BehaviorCall):
+        return tuple(value.arguments.values())
+    if isinstance(value, Region):
+        return value.parameters()
+    return ()
+
+
 def describe_kind(value: Value) -> str:
     """What a value is, for a message: "a number", "a region", ..."""
     if isinstance(value, RandomExpr):

@@ -11,12 +11,11 @@ from typing import Any
 
 from scenic_lite.core.exceptions import named_fault
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Instance, Namespace, RandomChoice, ScenicClass, describe_kind
+from scenic_lite.core.types import Instance, Namespace, RandomChoice, ScenicClass, describe_kind, randoms_in
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of
 from scenic_lite.language.classes import checked, is_object
-from scenic_lite.scene.scenes import randoms_in
 from scenic_lite.values.graph import RandomExpr, Value
 from scenic_lite.values.regions import Region
 

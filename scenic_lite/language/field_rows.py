@@ -13,7 +13,7 @@ import numpy as np
 
 from scenic_lite.core.per_sample import ByRow, body_of, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
-from scenic_lite.scene.scenes import randoms_in
+from scenic_lite.core.types import randoms_in
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 

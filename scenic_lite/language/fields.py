@@ -71,24 +71,6 @@ def cells_field(
     return VectorField(name, heading_at)
 
 
-def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
-    """The orientation of the first region that holds the point; None if no region has one."""
-    oriented = [(region, region.orientation) for region in regions if region.orientation is not None]
-    if not oriented:
-        return None
-
-    def heading_at(point: Vector) -> Value:
-        result = math.nan if default is None else default
-        for region, orientation in reversed(oriented):
-            inside = region.contains(point)
-            if inside is not False:
-                heading = orientation.heading_at(point)
-                result = heading if inside is True else apply(WHERE, inside, heading, result)
-        return result
-
-    return VectorField("Union", heading_at)
-
-
 # ------------------------------------------------------------ following
 
 

@@ -16,7 +16,7 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import as_heading
-from scenic_lite.language.fields import cells_field, field_of, patchwork
+from scenic_lite.language.fields import cells_field, field_of
 from scenic_lite.values.geometry import Vector, as_vector, normalised
 from scenic_lite.values.graph import Value, apply, is_number
 from scenic_lite.values.lines import NEAR, GridRegion, PointSetRegion, PolylineRegion
@@ -29,6 +29,7 @@ from scenic_lite.values.regions import (
     Region,
     SectorRegion,
     VectorField,
+    patchwork,
 )
 
 

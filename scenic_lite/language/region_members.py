@@ -16,13 +16,13 @@ from scenic_lite.core.types import Builtin, Instance, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import ORIENTED_POINT, is_object, outline
 from scenic_lite.language.distributions import point_in
-from scenic_lite.language.fields import along, patchwork
+from scenic_lite.language.fields import along
 from scenic_lite.language.region_functions import fixed_number, number, vector
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import Value, is_number
 from scenic_lite.values.lines import PointSetRegion, PolylineRegion
 from scenic_lite.values.polygons import PolygonalRegion
-from scenic_lite.values.regions import Nowhere, RectangularRegion, Region, SectorRegion, VectorField
+from scenic_lite.values.regions import Nowhere, RectangularRegion, Region, SectorRegion, VectorField, patchwork
 
 MOST_POINTS = 100_000  # along one polyline
 COST = 10_000  # elements of memory that the combination of two regions counts for

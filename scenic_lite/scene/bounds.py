@@ -1,6 +1,6 @@
 """Between which numbers the registers of a tape lie, as far as sums, products and choices tell.
 
-Read next: `inverse.inverses`, which chooses among several angles with it.
+Read next: `scene.pruning`, which asks how wide an object is at least.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ from scenic_lite.core.scope import InterpreterState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
-from scenic_lite.values.geometry import rectangles_meet
+from scenic_lite.values.geometry import CLOSENESS, rectangles_meet
 from scenic_lite.values.graph import NOT, OR, RandomExpr, Value, apply
-from scenic_lite.values.regions import CLOSENESS, Everywhere, RectangularRegion, Region, truth_of
+from scenic_lite.values.regions import Everywhere, RectangularRegion, Region, truth_of
 
 BLOCK = 8192  # numbers in one array while rules are tested
 

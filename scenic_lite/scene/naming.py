@@ -6,10 +6,26 @@ Read next: `scene.program`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
+from scenic_lite.errors import SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector
 from scenic_lite.values.graph import ThetaColumn, Value, columns_of
+
+
+class Draw(NamedTuple):
+    """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
+
+    `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
+    the value in the program's units (of the index, for a choice; nan where they are themselves random).
+    """
+
+    name: str
+    kind: str
+    low: float
+    high: float
+    place: SourceSpan
 
 
 def unique(names: Iterable[str]) -> list[str]:

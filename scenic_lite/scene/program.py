@@ -9,41 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from scenic_lite.core.checks import Faults, Found
 from scenic_lite.core.scope import InterpreterState, Source
-from scenic_lite.core.types import BehaviorCall, Instance
+from scenic_lite.core.types import BehaviorCall, Instance, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.inverse.levels import Inverse
-from scenic_lite.inverse.refusals import Refusals
-from scenic_lite.inverse.wishes import Subjects, wishes_of_description, wishes_of_scenes
 from scenic_lite.scene.constraints import Constraint, checks_of, rules_of_requirements
 from scenic_lite.scene.free_variables import read_in_episodes
-from scenic_lite.scene.naming import column_names, name_arguments, name_objects, title_of, title_of_option
+from scenic_lite.scene.naming import Draw, column_names, name_arguments, name_objects, title_of, title_of_option
 from scenic_lite.scene.outlines import Area, areas_of
 from scenic_lite.scene.rejection import RejectionReport
-from scenic_lite.scene.scenes import Arrangement, ObjectInfo, Planner, Scenes, randoms_in, refuse_huge
+from scenic_lite.scene.scenes import Arrangement, ObjectInfo, Planner, Scenes, refuse_huge
+from scenic_lite.scene.theta import Subject, theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
-
-
-class Draw(NamedTuple):
-    """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
-
-    `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
-    the value in the program's units (of the index, for a choice; nan where they are themselves random).
-    """
-
-    name: str
-    kind: str
-    low: float
-    high: float
-    place: SourceSpan
 
 
 class Program:
@@ -204,7 +188,7 @@ class Program:
     @cached_property
     def read_in_episodes(self) -> list[Value]:
         """What behaviors, monitors and conditions name."""
-        return read_in_episodes(self)
+        return read_in_episodes(self.session, self._instances)
 
     @property
     def instances(self) -> list[Instance]:
@@ -334,25 +318,19 @@ class Program:
         number may be an array [N]. `default` [D] or [N, D] gives the draws that are not decided by this; for Scenes
         it is 0. Raises ScenicError naming the draws left undecided, or the value that cannot be met and why.
         """
-        if isinstance(scenes, Scenes):
-            wishes = wishes_of_scenes(self._subjects, scenes)
-            default = np.zeros(self.dim) if default is None else default
-        elif isinstance(scenes, Mapping):
-            wishes = wishes_of_description(self._subjects, scenes)
-        else:
+        if not isinstance(scenes, Scenes | Mapping):
             raise TypeError(f"scenes are Scenes or a description such as {{'ego': (30, 5)}}, not {scenes!r:.80}")
         if default is not None:
             default = np.clip(self._checked(np.atleast_2d(default)), -1.0, 1.0)
-        return self._inverse.theta(wishes, default, Refusals(self, self._subjects))
-
-    @cached_property
-    def _subjects(self) -> Subjects:
-        draws = {draw.name: column for draw, column in zip(self.draws, self._columns, strict=True)}
-        return Subjects(self.file, self._instances, self._param_values, self.param_places, draws)
-
-    @cached_property
-    def _inverse(self) -> Inverse:
-        return Inverse(self._roots(self._param_values), self._columns, self._points)
+        subject = Subject(self.file, self._instances, self._param_values, self.param_places, self.draws, self._columns)
+        if isinstance(scenes, Scenes) and default is None:
+            default = np.zeros((1, self.dim))
+        try:
+            return theta_of(subject, scenes, default)
+        except ScenicError as error:
+            if error.place is not None:
+                error.source_line = self._sources[error.place.file].line(error.place.line)
+            raise
 
     @property
     def areas(self) -> tuple[Area, ...]:

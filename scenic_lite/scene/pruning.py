@@ -18,10 +18,10 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.distributions import show_coordinates, span_between
 from scenic_lite.scene.bounds import bounds_of
 from scenic_lite.scene.constraints import containers
-from scenic_lite.values.geometry import TURN, Vector
+from scenic_lite.values.geometry import ARC_SEGMENTS, CLOSENESS, TURN, Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.polygons import PolygonalRegion
-from scenic_lite.values.regions import ARC_SEGMENTS, CLOSENESS, RectangularRegion, Region, SectorRegion
+from scenic_lite.values.regions import RectangularRegion, Region, SectorRegion
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
 ROUGH = 1e-3  # nor is one of another region, as circles are polygons there

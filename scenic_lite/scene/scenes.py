@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of, randoms_in
 from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
@@ -60,21 +60,6 @@ class Scenes:
     failed: np.ndarray
 
 
-def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
-    """The random nodes that a value is made of, in order."""
-    seen = set() if seen is None else seen
-    if isinstance(value, RandomExpr):
-        yield value
-        return
-    if id(value) in seen:
-        return
-    parts = parts_of(value)
-    if parts:
-        seen.add(id(value))
-    for part in parts:
-        yield from randoms_in(part, seen)
-
-
 def refuse_huge(value: Value, what: str) -> None:
     """Raise ScenicError if a value that scenes must hold is endless or very large when written out."""
     count, stack = 0, [(value, 0)]
@@ -85,25 +70,6 @@ def refuse_huge(value: Value, what: str) -> None:
             raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
         if isinstance(each, list | tuple | set | dict | RandomChoice | BehaviorCall):
             stack += [(part, depth + 1) for part in parts_of(each)]
-
-
-def parts_of(value: Value) -> tuple[Value, ...]:
-    """What a structured value is made of."""
-    if isinstance(value, Vector):
-        return (value.x, value.y)
-    if isinstance(value, list | tuple | set):
-        return tuple(value)
-    if isinstance(value, dict):
-        return tuple(value.values())
-    if isinstance(value, RandomChoice):
-        return (value.index, *value.options)
-    if isinstance(value, Instance):
-        return tuple(value.properties.values())
-    if isinstance(value, BehaviorCall):
-        return tuple(value.arguments.values())
-    if isinstance(value, Region):
-        return value.parameters()
-    return ()
 
 
 class Planner:

@@ -15,7 +15,6 @@ import numpy as np
 import shapely
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.fields import patchwork
 from scenic_lite.values import shapes
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import NOT, OR, Operation, RandomExpr, Value, apply
@@ -30,6 +29,7 @@ from scenic_lite.values.regions import (
     SectorRegion,
     VectorField,
     numbers_of,
+    patchwork,
 )
 
 

@@ -25,6 +25,8 @@ from scenic_lite.values.graph import (
 )
 
 TURN = 2 * math.pi
+ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
+CLOSENESS = 1e-9  # a point this near a boundary belongs to it
 
 
 class Vector:
@@ -224,3 +226,14 @@ def rectangles_meet(*numbers: Any) -> Any:
     meets = meets & (np.abs(dy * ca - dx * sa) <= half_a[1] + half_b[0] * s + half_b[1] * c)
     meets = meets & (np.abs(dx * cb + dy * sb) <= half_b[0] + half_a[0] * c + half_a[1] * s)
     return meets & (np.abs(dy * cb - dx * sb) <= half_b[1] + half_a[0] * s + half_a[1] * c)
+
+
+def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
+    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
+    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
+    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
+    whole = angle >= TURN
+    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
+    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
+    return np.stack([xs, ys], axis=-1)

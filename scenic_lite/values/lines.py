@@ -62,11 +62,6 @@ class PolylineRegion(Region):
     def point(self, u: Value, v: Value) -> Vector:
         return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
 
-    def uniforms(self, point: Vector) -> tuple[Any, ...]:
-        which, share, distance = self.nearest(point.x, point.y)
-        before = self.ends[which] - self.lengths[which] / self.length
-        return (np.where(distance <= NEAR, before + share * self.lengths[which] / self.length, np.nan),)
-
     def heading_of(self, point: Vector, u: Value) -> Value:
         return RandomExpr(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
 
@@ -167,11 +162,6 @@ class PointSetRegion(Region):
 
     def point(self, u: Value, v: Value) -> Vector:
         return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
-
-    def uniforms(self, point: Vector) -> tuple[Any, ...]:
-        gaps = self._gaps(point.x, point.y)
-        near = gaps.min(axis=-1) <= self.tolerance
-        return (np.where(near, (gaps.argmin(axis=-1) + 0.5) / len(self.points), np.nan),)
 
     def _gaps(self, x: Any, y: Any) -> Any:
         return np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import Vector
+from scenic_lite.values.geometry import CLOSENESS, Vector
 from scenic_lite.values.graph import AND, RandomExpr, Value, apply
-from scenic_lite.values.regions import CLOSENESS, Point2, Region, VectorField, truth_of
+from scenic_lite.values.regions import Point2, Region, VectorField, truth_of
 from scenic_lite.values.slabs import Slabs
 
 MOST_CORNERS = 5000  # of one region
@@ -58,12 +58,6 @@ class PolygonalRegion(Region):
     def point(self, u: Value, v: Value) -> Vector:
         both = RandomExpr(self._slabs, (u, v), "any")
         return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
-
-    def uniforms(self, point: Vector) -> tuple[Any, ...]:
-        x, y = np.broadcast_arrays(np.asarray(point.x, dtype=float), np.asarray(point.y, dtype=float))
-        u, v = self._slabs.back(x, y)
-        inside = self._holds(x, y)
-        return np.where(inside, u, np.nan), np.where(inside, v, np.nan)
 
     def contains(self, point: Vector) -> Value:
         return truth_of(self._holds, point.x, point.y)

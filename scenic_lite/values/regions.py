@@ -1,25 +1,23 @@
 """Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
 
-Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), goes back from
-the point to them, and says whether points and rectangles lie in it. Spec section 8. Read next: `values.polygons`, for
+Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), and says whether
+points and rectangles lie in it. Spec section 8. Read next: `values.polygons`, for
 regions of any shape; `language.fields`; `values.algebra`, which combines regions.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import TURN, Vector, corners, cosine, in_sector, sine
-from scenic_lite.values.graph import AND, MAXIMUM, Operation, Value, apply, is_number
+from scenic_lite.values.geometry import CLOSENESS, TURN, Vector, corners, cosine, in_sector, sector_rings, sine
+from scenic_lite.values.graph import AND, MAXIMUM, WHERE, Operation, Value, apply, is_number
 
 Point2 = tuple[float, float]
-ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
-CLOSENESS = 1e-9  # a point this near a boundary belongs to it
 
 
 class VectorField:
@@ -46,13 +44,6 @@ class Region:
     def point(self, u: Value, v: Value) -> Vector:
         """The point for two uniform numbers, scaled as `scales` says."""
         raise NotImplementedError
-
-    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
-        """The numbers in [0, 1] from which `point` would make a known point (arrays [N]), one for each column.
-
-        nan outside the region. None if there is no such inverse: they are searched for then.
-        """
-        return None
 
     def heading_of(self, point: Vector, u: Value) -> Value:
         """The orientation at a point that was drawn with `u`; None if the region has none."""
@@ -128,12 +119,6 @@ class RectangularRegion(Region):
         offset = Vector((u - 0.5) * self.width, (v - 0.5) * self.length)
         return self.position + offset.rotated(self.heading)
 
-    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
-        if not self.fixed():
-            return None
-        offset = (point - self.position).rotated(-self.heading)
-        return part_of(offset.x + self.width / 2, self.width), part_of(offset.y + self.length / 2, self.length)
-
     def contains(self, point: Vector) -> Value:
         return truth_of(in_rectangle, point.x, point.y, *self.parameters())
 
@@ -169,16 +154,6 @@ class SectorRegion(Region):
         turn = self.heading + (v - 0.5) * self.angle
         reach = self.radius * apply(ROOT, u)
         return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
-
-    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
-        if not self.fixed():
-            return None
-        delta = point - self.center
-        reach = np.hypot(delta.x, delta.y)
-        turn = np.arctan2(delta.y, delta.x) - math.pi / 2 - self.heading
-        turn = np.where(reach > 0, turn - TURN * np.rint(turn / TURN), 0.0)
-        along = part_of(reach, self.radius)
-        return along * along, part_of(turn + self.angle / 2, self.angle)
 
     def contains(self, point: Vector) -> Value:
         delta = point - self.center
@@ -250,9 +225,6 @@ class Filtered(Region):
     def point(self, u: Value, v: Value) -> Vector:
         return self.region.point(u, v)
 
-    def uniforms(self, point: Vector) -> tuple[Any, ...] | None:
-        return self.region.uniforms(point)
-
     def heading_of(self, point: Vector, u: Value) -> Value:
         return self.region.heading_of(point, u)
 
@@ -269,13 +241,6 @@ ROOT = Operation(math.sqrt, np.sqrt)
 def title(region: Region) -> str:
     """A region in a message."""
     return type(region).__name__
-
-
-def part_of(value: Any, whole: float) -> Any:
-    """value / whole where it lies in [0, 1], up to rounding; nan elsewhere."""
-    share = np.asarray(value, dtype=float) / whole if whole > 0 else np.where(np.abs(value) <= CLOSENESS, 0.5, np.nan)
-    slack = CLOSENESS * 10 / whole if whole > 0 else 0.0
-    return np.where((share >= -slack) & (share <= 1 + slack), np.clip(share, 0.0, 1.0), np.nan)
 
 
 def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
@@ -316,17 +281,6 @@ def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
     return dx * c + dy * s, dy * c - dx * s
 
 
-def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
-    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
-    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
-    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
-    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
-    whole = angle >= TURN
-    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
-    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
-    return np.stack([xs, ys], axis=-1)
-
-
 def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
     """Whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
     p, q = (x, y), (end_x, end_y)
@@ -341,3 +295,21 @@ def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
 def turn_of(a: Any, b: Any, c: Any) -> Any:
     """Twice the signed area of a triangle: positive if it runs anticlockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
+    """The orientation of the first region that holds the point; None if no region has one."""
+    oriented = [(region, region.orientation) for region in regions if region.orientation is not None]
+    if not oriented:
+        return None
+
+    def heading_at(point: Vector) -> Value:
+        result = math.nan if default is None else default
+        for region, orientation in reversed(oriented):
+            inside = region.contains(point)
+            if inside is not False:
+                heading = orientation.heading_at(point)
+                result = heading if inside is True else apply(WHERE, inside, heading, result)
+        return result
+
+    return VectorField("Union", heading_at)

@@ -1,4 +1,4 @@
-"""Uniform points of a fixed shape from two uniform numbers, and back: the first gives x, the second y.
+"""Uniform points of a fixed shape from two uniform numbers: the first gives x, the second y.
 
 The shape is cut at the x of every corner into vertical slabs, in each of which it is a stack of trapezoids. x is the
 inverse of the share of the area left of it, y divides what lies on the vertical line through x. So both grow with
@@ -46,18 +46,6 @@ class Slabs:
         rows = np.arange(len(which))
         y = low[rows, level] + target - (ends[rows, level] - height[rows, level])
         return self.start[which] + t * self.width[which], y
-
-    def back(self, x: Any, y: Any) -> tuple[Any, Any]:
-        """The numbers that give points of the shape (of others, anything)."""
-        which = np.clip(np.searchsorted(self.start, x, side="right") - 1, 0, len(self.start) - 1)
-        t = np.clip((x - self.start[which]) / self.width[which], 0.0, 1.0)
-        left, right = self.left[which], self.right[which]
-        share = t * (2 * left + (right - left) * t) / np.maximum(left + right, 1e-300)
-        low, height = self._stack(which, t)
-        total = height.sum(axis=1)
-        below = np.clip(y[:, None] - low, 0.0, height).sum(axis=1)
-        v = np.where(total > 0, below / np.maximum(total, 1e-300), 0.5)
-        return self.before[which] + share * (self.ends[which] - self.before[which]), v
 
     def _stack(self, which: Any, t: Any) -> tuple[Any, Any]:
         """The lower ends and the heights of the trapezoids on the verticals at t of some slabs, each [N, K]."""

@@ -1,4 +1,0 @@
-"""The plane: vectors and angles, regions, vector fields.
-
-Read next: `values.geometry`, `values.regions`.
-"""
