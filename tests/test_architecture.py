@@ -89,7 +89,6 @@ KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/syntax/lexer.py: parser_cursor",
     "scenic_lite/syntax/literals.py: parser_strings",
     "scenic_lite/syntax/operators.py: parser_expressions",
-    "scenic_lite/syntax/patterns.py: parser_blocks",
     "scenic_lite/syntax/specifiers.py: parser_expressions",
     "scenic_lite/syntax/statements.py: parser_blocks",
     "scenic_lite/syntax/strings.py: parser_specifiers",

@@ -59,19 +59,19 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
             yield statement, Context("compose")
         context = Context()
         node = ast.Module([*node.setup, *map(ast.Expr, [*node.preconditions, *node.invariants])], [])
-    elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+    elif isinstance(node, ast.FunctionDef):
         context = Context("function", node.name)
     elif isinstance(node, ast.Lambda):
         context = Context("function", "lambda")
     elif isinstance(node, ast.ClassDef):
         context = Context("top" if context.kind == "top" else context.kind, context.name)
-    elif isinstance(node, ast.For | ast.AsyncFor | ast.While):
+    elif isinstance(node, ast.For | ast.While):
         yield from ((statement, context) for statement in node.orelse)
         context = context._replace(loop=True)
     elif isinstance(node, nodes.Interrupt):
         context = context._replace(handler=True)
     for name, value in ast.iter_fields(node):
-        if name == "orelse" and isinstance(node, ast.For | ast.AsyncFor | ast.While):
+        if name == "orelse" and isinstance(node, ast.For | ast.While):
             continue
         if isinstance(value, ast.AST):
             yield value, context
@@ -160,19 +160,6 @@ class _Checker:
     def return_value(self, node: ast.Return, context: Context) -> None:
         if context.kind == "top":
             self.report(node, '"return" may only stand in a function or a behavior')
-
-    def generator(self, node: ast.expr, context: Context) -> None:
-        """`yield` and `await`."""
-        word = "await" if isinstance(node, ast.Await) else "yield"
-        if context.kind in DYNAMIC:
-            hint = 'an action is taken with "take"' if context.kind == "behavior" else ""
-            self.report(node, f'"{word}" cannot stand {context.words()}', hint)
-        elif context.kind == "top":
-            self.report(node, f'"{word}" may only stand in a function')
-
-    def asynchronous(self, node: ast.stmt, context: Context) -> None:
-        if context.kind in DYNAMIC:
-            self.report(node, f'"async" cannot stand {context.words()}')
 
     # ------------------------------------------------------------ classes, behaviors, monitors
 
@@ -288,10 +275,4 @@ RULES: dict[type[ast.AST], Callable[..., None]] = {
     ast.Continue: _Checker.loop_exit,
     ast.Return: _Checker.return_value,
     ast.AnnAssign: _Checker.guard,
-    ast.Yield: _Checker.generator,
-    ast.YieldFrom: _Checker.generator,
-    ast.Await: _Checker.generator,
-    ast.AsyncFunctionDef: _Checker.asynchronous,
-    ast.AsyncFor: _Checker.asynchronous,
-    ast.AsyncWith: _Checker.asynchronous,
 }

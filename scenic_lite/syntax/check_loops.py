@@ -13,8 +13,8 @@ from scenic_lite.syntax import nodes
 
 SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do)
 # A `terminate` ends more than the loop, but is usually one half of "look in each step", so it is no excuse.
-LEAVING = (ast.Break, ast.Return, ast.Raise)
-_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
+LEAVING = (ast.Break, ast.Return)
+_SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
 
 
 def suspends(statements: Iterable[ast.AST]) -> bool:

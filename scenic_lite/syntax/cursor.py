@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from typing import NoReturn, TypeVar
 
 from scenic_lite.errors import ScenicError
+from scenic_lite.syntax.hints import REFUSED
 from scenic_lite.syntax.lexer import Source, Token
 
 Node = TypeVar("Node", bound=ast.AST)
@@ -21,7 +22,7 @@ LOAD, STORE, DELETE = ast.Load(), ast.Store(), ast.Del()
 PYTHON_KEYWORDS = frozenset(keyword.kwlist)
 # Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
 SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
-VALUES = frozenset({"True", "False", "None", "not", "lambda", "await"})
+VALUES = frozenset({"True", "False", "None", "not", "lambda"})
 
 # Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
 MAX_NESTING = 90
@@ -182,6 +183,11 @@ class Cursor:
     ) -> NoReturn:
         """Raise a ScenicError at a token or node; by default at the next token."""
         raise self.error(message, hint, at=at, kind=kind)
+
+    def refuse(self, form: str, at: Token | ast.AST | None = None) -> NoReturn:
+        """Report a form of Python that the language leaves out, by its key in `REFUSED`."""
+        message, hint = REFUSED[form]
+        self.fail(message, hint, at=at, kind="unsupported")
 
     def error(
         self, message: str, hint: str = "", *, at: Token | ast.AST | None = None, kind: str = "syntax"

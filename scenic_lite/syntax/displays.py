@@ -88,6 +88,8 @@ class Displays(Instances):
         following = self.peek()
         if text == "new" and self.scenic and (following.kind == "name" or self.dialect == 3):
             return self.new_instance()
+        if text in ("async", "await", "yield"):
+            self.refuse(text)
         if text in self.keywords:
             self.fail(f'expected a value, found the word "{text}"', _MISPLACED.get(text, ""))
         if self.scenic and self.starts_value(following, "") and following.text not in self.operators:
@@ -130,7 +132,7 @@ class Displays(Instances):
         """What may stand in round brackets, up to but without the closing one: the value inside an f-string."""
         temporal = self.set_temporal(False)
         start = self.token
-        value = self.yield_expression() if start.text == "yield" else self.element()
+        value = self.element()
         if self.token.text == ",":
             value = self.at(start, ast.Tuple(self.elements("", value), LOAD))
         if temporal:
@@ -138,7 +140,7 @@ class Displays(Instances):
         return value
 
     def group(self) -> ast.expr:
-        """`()`, `(value)`, a tuple, a generator, `(yield)`."""
+        """`()`, `(value)`, a tuple, a comprehension."""
         start = self.token
         self.brackets += 1  # a requirement goes on in round brackets, so `temporal` stays
         self.advance()
@@ -150,13 +152,9 @@ class Displays(Instances):
         """What follows an opening round bracket, the closing one included."""
         if self.accept(")"):
             return self.at(start, ast.Tuple([], LOAD))
-        if self.token.text == "yield":
-            value: ast.expr = self.yield_expression()
-            self.end_group(start)
-            return value
         first = self.element()
         if self.begins_comprehension():
-            value = ast.GeneratorExp(first, self.comprehensions())
+            value: ast.expr = ast.GeneratorExp(first, self.comprehensions())
             self.end_group(start)
             return self.at(start, value)
         if self.token.text == ",":
@@ -191,7 +189,7 @@ class Displays(Instances):
         return self.at(start, value)
 
     def braces(self) -> ast.expr:
-        """A dictionary, a set, or a comprehension of one."""
+        """A dictionary, or a comprehension of one."""
         start = self.token
         temporal = self.open()
         value: ast.expr
@@ -202,9 +200,11 @@ class Displays(Instances):
             if self.token.text == ":":
                 value = self.dictionary(first)
             elif self.begins_comprehension():
-                value = ast.SetComp(first, self.comprehensions())
+                self.refuse("set comprehension", start)
+            elif self.token.text in (",", "}"):
+                self.refuse("set", start)
             else:
-                value = ast.Set(self.elements("}", first))
+                self.unexpected_inside("}", start)
         self.close("}", start, temporal)
         return self.at(start, value)
 
@@ -259,14 +259,15 @@ class Displays(Instances):
     # ------------------------------------------------------------ comprehensions
 
     def begins_comprehension(self) -> bool:
-        """Does `for` or `async for` come next?"""
-        return self.token.text == "for" or (self.token.text == "async" and self.peek().text == "for")
+        """Does `for` come next?"""
+        if self.token.text == "async":
+            self.refuse("async")
+        return self.token.text == "for"
 
     def comprehensions(self) -> list[ast.comprehension]:
-        """`[async] for targets in operation [if condition]`, once or more."""
+        """`for targets in operation [if condition]`, once or more."""
         found = []
         while self.begins_comprehension():
-            asynchronous = int(self.accept("async"))
             self.advance()
             target = self.targets()
             self.expect("in", "after the variable of the comprehension")
@@ -274,7 +275,7 @@ class Displays(Instances):
             conditions = []
             while self.accept("if"):
                 conditions.append(self.filter())
-            found.append(ast.comprehension(target, values, conditions, asynchronous))
+            found.append(ast.comprehension(target, values, conditions, 0))
             self.check_chain(len(found), '"for"')
         return found
 
@@ -306,15 +307,6 @@ class Displays(Instances):
         return self.operation(SEE)
 
     # ------------------------------------------------------------ rows of values
-
-    def yield_expression(self) -> ast.expr:
-        """`yield [values]`, `yield from value`."""
-        start = self.advance()
-        if self.accept("from"):
-            return self.at(start, ast.YieldFrom(self.expression()))
-        if self.token.kind in ("newline", "end") or self.token.text in (")", "]", "}", ";", "="):
-            return self.at(start, ast.Yield(None))
-        return self.at(start, ast.Yield(self.expressions()))
 
     def expressions(self) -> ast.expr:
         """`expression [, expression]*`, stars allowed: a tuple where there is a comma."""

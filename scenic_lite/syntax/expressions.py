@@ -109,7 +109,9 @@ class Expressions(Calls):
 
     def arithmetic(self, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
         """`left + right` and its like, from left to right."""
-        self.advance()
+        sign = self.advance()
+        if sign.text == "%" and is_text(left):
+            self.refuse("%", sign)
         right = self.operation(infix.level + 1)
         return self.at(start, ast.BinOp(left, infix.node, right))  # type: ignore[arg-type]
 
@@ -307,13 +309,7 @@ class Expressions(Calls):
         return value
 
     def primary(self, start: Token) -> ast.expr:
-        """`[await] atom` followed by attributes, calls and indices."""
-        if start.text == "await":
-            self.advance()
-            self.deeper()
-            value: ast.expr = self.at(start, ast.Await(self.primary(self.token)))
-            self.nesting -= 1
-            return value
+        """`atom` followed by attributes, calls and indices."""
         value = self.atom(start)
         links = 0
         while True:
@@ -346,6 +342,11 @@ class Expressions(Calls):
         if self.token.text == "=":
             self.fail('"=" assigns and cannot stand in a condition', '"==" compares')
         return value
+
+
+def is_text(value: ast.expr) -> bool:
+    """Return whether a value is a text as it stands."""
+    return isinstance(value, ast.JoinedStr) or (isinstance(value, ast.Constant) and isinstance(value.value, str))
 
 
 # What reads on after an operator, by `Infix.how`.

@@ -9,7 +9,6 @@ import re
 import unicodedata
 
 _ESCAPE = re.compile(r"\\(\n|[0-7]{1,3}|x[0-9a-fA-F]{2}|u[0-9a-fA-F]{4}|U[0-9a-fA-F]{8}|N\{[^{}]+\}|.)", re.DOTALL)
-_BYTES_ESCAPE = re.compile(r"\\(\n|[0-7]{1,3}|x[0-9a-fA-F]{2}|.)", re.DOTALL)
 _SIMPLE = {
     "\n": "",
     "\\": "\\",
@@ -47,15 +46,6 @@ def split_string(token: str) -> tuple[str, int, str]:
 def unescape(text: str) -> str:
     """Replace the escapes of a string; raises ValueError with what is wrong."""
     return _ESCAPE.sub(_character, text) if "\\" in text else text
-
-
-def unescape_bytes(text: str) -> bytes:
-    """Replace the escapes of a bytes literal; raises ValueError with what is wrong."""
-    if not text.isascii():
-        raise ValueError("a bytes literal holds only ASCII characters")
-    if "\\" in text:
-        text = _BYTES_ESCAPE.sub(_character, text)
-    return bytes(ord(character) & 0xFF for character in text)
 
 
 def _character(match: re.Match[str]) -> str:

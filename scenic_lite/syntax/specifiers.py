@@ -225,7 +225,7 @@ class Instances(Strings):
     def is_misspelt(self) -> bool:
         """Do two words stand side by side that no expression begins with?"""
         token, following = self.token, self.peek()
-        if not self.is_plain_name(token) or token.text in INFIX_WORDS or token.text == "await":
+        if not self.is_plain_name(token) or token.text in INFIX_WORDS:
             return False
         if self.begins_prefix():
             return False

@@ -189,8 +189,6 @@ class SimpleStatements(Expressions):
 
     def assigned_value(self) -> ast.expr:
         """What follows an `=`."""
-        if self.token.text == "yield":
-            return self.yield_expression()
         if self.token.kind in ("newline", "end"):
             self.fail('expected a value after "="')
         return self.expressions()
@@ -235,14 +233,6 @@ class SimpleStatements(Expressions):
         self.advance()
         return ast.Return(None if self.ends_here() else self.expressions())
 
-    def raise_statement(self) -> ast.stmt:
-        """`raise [exception [from cause]]`."""
-        self.advance()
-        if self.ends_here():
-            return ast.Raise(None, None)
-        exception = self.expression()
-        return ast.Raise(exception, self.expression() if self.accept("from") else None)
-
     def assert_statement(self) -> ast.stmt:
         """`assert condition [, message]`."""
         self.advance()
@@ -267,14 +257,6 @@ class SimpleStatements(Expressions):
         while self.accept(","):
             names.append(self.name("a variable").text)
         return make(names)
-
-    def yield_statement(self) -> ast.stmt:
-        """`yield` as a statement."""
-        start = self.token
-        value = self.yield_expression()
-        if self.token.text == "=":
-            self.fail("cannot assign to a yield expression", at=start)
-        return ast.Expr(value)
 
     def import_statement(self) -> ast.stmt:
         """`import a.b [as c], ...`."""
@@ -324,6 +306,12 @@ class SimpleStatements(Expressions):
             self.fail(f"expected the name of {what}, found {describe(self.token)}")
         return self.advance().text
 
+    def refused(self) -> ast.stmt:
+        """A statement of Python that the language leaves out."""
+        if self.peek().text == "=":
+            self.fail(f'"{self.token.text}" is a word of the language and cannot be the name of a variable')
+        self.refuse(self.token.text)
+
     def misplaced(self) -> ast.stmt:
         """A word that only continues a statement which is not there."""
         word = self.token.text
@@ -338,12 +326,13 @@ PYTHON_STATEMENTS: dict[str, Callable[[SimpleStatements], ast.stmt]] = {
     "break": SimpleStatements.break_statement,
     "continue": SimpleStatements.continue_statement,
     "return": SimpleStatements.return_statement,
-    "raise": SimpleStatements.raise_statement,
     "assert": SimpleStatements.assert_statement,
     "del": SimpleStatements.delete_statement,
     "global": SimpleStatements.global_statement,
     "nonlocal": SimpleStatements.global_statement,
-    "yield": SimpleStatements.yield_statement,
+    "raise": SimpleStatements.refused,
+    "yield": SimpleStatements.refused,
+    "async": SimpleStatements.refused,
     "import": SimpleStatements.import_statement,
     "from": SimpleStatements.import_from_statement,
     "elif": SimpleStatements.misplaced,

@@ -35,9 +35,7 @@ class Strings(Cursor):
             pieces.append(self.advance())
         prefixes = [literals.split_string(piece.text)[0] for piece in pieces]
         if any("b" in prefix for prefix in prefixes):
-            if not all("b" in prefix for prefix in prefixes):
-                self.fail("bytes and text cannot be joined", at=start)
-            return self.at(start, ast.Constant(b"".join(self.bytes(piece) for piece in pieces)))
+            self.refuse("bytes", start)
         kind = "u" if prefixes[0] == "u" else None
         parts = [part for piece in pieces for part in self.parts(piece, start)]
         if not any("f" in prefix for prefix in prefixes):
@@ -58,16 +56,6 @@ class Strings(Cursor):
             if part is not None:
                 values.append(part)
         return values
-
-    def bytes(self, token: Token) -> bytes:
-        """The value of one bytes token."""
-        prefix, _, content = literals.split_string(token.text)
-        try:
-            return content.encode("ascii") if "r" in prefix else literals.unescape_bytes(content)
-        except UnicodeEncodeError:
-            self.fail("a bytes literal holds only ASCII characters", at=token)
-        except ValueError as error:
-            self.fail(str(error), at=token)
 
     def parts(self, token: Token, start: Token) -> list[str | ast.expr]:
         """The texts and values of one string token. `start`: the first of the tokens joined."""

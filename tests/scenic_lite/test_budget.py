@@ -37,7 +37,6 @@ TOO_MUCH = [
         "x = [1]\nfor i in range(60):\n    x = [x, x]\nparam x = x",
         "a parameter of <program> has more than 20,000 parts",
     ),
-    ("x = 'a' % 10**10", "more values than the format has places for"),
     ("x = " + "(" * 500 + "1" + ")" * 500, "nested more than"),
     ("x = " + "-" * 5000 + "1", "nested too deeply"),
 ]
@@ -102,7 +101,6 @@ def test_sampling_ends():
         "x < y",
         "x in [y]",
         "sorted([x, y])",
-        "{x}",
         "{x: 1}",
         "set([x])",
         "{}.get(x)",

@@ -312,15 +312,15 @@ CASES = {
                 ^^^^^^^^^^^^
         """,
     ),
-    "statement without a meaning here": (
+    "statement that is left out": (
         """
         ego = LeftCM at 0 @ 0
         raise ego
         """,
         """
-        <program>:2:7: `raise` needs an exception, not a LeftCM
+        <program>:2:1: `raise` is not supported (write "assert condition, message")
             raise ego
-                  ^^^
+            ^^^^^
         """,
     ),
     "property assigned": (

@@ -76,7 +76,6 @@ MODULES = [
     ("import shop\nshop.count = 5\nparam value = shop.bump()", 6),
     ("import pack.one\nimport pack.sub.two\nparam value = (pack.one.one, pack.sub.two.deep)", (20, 10)),
     ("from pack.sub import two as t\nparam value = t.deep", 10),
-    ("try:\n    import nothing\nexcept ImportError:\n    param value = 'caught'", "caught"),
     ("model world\nparam value = (kind, globalParameters.time)", ("world", 12)),
     ("param time = 1\nmodel world\nparam value = globalParameters.time", 1),
     ("param shared = 1\nimport shop\nparam value = globalParameters.shared", 3),

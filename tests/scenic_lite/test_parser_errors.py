@@ -114,7 +114,7 @@ monitor M
 try:
     do A()
 x = 3
->>> 3:1: expected "interrupt when", "except" or "finally" after the block of "try", found "x"
+>>> 3:1: expected "interrupt when" after the block of "try", found "x"
     x = 3
     ^
 ---

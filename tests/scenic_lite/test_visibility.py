@@ -69,10 +69,3 @@ def test_a_random_object_is_seen_as_the_object_it_is():
         np.testing.assert_array_equal(scenes.params["x"], scenes.positions[:, 1, 0])
         assert scenes.params["x"].max() > 2.5  # only a corner of it is in the view
         assert load(text + "require c can see ego\n", dialect=dialect).report(100, np.random.default_rng(2)).accepted
-
-
-def test_an_object_that_came_to_nothing_demands_nothing():
-    text = (
-        "ego = new Object\ntry:\n    a = new Object facing away from ego, not visible\nexcept ValueError:\n    a = 3\n"
-    )
-    assert len(load(text, dialect=3).objects) == 1

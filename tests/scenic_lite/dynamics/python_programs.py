@@ -196,17 +196,6 @@ behavior Main():
         for a, b in zip(near, things):
             take f'z{a is b}'
 """,
-    "match": """
-behavior Main():
-    while True:
-        match int(self.position.y) % 3:
-            case 0:
-                take 'zero'
-            case 1:
-                take 'one'
-            case _:
-                take 'many'
-""",
     "walrus": """
 behavior Main():
     while True:

@@ -297,7 +297,6 @@ def test_the_program_is_as_it_was_loaded_outside_of_episodes():
         ("    do B() for 'a' steps", 2, "a duration is a number, not a text"),
         ("    do choose {B(): 'a', B(): 1}", 2, "a weight is a number, and not negative: 'a'"),
         ("    take 'a'\n    new Object at 5 @ 5", 3, "no object can be made in a behavior"),
-        ("    take 'a'\n    raise ValueError('no')", 3, "ValueError: no"),
         (
             "    try:\n        wait\n    interrupt when B():\n        wait",
             4,
@@ -311,26 +310,6 @@ def test_a_fault_at_run_time_has_its_place(body, line, words):
         played(f"behavior B():\n{body}\nego = new Object with behavior B()", 3)
     assert words in str(caught.value)
     assert caught.value.line in (line, line + 1 if "without an action" in words else line)
-
-
-def test_an_error_is_raised_again_steps_later():
-    text = """
-behavior Inner():
-    try:
-        take [][0]
-    except IndexError as error:
-        take str(error)
-        raise
-behavior Outer():
-    try:
-        do Inner()
-    except IndexError:
-        take 'outer'
-    finally:
-        take 'finally'
-ego = new Object with behavior Outer()
-"""
-    assert actions(text, 4) == "list index out of range outer finally -"
 
 
 def test_behaviors_that_call_each_other_for_ever():
