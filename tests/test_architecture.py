@@ -52,7 +52,6 @@ KNOWN_UPWARD: set[str] = {
     "envs.football.scenic.step -> envs.football.simulator",
     "envs.football.state -> envs.football.ai.formation",
     "envs.football.state -> envs.football.control.control_modes",
-    "experiments.pictures.results_page -> experiments.__main__",
 }
 KNOWN_RINGED: set[str] = {
     "scenic_lite.core.domain",

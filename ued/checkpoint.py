@@ -54,14 +54,21 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
 
 def load(path: str | Path) -> dict[str, Any]:
     """Read what `save` wrote. Raises `CheckpointError` for a file that is missing, cut short, foreign or too new."""
-    path = Path(path)
+    return decode(_content(Path(path), mapped=False))
+
+
+def load_entry(path: str | Path, key: str) -> Any:
+    """Read one entry of what `save` wrote; the arrays of the others stay on the disk. Raises as `load`."""
+    return decode(_content(Path(path), mapped=True)[key])
+
+
+def _content(path: Path, mapped: bool) -> dict[str, Any]:
     damaged = f"{path} is no checkpoint, or one that was cut short or damaged"
     try:
         with open(path, "rb") as file:
             if not zipfile.is_zipfile(file):
                 raise CheckpointError(damaged)
-            file.seek(0)
-            content = torch.load(file, map_location="cpu", weights_only=True)
+        content = torch.load(path, map_location="cpu", weights_only=True, mmap=mapped)
     except FileNotFoundError as error:
         raise CheckpointError(f"there is no checkpoint at {path}") from error
     except OSError as error:
@@ -76,7 +83,7 @@ def load(path: str | Path) -> dict[str, Any]:
         raise CheckpointError(
             f"{path} has version {content.get('version')} of the checkpoint format; this program reads {VERSION}"
         )
-    return decode(content["state"])
+    return content["state"]
 
 
 def encode(value: Any, where: str = "state") -> Any:

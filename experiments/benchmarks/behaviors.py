@@ -29,9 +29,9 @@ def behaviors_suite(seconds: float) -> list[Measurement]:
 
 def measure(name: str, seconds: float) -> Measurement:
     """Step with random actions, drawn beforehand; episodes restart as they end."""
-    from experiments.run.build import make_upomdp
+    from experiments.run.build import load_program, make_upomdp
 
-    env = make_upomdp(PROGRAMS / f"{name}.scenic", NUM_ENVS, TrainConfig().env, 0, 1)
+    env = make_upomdp(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
     actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, NUM_ENVS))
 
     def step(count: int) -> None:
@@ -45,7 +45,7 @@ def measure(name: str, seconds: float) -> Measurement:
 
 
 def compile_ms(env: object, seconds: float) -> float:
-    """Milliseconds from a program that is read to its code."""
+    """Return the milliseconds from a program that is read to its code."""
     from envs.football.scenic.world import FOOTBALL_WORLD
     from envs.football.vector_env import FootballVectorEnv
     from scenic_lite.dynamics.compiler.compile import compile_program

@@ -91,7 +91,7 @@ def loaded(text: str, domain: Domain | None, dialect: int) -> Program:
 
 
 def scenes_per_second(program: Program, n: int, seconds: float) -> float:
-    """Valid scenes per second, n at a time."""
+    """Return valid scenes per second, n at a time."""
     rng = np.random.default_rng(0)
 
     def sample(count: int) -> None:
@@ -102,7 +102,7 @@ def scenes_per_second(program: Program, n: int, seconds: float) -> float:
 
 
 def render_language(rows: Sequence[LanguageMeasurement]) -> str:
-    """Give the suite as a table."""
+    """Return the suite as a table."""
     head = ["language", "objects", "draws", "valid", f"scenes/s at {LARGE}", f"at {SMALL}", "load"]
     lines = [[*head, "Scenic 3.1.1: scenes/s", "load", "ours"]]
     for row in rows:

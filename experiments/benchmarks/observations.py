@@ -35,7 +35,7 @@ def observation_rows(seconds: float) -> list[Measurement]:
 
 
 def _speed(program: Path, representation: str, threads: int, seconds: float) -> float:
-    """Env steps per second with random actions, drawn beforehand."""
+    """Return env steps per second with random actions, drawn beforehand."""
     env = _make_env(program, representation, threads)
     actions = np.random.default_rng(0).integers(0, 19, (64, MATCHES))
 
@@ -48,7 +48,7 @@ def _speed(program: Path, representation: str, threads: int, seconds: float) -> 
 
 
 def _frames(program: Path, seconds: float) -> float:
-    """Stacked planes drawn per second, of matches under way, on one thread."""
+    """Return stacked planes drawn per second, of matches under way, on one thread."""
     env = _make_env(program, "smm_stacked", 1)
     for _ in range(20):
         env.step(np.full(MATCHES, 5))
@@ -64,4 +64,4 @@ def _frames(program: Path, seconds: float) -> float:
 def _make_env(program: Path, representation: str, threads: int) -> Any:
     from envs.football.config import FootballConfig
 
-    return build.make_upomdp(program, MATCHES, FootballConfig(representation), 0, threads)
+    return build.make_upomdp(build.load_program(program, None), MATCHES, FootballConfig(representation), 0, threads)

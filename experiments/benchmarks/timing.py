@@ -23,7 +23,7 @@ class Measurement(NamedTuple):
 def rate(
     run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
 ) -> float:
-    """Give calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
+    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
     began = clock()
     run(warm_up)
     count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))

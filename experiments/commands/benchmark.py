@@ -71,19 +71,19 @@ def main(argv: Sequence[str]) -> int:
     if config.suite == "grf":
         return likeness(config)
     build.find_minigame(config.minigame)
-    found: dict[str, Sequence[Any]] = {}
+    suites: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
-        found["simulator"] = simulator_suite(config)
+        suites["simulator"] = simulator_suite(config)
     if config.suite in ("train", "all"):
-        found["training"] = training_suite(config)
+        suites["training"] = training_suite(config)
     if config.suite in ("language", "all"):
-        found["language"] = language_suite(config.seconds)
-        found["behaviors"] = behaviors_suite(config.seconds)
+        suites["language"] = language_suite(config.seconds)
+        suites["behaviors"] = behaviors_suite(config.seconds)
     if config.json:
-        results = {suite: [row._asdict() for row in rows] for suite, rows in found.items()}
+        results = {suite: [row._asdict() for row in rows] for suite, rows in suites.items()}
         print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
     else:
-        print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in found.items())]))
+        print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in suites.items())]))
     return 0
 
 
@@ -128,7 +128,7 @@ def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
 
 
 def first_step(config: BenchmarkConfig) -> Measurement:
-    """Say how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
+    """Measure how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
     from envs.football.batch import step_batch
     from scenic_lite.kernels.jit import compiled
 
@@ -164,7 +164,7 @@ def _levels_per_second(config: BenchmarkConfig) -> float:
 
 
 def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
-    program = build.find_minigame(config.minigame).program
+    program = build.load_program(build.find_minigame(config.minigame).program, None)
     return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
 
 
@@ -179,9 +179,9 @@ def training_suite(config: BenchmarkConfig) -> list[Measurement]:
     runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
     rows = []
     for name, threads in runs:
-        wanted = replace(TrainConfig(), minigame=config.minigame, method=name, threads=threads)
-        program = build.find_minigame(wanted.minigame).program
-        method = build.make_method(wanted, build.make_upomdp(program, wanted.num_envs, wanted.env, 0, threads))
+        run = replace(TrainConfig(), minigame=config.minigame, method=name, threads=threads)
+        program = build.load_program(build.find_minigame(run.minigame).program, None)
+        method = build.make_method(run, build.make_upomdp(program, run.num_envs, run.env, 0, threads))
         for _ in range(WARM_UPDATES):  # replay has begun, and the buffer is in use
             method.update()
         rows.append(_train(f"{name}, {threads} thread{'s' * (threads > 1)}", method, config.seconds * STRETCHES))
@@ -207,7 +207,7 @@ def _train(label: str, method: Any, seconds: float) -> Measurement:
 
 
 def machine() -> dict[str, Any]:
-    """Say on what was measured."""
+    """Return on what was measured."""
     packages = {name: version(name) for name in ("numpy", "numba", "torch")}
     return {"processor": _processor(), "cores": os.cpu_count(), "python": platform.python_version(), **packages}
 
@@ -227,7 +227,7 @@ def _machine_line() -> str:
 
 
 def render(suite: str, rows: Sequence[Any]) -> str:
-    """Give one suite as a table."""
+    """Return one suite as a table."""
     if suite == "language":
         return render_language(rows)
     lines = [[suite, "env steps/s", ""]]

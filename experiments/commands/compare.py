@@ -15,13 +15,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from experiments.commands.evaluate import Tests, check_levels
+from experiments.commands.evaluate import check_levels
 from experiments.pictures import level_plots, plots, results_page
 from experiments.pictures.overview import Comparison, overview
 from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
 from experiments.run.config import TrainConfig, presets
-from experiments.run.evaluator import TestScenes
+from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
 from experiments.run.results import unique
@@ -64,7 +64,10 @@ def main(argv: Sequence[str]) -> int:
     config = _read(argv)
     folder = config.out or Path("runs") / f"compare-{build.find_minigame(config.minigame).name}"
     runs = prepare(config, folder)
-    scenes = TestScenes(runs[0].config, config.episodes)  # compiles the kernels before there are several processes
+    programs = build.load_scenes(runs[0].config)
+    scenes = EvalScenes(
+        runs[0].config, programs, config.episodes
+    )  # compiles the kernels before there are several processes
     unfinished = [run for run in runs if not run.finished()]
     cores = os.cpu_count() or 1
     with StopRequest() as stop:
@@ -78,56 +81,56 @@ def main(argv: Sequence[str]) -> int:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    found = Tests(scenes, config.levels, config.level_episodes).report(runs)
-    show(found, runs, build.make_painter(scenes.scenes[build.TRAINING_SCENE].program), folder)
-    page(found, runs, ["compare", *argv], folder)
+    report = Evaluator(scenes, config.levels, config.level_episodes).report(runs)
+    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]), folder)
+    page(report, runs, ["compare", *argv], folder)
     return 0
 
 
 def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     """Create the run folders that are not there yet, and open the others; they must agree with the settings."""
-    runs, minigame = [], build.settled_name(config.minigame)
+    runs, minigame = [], build.canonical_name(config.minigame)
     for seed in range(config.seeds):
         for method in config.methods:
-            wanted = replace(config.train, minigame=minigame, method=method, seed=seed)
+            settings = replace(config.train, minigame=minigame, method=method, seed=seed)
             path = folder / f"{method}-{seed}"
             if (path / "config.json").exists():
                 run = RunFolder.open(path)
-                run.extend(wanted)
+                run.extend(settings)
             else:
-                run = RunFolder.create(path, wanted)
+                run = RunFolder.create(path, settings)
             runs.append(run)
     return runs
 
 
-def show(found: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) -> None:
+def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) -> None:
     """Print the tables; write them, all numbers and pictures."""
-    found.save(folder)
+    report.save(folder)
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     name = build.find_minigame(runs[0].config.minigame).name
-    draw(Comparison(name, by_method, found.results, painter), folder)
-    print(f"\n{found.text()}\n")
+    draw(Comparison(name, by_method, report.results, painter), folder)
+    print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/overview.png, learning_curves.png, levels.png")
     print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
 
 
-def page(found: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
+def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
     """Write what a page of results shows of the comparison."""
     name = build.find_minigame(runs[0].config.minigame).name
     trained = unique([run.config.method for run in runs])
     pictures = {f"Learning curves on {name}": "learning_curves.png", f"Goals and levels on {name}": "overview.png"}
     heading = f"{name}: {plots.listed(trained)}"
-    results_page.write_page(folder, heading, command, found.markdown(), pictures)
+    results_page.write_page(folder, heading, command, report.markdown(), pictures)
 
 
-def draw(found: Comparison, folder: Path) -> None:
+def draw(comparison: Comparison, folder: Path) -> None:
     """Draw the three pictures of a comparison."""
-    plots.learning_curves(found.runs, folder / "learning_curves.png")
-    level_plots.levels(found.runs, found.painter, folder / "levels.png")
-    overview(found, folder / "overview.png")
+    plots.learning_curves(comparison.runs, folder / "learning_curves.png")
+    level_plots.levels(comparison.runs, comparison.painter, folder / "levels.png")
+    overview(comparison, folder / "overview.png")
 
 
 def _read(argv: Sequence[str]) -> CompareConfig:

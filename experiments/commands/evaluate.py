@@ -15,13 +15,10 @@ from typing import Any
 
 from experiments.run import arguments, build
 from experiments.run.arguments import positional
-from experiments.run.baselines import make_baselines
-from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError, UsageError
-from experiments.run.evaluator import TestScenes
+from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report, save_csv, write_text
-from experiments.run.results import LevelResult, Result, summarise, summarise_levels
 from ued.config import check_at_least_1, setting
 
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
@@ -63,9 +60,11 @@ def main(argv: Sequence[str]) -> int:
     games = {run.config.minigame for run in runs}
     if len(games) > 1:
         raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
-    scenes = TestScenes(replace(runs[0].config, threads=config.threads), config.episodes)
-    tests = Tests(scenes, config.levels, config.level_episodes)
-    report = tests.report(runs, config.baselines)
+    first = replace(runs[0].config, threads=config.threads)
+    if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
+        raise CommandError("these runs read their program with different settings; evaluate them apart")
+    scenes = EvalScenes(first, build.load_scenes(first), config.episodes)
+    report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:
         save_csv(report.results, config.csv)
@@ -74,69 +73,11 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-@dataclass(frozen=True)
-class Tests:
-    """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each."""
-
-    scenes: TestScenes
-    levels: int
-    episodes: int
-
-    __test__ = False  # for pytest: these are not tests of ours
-
-    def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
-        """Play the students of all runs, and policies that need no training.
-
-        Raises `CommandError` if a run has no checkpoint yet.
-        """
-        results: list[Result] = []
-        levels: list[LevelResult] = []
-        for run in runs:
-            student, trained = load_student(run)
-            self._play(student, run.config.method, run.config.seed, trained, results, levels)
-        space = self.scenes.scenes[build.TRAINING_SCENE].single_action_space
-        for name, policy in make_baselines(space).items() if baselines else ():
-            self._play(policy, name, 0, (0, 0), results, levels)
-        return Report(results, levels)
-
-    def _play(
-        self,
-        policy: Any,
-        method: str,
-        seed: int,
-        trained: tuple[int, int],
-        results: list[Result],
-        levels: list[LevelResult],
-    ) -> None:
-        found = self.scenes.play(policy)
-        results += [summarise(each, method, seed, label, trained) for label, each in found.items()]
-        if self.levels:
-            played = self.scenes.play_random_levels(policy, self.levels, self.episodes)
-            levels.append(summarise_levels(played, method, seed))
-
-
 def as_json(report: Report) -> dict[str, Any]:
-    """Give rows by run, and all numbers of the tables; null where there is none."""
+    """Return rows by run, and all numbers of the tables; null where there is none."""
     entries = [entry._asdict() for entry in report.entries]
     return {
         "results": [asdict(row) for row in report.results],
         "levels": [asdict(row) for row in report.levels],
         "tables": [{name: None if value != value else value for name, value in entry.items()} for entry in entries],
     }
-
-
-def load_student(run: RunFolder) -> tuple[Any, tuple[int, int]]:
-    """Give the student of a run's checkpoint, and the env_steps and updates that it was trained for.
-
-    Raises `CommandError` if the run has none yet.
-    """
-    from ued import checkpoint
-
-    if not run.checkpoint.exists():
-        raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
-    config: TrainConfig = run.config
-    program = build.find_minigame(config.minigame).program
-    upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
-    method = build.make_method(config, upomdp)
-    method.load_state_dict(checkpoint.load(run.checkpoint)["method"])
-    return method.student, (method.env_steps, method.updates)

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from experiments.run import arguments, build
-from experiments.run.arguments import positional
+from experiments.run.arguments import group, positional
+from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
 from experiments.run.results import align
 from ued.config import check_at_least_1, setting
@@ -48,6 +49,7 @@ class InspectConfig:
     seed: int = setting(0, "seed of the scenes")
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
     dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
+    reading: ProgramConfig = group(ProgramConfig, "the program")
 
     def __post_init__(self) -> None:
         check_at_least_1(self, "n")
@@ -64,7 +66,7 @@ def main(argv: Sequence[str]) -> int:
     if config.show in ("tokens", "nodes"):
         print_text(path, config)
         return 0
-    program, football = build.load_any_program(path, config.dialect)
+    program, football = build.load_any_program(path, config.dialect, config.reading)
     if football and config.show != "code":
         build.warn_of_play(program)
     if config.show == "code":
@@ -86,7 +88,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
-    """Give the θ that was typed, or valid random ones: `[n, D]`."""
+    """Return the θ that was typed, or valid random ones: `[n, D]`."""
     if not config.theta:
         return program.sample(config.n, np.random.default_rng(config.seed))[0]
     theta = np.array(config.theta)
@@ -101,7 +103,7 @@ def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
 
 
 def render_theta(program: Program, theta: np.ndarray | None) -> str:
-    """Give the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
+    """Return the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
     parts = [f"{program.file}: D = {program.dim} free parameter{'s' * (program.dim != 1)}"]
     if program.draws:
         parts.append(_draws_table(program, theta))
@@ -150,7 +152,7 @@ def _join(values: Sequence[float]) -> str:
 
 
 def render_scenes(program: Program, theta: np.ndarray) -> str:
-    """Give the places of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
+    """Return the places of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
     scenes = program.instantiate(theta)
     parts = []
     for index in range(len(theta)):
@@ -169,42 +171,42 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool)
     """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
     from envs.football.scenic.lineup import CastingError
     from experiments.pictures.scene_pictures import draw_matches, draw_pictures
-    from experiments.pictures.scene_view import stage_of
+    from experiments.pictures.scene_view import view_of
 
     if football:
         try:
             return draw_matches(build.make_painter(program), theta, path)
         except CastingError:  # football without a ball, or with something else on the pitch
             pass
-    stage = stage_of(program, probes(program, theta), football)
-    draw_pictures(stage, program.instantiate(theta), path)
+    view = view_of(program, probes(program, theta), football)
+    draw_pictures(view, program.instantiate(theta), path)
 
 
 def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
-    from experiments.pictures.scene_view import arrows, corners, stage_of
+    from experiments.pictures.scene_view import arrows, corners, view_of
     from experiments.run.table import cannot_write
     from ued.recorder.scenes import SceneRecord, record_scenes
 
-    stage = stage_of(program, probes(program, theta), football)
-    boxes = stage.boxes(program.instantiate(theta))
+    view = view_of(program, probes(program, theta), football)
+    boxes = view.boxes(program.instantiate(theta))
     cards = [card(program, theta[index], index) for index in range(len(theta))]
     scenes = [SceneRecord(*parts) for parts in zip(corners(boxes), arrows(boxes), cards, strict=True)]
     try:
-        record_scenes(path, program.file, stage, scenes)
+        record_scenes(path, program.file, view, scenes)
     except OSError as error:
         raise cannot_write(path, error) from error
 
 
 def probes(program: Program, theta: np.ndarray) -> np.ndarray:
-    """Give θ and random rows beside it, which say how far objects get."""
+    """Return θ and random rows beside it, which say how far objects get."""
     from experiments.pictures.scene_view import PROBES
 
     return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
 
 
 def card(program: Program, theta: np.ndarray, index: int) -> str:
-    """Give what one row of θ means, in Markdown."""
+    """Return what one row of θ means, in Markdown."""
     from ued.recorder.scenes import card_of
 
     values = program.describe(theta)
@@ -219,7 +221,7 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 
 
 def render_code(program: Program, football: bool) -> str:
-    """Give the rows that the behaviors, monitors and conditions of a program become, below the lines they come from."""
+    """Return the rows that the behaviors, monitors and conditions of a program become, below their lines."""
     from envs.football.scenic.world import FOOTBALL_WORLD
     from scenic_lite.dynamics.compiler.compile import compile_program
     from scenic_lite.dynamics.toy import toy_world
@@ -251,7 +253,7 @@ def print_text(path: Path, config: InspectConfig) -> None:
 
 
 def render_node(node: Any, depth: int, label: str = "") -> Iterator[str]:
-    """Give a tree as indented lines: the class of each node, its plain fields, its line."""
+    """Return a tree as indented lines: the class of each node, its plain fields, its line."""
     simple, nested = [], []
     for name, value in ast.iter_fields(node):
         if isinstance(value, ast.AST) or (isinstance(value, list) and any(isinstance(v, ast.AST) for v in value)):

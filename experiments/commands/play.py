@@ -16,7 +16,8 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments.run import arguments, build
-from experiments.run.arguments import positional
+from experiments.run.arguments import group, positional
+from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
 from ued.config import check_at_least_1, check_not_negative, check_positive, setting
 
@@ -35,6 +36,7 @@ class PlayConfig:
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life")
     record: Path | None = setting(None, "write a record, .npz, for regista replay")
+    reading: ProgramConfig = group(ProgramConfig, "the program")
 
     def __post_init__(self) -> None:
         check_at_least_1(self, "steps")
@@ -52,9 +54,9 @@ def main(argv: Sequence[str]) -> int:
     from envs.football.gym_env import ENDINGS
     from envs.football.view.replay import Recorder, after_step
 
-    path = build.find_minigame(config.program).program
+    program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
     settings = FootballConfig(representation="raw", control=config.control)
-    env = build.make_upomdp(path, 1, settings, config.seed, 1)
+    env = build.make_upomdp(program, 1, settings, config.seed, 1)
     env.keep_endings()
     recorder, choose = Recorder(env), _player(config)
     observations, ended = env.observe(), 0
@@ -93,7 +95,7 @@ def film(path: Path, moments: Sequence[Any], speed: float) -> None:
 
 
 def _player(config: PlayConfig) -> Callable[[Any], Any]:
-    """What chooses the actions of the agents: `[A]`, or one number if there is one agent."""
+    """Return what chooses the actions of the agents: `[A]`, or one number if there is one agent."""
     from envs.football.observation.raw import row
     from envs.football.view.bot import act
 
@@ -105,6 +107,10 @@ def _player(config: PlayConfig) -> Callable[[Any], Any]:
         return int(rng.integers(19)) if config.player == "random" else 0
 
     def choose(observations: Any) -> Any:
-        return [move(each) for each in observations] if isinstance(observations, tuple) else move(observations)
+        return (
+            [move(observation) for observation in observations]
+            if isinstance(observations, tuple)
+            else move(observations)
+        )
 
     return choose

@@ -39,14 +39,16 @@ EPISODES = 5  # on each test level, in each of them
 
 
 def probe_run() -> TrainConfig:
-    """Give the settings of a run on the probe: short episodes, few weights, small buffers.
+    """Return the settings of a run on the probe: short episodes, few weights, small buffers.
 
     PAIRED mixes no random levels in: here they teach nothing, and none that is known is forgotten on longer ones.
     """
     buffer = BufferConfig(capacity=256)
     groups = {item.name: item.default_factory() for item in fields(TrainConfig) if callable(item.default_factory)}
     kinds = PLRConfig | RepairedConfig
-    with_buffer = {name: replace(each, buffer=buffer) for name, each in groups.items() if isinstance(each, kinds)}
+    with_buffer = {
+        name: replace(settings, buffer=buffer) for name, settings in groups.items() if isinstance(settings, kinds)
+    }
     alone = {name: replace(with_buffer.get(name, groups[name]), dr_fraction=0.0) for name in ("paired", "repaired")}
     ppo = PPOConfig(
         num_steps=64, learning_rate=2e-3, gamma=0.99, num_minibatches=4, update_epochs=4, ent_coef=0.05, hidden_size=64
@@ -110,15 +112,15 @@ def main(argv: Sequence[str]) -> int:
 
 def run_all(config: ProbeConfig) -> list[Run]:
     """Train every method with every seed, several at a time."""
-    wanted = [
+    configs = [
         replace(config.train, method=method, seed=seed) for seed in range(config.seeds) for method in config.methods
     ]
-    progress = Progress(len(wanted) * config.train.total_env_steps)
+    progress = Progress(len(configs) * config.train.total_env_steps)
     runs: list[Run] = []
     workers = config.processes or os.cpu_count() or 1
     context = multiprocessing.get_context("spawn")  # torch's threads do not survive a fork
     with ProcessPoolExecutor(workers, context) as pool:
-        futures = [pool.submit(run_one, each, config.longest, config.dim) for each in wanted]
+        futures = [pool.submit(run_one, run, config.longest, config.dim) for run in configs]
         for future in as_completed(futures):
             runs.append(future.result())
             progress.show(len(runs) * config.train.total_env_steps)
@@ -146,7 +148,7 @@ def run_one(config: TrainConfig, longest: int, dim: int) -> Run:
 
 
 def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
-    """Give a Markdown table: score of each method with its interval over runs, and the difference to the first."""
+    """Return a Markdown table: score of each method with its interval over runs, and the difference to the first."""
     from ued.statistics import bootstrap, iqm, probability_of_improvement
 
     rng = np.random.default_rng(0)
@@ -171,9 +173,9 @@ def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 
-def _cell(found: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: str = "") -> str:
-    low, high = (min(max(end, bounds[0]), bounds[1]) for end in (found.low, found.high))
-    return f"{found.estimate:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
+def _cell(interval: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: str = "") -> str:
+    low, high = (min(max(end, bounds[0]), bounds[1]) for end in (interval.low, interval.high))
+    return f"{interval.estimate:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
 
 
 def save_csv(runs: Sequence[Run], path: Path) -> None:

@@ -20,7 +20,7 @@ from experiments.run.arguments import group
 from experiments.run.config import TrainConfig, presets
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress, count
+from experiments.run.progress import Progress, count, headline
 from experiments.run.signals import StopRequest
 from ued.config import setting
 from ued.recorder.recorder import unique_names
@@ -50,30 +50,27 @@ def main(argv: Sequence[str]) -> int:
 
 
 def train(run: RunFolder, stop: StopRequest) -> int:
-    """Train until the budget is spent or somebody asks to stop; give the env_steps done."""
-    from experiments.run.evaluator import TestScenes
+    """Train until the budget is spent or somebody asks to stop; return the env_steps done."""
+    from experiments.run.evaluator import EvalScenes
     from experiments.run.recording import RunRecorder
 
-    config = run.config
-    program = build.find_minigame(config.minigame).program
+    config, programs = run.config, build.load_scenes(run.config)
+    program = programs[build.TRAINING_SCENE]
     run.keep_program(program)
     upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
     method = build.make_method(config, upomdp)
-    tests = TestScenes(config, config.eval_episodes)
-    state = run.load()
-    if state is not None:
-        method.load_state_dict(state["method"])
+    scenes = EvalScenes(config, programs, config.eval_episodes)
+    elapsed = restore(run, method)
     recorder = RunRecorder(run, upomdp, method.updates)
     progress = Progress(config.total_env_steps, method.env_steps)
-    elapsed = (state or {}).get("elapsed", 0.0)
 
     while method.env_steps < config.total_env_steps and not stop:
         began, before = time.perf_counter(), method.env_steps
         metrics = method.update()
-        if tests.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
-            metrics |= tests.metrics(method.student)
+        if scenes.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
+            metrics |= scenes.metrics(method.student)
         elapsed += time.perf_counter() - began
-        write_update(run, method, {**metrics, "time/elapsed": elapsed}, unique_names(upomdp.draws))
+        run.add_update(method, metrics | {"time/elapsed": elapsed}, unique_names(upomdp.draws))
         recorder.update(method, metrics)
         progress.show(method.env_steps, headline(metrics))
         if run.checkpoint_due():
@@ -87,37 +84,19 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     return method.env_steps
 
 
+def restore(run: RunFolder, method: Any) -> float:
+    """Continue from the run's checkpoint, if it has one; return the seconds that were trained before."""
+    state = run.load()
+    if state is None:
+        return 0.0
+    method.load_state_dict(state["method"])
+    return state["elapsed"]
+
+
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
     """Write the checkpoint: all that `train` needs to go on as if it had never stopped."""
     progress = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
     run.save({**progress, "method": method.state_dict()})
-
-
-def write_update(run: RunFolder, method: Any, metrics: dict[str, float], names: list[str]) -> None:
-    """Add one row to metrics.csv and one per trained level to levels.csv; wall-clock columns come last."""
-    row: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps}
-    rest = {name: value for name, value in metrics.items() if name not in ("updates", "env_steps")}
-    run.metrics.append([row | dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))])
-    batch = method.last
-    if batch is None:
-        return
-    rows = []
-    for level, theta in enumerate(batch.theta):
-        entry: dict[str, Any] = {"update": method.updates}
-        entry |= {f"theta/{name}": round(float(value), 5) for name, value in zip(names, theta, strict=True)}
-        entry |= {f"return/{name}": round(float(values[level]), 5) for name, values in batch.returns.items()}
-        entry["score"] = round(float(batch.score[level]), 5)
-        rows.append(entry)
-    run.levels.append(rows)
-
-
-def headline(metrics: dict[str, float]) -> dict[str, float]:
-    """Give the few numbers that the progress line shows."""
-    return {
-        name.partition("/")[2] or name: value
-        for name, value in metrics.items()
-        if name.startswith("return/") or name == "regret"
-    }
 
 
 def _open_run(argv: Sequence[str]) -> RunFolder:
@@ -126,7 +105,7 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
         return _resume(typed)
     base = TrainFlags(config=presets()[typed.get("preset", "fast")])
     flags = arguments.replace_paths(base, typed)
-    config = replace(flags.config, minigame=build.settled_name(flags.config.minigame))
+    config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
     name = build.find_minigame(config.minigame).name
     build.find_method(config.method)
     return RunFolder.create(flags.out or Path("runs") / f"{name}-{config.method}-{config.seed}", config)

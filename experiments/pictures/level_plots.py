@@ -24,7 +24,7 @@ PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9
 
 
 def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
-    """Give θ `[L, D]` of the levels trained on within this share of the run's updates."""
+    """Return θ `[L, D]` of the levels trained on within this share of the run's updates."""
     table = read_columns(run / "levels.csv")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
@@ -66,7 +66,7 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
 
 
 def team_legend(figure: Any) -> None:
-    """Say which colour is which team."""
+    """Write beneath a figure which colour is which team."""
     from matplotlib.patches import Patch
 
     patches = [

@@ -37,13 +37,13 @@ class Comparison:
     painter: Any
 
 
-def overview(found: Comparison, path: Path) -> None:
+def overview(comparison: Comparison, path: Path) -> None:
     """Draw the picture: curves and goals above, a row of pitches for each method beneath."""
     import matplotlib.pyplot as plt
 
-    x_low, x_high, y_low, y_high = found.painter.bounds
-    rows = _level_rows(found.runs)
-    heading, methods = _heading(found), unique([row.method for row in found.results])
+    x_low, x_high, y_low, y_high = comparison.painter.bounds
+    rows = _level_rows(comparison.runs)
+    heading, methods = _heading(comparison), unique([row.method for row in comparison.results])
     head = 0.55 + 0.2 * heading.count("\n")  # inches, as all that follows
     legend = 0.65 + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
     above_height = head + CURVES_HEIGHT + legend
@@ -54,8 +54,8 @@ def overview(found: Comparison, path: Path) -> None:
         halves: Any = figure.subfigures(2, 1, height_ratios=[above_height, below_height])
         above, below = halves
         left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
-        _draw_learning(left, found)
-        _draw_goals(right, found)
+        _draw_learning(left, comparison)
+        _draw_goals(right, comparison)
         above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
         top, bottom = 1 - head / above_height, legend / above_height
         above.subplots_adjust(left=0.06, right=0.99, top=top, bottom=bottom, wspace=0.16)
@@ -65,7 +65,7 @@ def overview(found: Comparison, path: Path) -> None:
         grid = below.subplots(len(rows), COLUMNS, squeeze=False)
         for line, panels in zip(grid, rows, strict=True):
             for axes, (title, paths, span) in zip(line, panels, strict=True):
-                draw_levels(axes, found.painter, [read_theta(run, span) for run in paths])
+                draw_levels(axes, comparison.painter, [read_theta(run, span) for run in paths])
                 axes.set_title(title)
         team_legend(below)
         top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
@@ -74,7 +74,7 @@ def overview(found: Comparison, path: Path) -> None:
 
 
 def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
-    """Give rows of panels (heading, runs, share of the training): for each curriculum, what it is compared with first.
+    """Return rows of panels (heading, runs, share of the training): for each curriculum, what is its yardstick first.
 
     Domain randomisation is the same at all times, so one panel shows it whole.
     """
@@ -87,14 +87,14 @@ def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequ
     return rows
 
 
-def _heading(found: Comparison) -> str:
-    seeds = max(len(paths) for paths in found.runs.values())
-    whole = f"{found.minigame}: {plots.listed(list(found.runs))}, {seeds} seed{'s' * (seeds > 1)} each"
+def _heading(comparison: Comparison) -> str:
+    seeds = max(len(paths) for paths in comparison.runs.values())
+    whole = f"{comparison.minigame}: {plots.listed(list(comparison.runs))}, {seeds} seed{'s' * (seeds > 1)} each"
     return textwrap.fill(whole, HEADING_LENGTH)
 
 
-def _draw_learning(axes: Axes, found: Comparison) -> None:
-    for method, paths in found.runs.items():
+def _draw_learning(axes: Axes, comparison: Comparison) -> None:
+    for method, paths in comparison.runs.items():
         curve = plots.read_curve(paths, f"eval/{build.TRAINING_SCENE}")
         if curve is not None:
             plots.draw_curve(axes, curve, method)
@@ -102,15 +102,15 @@ def _draw_learning(axes: Axes, found: Comparison) -> None:
     axes.set_xlabel("simulated steps, all students (millions)")
 
 
-def _draw_goals(axes: Axes, found: Comparison) -> None:
+def _draw_goals(axes: Axes, comparison: Comparison) -> None:
     """Draw the goal rate of every method on every scene, with its interval."""
-    scenes = unique([row.scene for row in found.results])
-    methods = unique([row.method for row in found.results])
+    scenes = unique([row.scene for row in comparison.results])
+    methods = unique([row.method for row in comparison.results])
     reach = 0.8
     for place, method in enumerate(methods):
         offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
         for index, scene in enumerate(scenes):
-            rows = select(found.results, method, scene)
+            rows = select(comparison.results, method, scene)
             if not rows:
                 continue
             interval = goal_rate(rows)

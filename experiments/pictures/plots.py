@@ -61,7 +61,7 @@ class Curve(NamedTuple):
 
 
 def style() -> AbstractContextManager:
-    """Give the context in which pictures are drawn."""
+    """Return the context in which pictures are drawn."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -69,17 +69,17 @@ def style() -> AbstractContextManager:
 
 
 def colour(method: str) -> str:
-    """Give the colour of a method."""
+    """Return the colour of a method."""
     return METHOD_COLOURS.get(method, OTHER_COLOUR)
 
 
 def title(method: str) -> str:
-    """Give the name of a method as a picture shows it."""
+    """Return the name of a method as a picture shows it."""
     return METHOD_NAMES.get(method, method)
 
 
 def listed(methods: Sequence[str]) -> str:
-    """Give the names of methods as a sentence lists them."""
+    """Return the names of methods as a sentence lists them."""
     *others, last = map(title, methods)
     return f"{', '.join(others)} and {last}" if others else last
 
@@ -97,7 +97,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def marker_legend(figure: Figure, painter: Any) -> None:
-    """Say beneath a figure which colour stands for whom, for those who are there."""
+    """Write beneath a figure which colour stands for whom, for those who are there."""
     from matplotlib.lines import Line2D
 
     from envs.football.view.render import PAPER_COLOURS
@@ -114,17 +114,17 @@ def marker_legend(figure: Figure, painter: Any) -> None:
 
 def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | None:
     """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it."""
-    found = []
+    curves = []
     for run in runs:
         table = read_columns(run / "metrics.csv")
         if column in table:
             known = np.isfinite(table[column])
             if known.any():
-                found.append((table["env_steps"][known], table[column][known]))
-    if not found:
+                curves.append((table["env_steps"][known], table[column][known]))
+    if not curves:
         return None
-    steps = np.linspace(min(x[0] for x, _ in found), max(x[-1] for x, _ in found), points)
-    values = np.stack([np.interp(steps, x, _running_mean(y), left=np.nan, right=np.nan) for x, y in found])
+    steps = np.linspace(min(x[0] for x, _ in curves), max(x[-1] for x, _ in curves), points)
+    values = np.stack([np.interp(steps, x, _running_mean(y), left=np.nan, right=np.nan) for x, y in curves])
     return Curve(steps, values)
 
 
@@ -177,19 +177,19 @@ class Panel(NamedTuple):
 
 
 def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
-    """Give heading to panel: the test scenes, then what the levels trained on were like."""
+    """Return heading to panel: the test scenes, then what the levels trained on were like."""
     headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
     scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
-    wanted = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
-    wanted["return on the levels played"] = ("return/", "mean return")
-    wanted["success on the levels played"] = ("success", "share of episodes")
-    wanted["regret of the levels played"] = ("regret", "regret")
-    wanted["spread of the levels played"] = ("theta_std", "deviation of θ; uniform: 0.58")
+    quantities = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
+    quantities["return on the levels played"] = ("return/", "mean return")
+    quantities["success on the levels played"] = ("success", "share of episodes")
+    quantities["regret of the levels played"] = ("regret", "regret")
+    quantities["spread of the levels played"] = ("theta_std", "deviation of θ; uniform: 0.58")
     panels = {}
-    for heading, (name, unit) in wanted.items():
+    for heading, (name, unit) in quantities.items():
         curves = []
         for method, paths in runs.items():
-            column = next((each for each in headers[method] if _is_column(each, name)), None)
+            column = next((header for header in headers[method] if _is_column(header, name)), None)
             curve = read_curve(paths, column) if column else None
             if curve is not None:
                 curves.append((method, curve))
@@ -199,7 +199,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
 
 
 def _is_column(column: str, name: str) -> bool:
-    """Say whether this is the column of that name. The first of the returns is that of the student to evaluate."""
+    """Return whether this is the column of that name. The first of the returns is that of the student to evaluate."""
     return column.startswith(name) if name.endswith("/") else column == name
 
 

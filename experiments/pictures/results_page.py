@@ -20,7 +20,7 @@ from pathlib import Path
 
 from experiments.run import arguments
 from experiments.run.arguments import positional
-from experiments.run.errors import CommandError, UsageError
+from experiments.run.errors import CommandError, UsageError, run_command
 from experiments.run.report import write_text
 from experiments.run.table import cannot_write
 from ued.config import setting
@@ -63,19 +63,19 @@ def write_page(folder: Path, heading: str, command: Sequence[str], tables: str, 
 
 
 def section(folder: Path, pictures: Path, base: Path) -> str:
-    """Give a folder's page.md with its pictures copied to `pictures`, and linked there from `base`."""
+    """Return a folder's page.md with its pictures copied to `pictures`, and linked there from `base`."""
     if not (folder / PAGE).exists():
         raise CommandError(f"{folder} has no {PAGE}: regista compare writes it when all runs are finished")
     name = folder.resolve().name
 
-    def copied(found: re.Match) -> str:
-        target = pictures / f"{name}_{found[2]}"
+    def copied(link: re.Match) -> str:
+        target = pictures / f"{name}_{link[2]}"
         try:
             pictures.mkdir(parents=True, exist_ok=True)
-            _shrink(folder / found[2], target)
+            _shrink(folder / link[2], target)
         except OSError as error:
             raise cannot_write(target, error) from error
-        return f"![{found[1]}]({Path(os.path.relpath(target, base)).as_posix()})"
+        return f"![{link[1]}]({Path(os.path.relpath(target, base)).as_posix()})"
 
     return PICTURE.sub(copied, (folder / PAGE).read_text())
 
@@ -92,19 +92,17 @@ def _shrink(picture: Path, target: Path) -> None:
 
 
 def put(page: str, name: str, text: str) -> str:
-    """Give a page with `text` between the marks of `name`, in the place of what was there or at the end."""
+    """Return a page with `text` between the marks of `name`, in the place of what was there or at the end."""
     begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
     block = f"{begin}\n{text.strip()}\n{end}\n"
     if begin not in page:
         return f"{page.rstrip()}\n\n{block}"
     before, _, rest = page.partition(begin)
-    _, found, after = rest.partition(end)
-    if not found:
+    _, closed, after = rest.partition(end)
+    if not closed:
         raise CommandError(f"the page has the mark '{begin}' without '{end}'")
     return before + block + after.removeprefix("\n")
 
 
 if __name__ == "__main__":
-    from experiments.__main__ import run_command
-
     sys.exit(run_command(main, sys.argv[1:]))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.pictures.scene_view import Stage, arrows, corners
+from experiments.pictures.scene_view import SceneView, arrows, corners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ CHALK, AREA = "#aab6ac", "#d7dfd8"
 LABELLED = 12  # objects at most: more labels than that would hide the scene
 
 
-def draw_pictures(stage: Stage, scenes: Scenes, path: Path) -> None:
+def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
     """Draw each scene on a panel of its own, and save the picture. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
@@ -30,19 +30,19 @@ def draw_pictures(stage: Stage, scenes: Scenes, path: Path) -> None:
     count = len(scenes.positions)
     columns = min(3, count)
     rows = -(-count // columns)
-    share = (stage.bounds[3] - stage.bounds[2]) / (stage.bounds[1] - stage.bounds[0])
+    share = (view.bounds[3] - view.bounds[2]) / (view.bounds[1] - view.bounds[0])
     size = (3.6 * columns, 3.6 * rows * min(max(share, 0.3), 2.0) + 0.5)
-    boxes = stage.boxes(scenes)
+    boxes = view.boxes(scenes)
     with plots.style():
         figure, grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
         for axes in grid.flat[count:]:
             axes.set_visible(False)
         for index, axes in enumerate(grid.flat[:count]):
-            draw_ground(axes, stage)
-            draw_objects(axes, stage, boxes[index])
+            draw_ground(axes, view)
+            draw_objects(axes, view, boxes[index])
             validity = "" if scenes.ok[index] else " (not valid)"
             axes.set_title(f"scene {index}{validity}", fontweight="normal", color=plots.FAINT)
-        legend(figure, stage)
+        legend(figure, view)
         figure.tight_layout(rect=(0, 0.03, 1, 1))
         plots.save(figure, path)
 
@@ -69,37 +69,36 @@ def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
         plots.save(figure, path)
 
 
-def draw_ground(axes: Axes, stage: Stage) -> None:
-    for strips, colour, width in ((stage.areas, AREA, 0.8), (stage.ground, CHALK, 1.1)):
+def draw_ground(axes: Axes, view: SceneView) -> None:
+    for strips, colour, width in ((view.areas, AREA, 0.8), (view.ground, CHALK, 1.1)):
         for strip in strips:
             axes.plot(strip[:, 0], strip[:, 1], color=colour, linewidth=width, zorder=1)
-    axes.set_xlim(stage.bounds[0], stage.bounds[1])
-    axes.set_ylim(stage.bounds[2], stage.bounds[3])
+    axes.set_xlim(view.bounds[0], view.bounds[1])
+    axes.set_ylim(view.bounds[2], view.bounds[3])
     axes.set_aspect("equal")
     axes.tick_params(labelsize=6)
 
 
-def draw_objects(axes: Axes, stage: Stage, boxes: np.ndarray) -> None:
+def draw_objects(axes: Axes, view: SceneView, boxes: np.ndarray) -> None:
     """Draw the objects of one scene, boxes `[O, 5]`."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    colours: Any = np.array(stage.colours)[stage.kinds] / 255
+    colours: Any = np.array(view.colours)[view.kinds] / 255
     known = np.isfinite(boxes).all(1)
     axes.add_collection(
         PolyCollection(corners(boxes)[known], facecolors=colours[known], edgecolors="white", linewidths=0.6, zorder=3)
     )
     axes.add_collection(LineCollection(arrows(boxes)[known], colors=colours[known], linewidths=1.0, zorder=2))
     if len(boxes) <= LABELLED:
-        for box, label in zip(boxes, stage.labels, strict=True):
+        for box, label in zip(boxes, view.labels, strict=True):
             axes.annotate(label, box[:2], (4, 4), textcoords="offset points", fontsize=6, zorder=4)
 
 
-def legend(figure: Any, stage: Stage) -> None:
-    """Say beneath the panels which colour stands for which class."""
+def legend(figure: Any, view: SceneView) -> None:
+    """Write beneath the panels which colour stands for which class."""
     from matplotlib.patches import Patch
 
     handles = [
-        Patch(color=np.array(colour) / 255, label=name)
-        for name, colour in zip(stage.classes, stage.colours, strict=True)
+        Patch(color=np.array(colour) / 255, label=name) for name, colour in zip(view.classes, view.colours, strict=True)
     ]
     figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles) or 1), bbox_to_anchor=(0.5, 0.0))

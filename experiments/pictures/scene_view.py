@@ -1,6 +1,6 @@
 """What the scenes of any program look like: the ground, and every object as a box with a heading, a class and a label.
 
-A stage speaks the program's own units; a football program gets the lines of its pitch. Read next:
+A view speaks the program's own units; a football program gets the lines of its pitch. Read next:
 `pictures.scene_pictures`, and `ued.recorder.scenes`, which draw it.
 """
 
@@ -32,7 +32,7 @@ PALETTE: tuple[Colour, ...] = (
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class SceneView:
     """What does not change from scene to scene.
 
     Attributes:
@@ -55,14 +55,14 @@ class Stage:
         return [PALETTE[k % len(PALETTE)] for k in range(len(self.classes))]
 
     def boxes(self, scenes: Scenes) -> np.ndarray:
-        """The objects as they are drawn, [N, O, 5]: x, y, heading, width, length; small ones enlarged."""
+        """Return the objects as they are drawn `[N, O, 5]`: x, y, heading, width, length; small ones enlarged."""
         least = SMALLEST * (self.bounds[1] - self.bounds[0])
         sizes = [np.maximum(sizes_of(scenes, name), least) for name in ("width", "length")]
         return np.stack([scenes.positions[..., 0], scenes.positions[..., 1], scenes.headings, *sizes], axis=2)
 
 
-def stage_of(program: Program, theta: np.ndarray, football: bool) -> Stage:
-    """Make the stage for a program; it shows all of its areas, and wherever objects get in the scenes of θ `[N, D]`."""
+def view_of(program: Program, theta: np.ndarray, football: bool) -> SceneView:
+    """Make the view for a program; it shows all of its areas, and wherever objects get in the scenes of θ `[N, D]`."""
     ground = [strip for area in program.areas if area.what == "workspace" for strip in area.strips]
     areas = [strip for area in program.areas if area.what == "drawn" for strip in area.strips]
     classes = tuple(dict.fromkeys(info.class_name for info in program.objects))
@@ -74,11 +74,11 @@ def stage_of(program: Program, theta: np.ndarray, football: bool) -> Stage:
         from envs.football.view.render import pitch_lines
 
         ground = [strip / METRES for strip in pitch_lines()]
-    return Stage(bounds_of([*ground, *areas, places]), ground, areas, classes, kinds, labels)
+    return SceneView(bounds_of([*ground, *areas, places]), ground, areas, classes, kinds, labels)
 
 
 def bounds_of(parts: list[np.ndarray]) -> tuple[float, float, float, float]:
-    """What holds all points, with a margin and at least a unit wide."""
+    """Return a frame around all points, with a margin and at least a unit wide: x low, x high, y low, y high."""
     points = np.concatenate([part.reshape(-1, 2) for part in parts])
     points = points[np.isfinite(points).all(1)]
     low, high = (points.min(0), points.max(0)) if len(points) else (np.zeros(2), np.zeros(2))
@@ -87,15 +87,15 @@ def bounds_of(parts: list[np.ndarray]) -> tuple[float, float, float, float]:
 
 
 def sizes_of(scenes: Scenes, name: str) -> np.ndarray:
-    """A numeric property of all objects, [N, O]."""
+    """Return a numeric property of all objects `[N, O]`."""
     count = len(scenes.positions)
     if not scenes.positions.shape[1]:
         return np.zeros((count, 0))
-    return np.stack([np.broadcast_to(np.asarray(each, float), count) for each in scenes.properties[name]], axis=1)
+    return np.stack([np.broadcast_to(np.asarray(values, float), count) for values in scenes.properties[name]], axis=1)
 
 
 def corners(boxes: np.ndarray) -> np.ndarray:
-    """The corners of boxes [..., 5] anticlockwise from the front right, [..., 4, 2]."""
+    """Return the corners `[..., 4, 2]` of boxes `[..., 5]`, anticlockwise from the front right."""
     x, y, heading, width, length = np.moveaxis(boxes, -1, 0)
     c, s = np.cos(heading), np.sin(heading)
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
@@ -104,7 +104,7 @@ def corners(boxes: np.ndarray) -> np.ndarray:
 
 
 def arrows(boxes: np.ndarray) -> np.ndarray:
-    """From the centre of each box to a little beyond its front, [..., 2, 2]."""
+    """Return lines `[..., 2, 2]` from the centre of each box to a little beyond its front."""
     x, y, heading, _, length = np.moveaxis(boxes, -1, 0)
     centre = np.stack([x, y], -1)
     return np.stack([centre, centre + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)

@@ -22,39 +22,45 @@ Config = TypeVar("Config")
 
 
 def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
-    """Give a dataclass field that is typed without a flag: `regista train 1v1Free`."""
+    """Return a dataclass field that is typed without a flag: `regista train 1v1Free`."""
     return field(default=default, metadata={"help": help, "positional": True})
 
 
 def group(factory: Callable[[], Any], help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
-    """Give a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
+    """Return a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
 
     The fields `without` get no flag.
     """
     return field(default_factory=factory, metadata={"help": help, "prefix": prefix, "without": without})
 
 
+def option(default: Any, help: str, short: str = "", repeated: bool = False) -> Any:
+    """Return a dataclass field with a second, short flag, or a tuple to which every use of the flag adds one value."""
+    return field(default=default, metadata={"help": help, "short": short, "repeated": repeated})
+
+
 def parse(base: Config, argv: Sequence[str], command: str, description: str) -> Config:
-    """Give `base` with what `argv` says changed. Raises `UsageError` for anything unknown or of the wrong type."""
+    """Return `base` with what `argv` says changed. Raises `UsageError` for anything unknown or of the wrong type."""
     typed = typed_settings(base, argv, command, description)
     return replace_paths(base, typed)
 
 
 def typed_settings(base: Any, argv: Sequence[str], command: str, description: str) -> dict[str, Any]:
-    """Give what was typed, by path of the field (`ppo.learning_rate`)."""
+    """Return what was typed, by path of the field (`ppo.learning_rate`)."""
     parser = _Parser(
         prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
     )
     parser.add_argument("--help", "-h", action="help", help="show this and exit")
-    _add(parser, parser, base, _Place("", ""))
+    flags = ["--help"]
+    _add(parser, parser, base, _Place("", ""), flags)
     typed, unknown = parser.parse_known_args(list(argv))
     if unknown:
-        raise UsageError(_unknown(unknown[0], [flag for flag in parser._option_string_actions if flag[:2] == "--"]))
+        raise UsageError(_unknown(unknown[0], flags))
     return vars(typed)
 
 
 def replace_paths(config: Config, values: dict[str, Any]) -> Config:
-    """Give `config` with the values at these dotted paths replaced."""
+    """Return `config` with the values at these dotted paths replaced."""
     changes: dict[str, Any] = {}
     for path, value in values.items():
         head, _, rest = path.partition(".")
@@ -69,7 +75,7 @@ def replace_paths(config: Config, values: dict[str, Any]) -> Config:
 
 
 def flag_name(name: str, prefix: str = "") -> str:
-    """Give the flag of a field: `num_envs` is `--num-envs`."""
+    """Return the flag of a field: `num_envs` is `--num-envs`."""
     return f"--{prefix}{name}".replace("_", "-")
 
 
@@ -84,8 +90,8 @@ class _Place(NamedTuple):
     without: tuple[str, ...] = ()
 
 
-def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _Place) -> None:
-    """Add a flag for every field of `config` to `container`, and a group for every nested configuration."""
+def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
+    """Add a flag for every field of `config` to `container` and `flags`, a group for every nested configuration."""
     hints = typing.get_type_hints(type(config))
     for item in fields(config):
         value, about = getattr(config, item.name), item.metadata
@@ -95,13 +101,17 @@ def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _P
         if is_dataclass(value):
             nested = parser.add_argument_group(help_text or item.name)
             prefix = place.prefix + about.get("prefix", f"{item.name}.")
-            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())))
+            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())), flags)
         elif about.get("positional"):
             _add_positional(container, item, hints[item.name], path)
         else:
             help_text += "" if value is None else f" (default {_spell(value)})"
-            flag, options = flag_name(item.name, place.prefix), _options(hints[item.name])
-            container.add_argument(flag, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options)
+            names = [flag_name(item.name, place.prefix), *filter(None, [about.get("short")])]
+            options = _options(hints[item.name], about.get("repeated", False))
+            added = container.add_argument(
+                *names, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options
+            )
+            flags += added.option_strings
 
 
 def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: str) -> None:
@@ -118,8 +128,8 @@ def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: st
     )
 
 
-def _options(hint: Any) -> dict[str, Any]:
-    """Give argparse's options for a field of this type."""
+def _options(hint: Any, repeated: bool) -> dict[str, Any]:
+    """Return argparse's options for a field of this type."""
     hint = _without_none(hint)
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}
@@ -127,7 +137,8 @@ def _options(hint: Any) -> dict[str, Any]:
         return {"choices": typing.get_args(hint)}
     if typing.get_origin(hint) is tuple:
         convert, name = _converter(typing.get_args(hint)[0])
-        return {"type": convert, "metavar": name, "nargs": "+", "action": _Collect}
+        several = {"action": _Append} if repeated else {"nargs": "+", "action": _Collect}
+        return {"type": convert, "metavar": name, **several}
     convert, name = _converter(hint)
     return {"type": convert, "metavar": name}
 
@@ -140,8 +151,15 @@ class _Collect(argparse.Action):
             setattr(namespace, self.dest, tuple(values))
 
 
+class _Append(argparse.Action):
+    """Add one value to the tuple of those that were typed before it."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        setattr(namespace, self.dest, (*getattr(namespace, self.dest, ()), values))
+
+
 def _converter(hint: Any) -> tuple[Callable[[str], Any], str]:
-    """Give the function that reads a value of this type, and the word that stands for it in the help."""
+    """Return the function that reads a value of this type, and the word that stands for it in the help."""
     known: dict[Any, tuple[Callable[[str], Any], str]]
     known = {int: (_whole, "N"), float: (_number, "X"), str: (str, "NAME")}
     return known.get(_without_none(hint), (_without_none(hint), "PATH"))

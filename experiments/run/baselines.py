@@ -22,7 +22,7 @@ class RandomPolicy:
         self.count = int(action_space.n)
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
-        """Give one action for each row of `observation` `[N, size]`."""
+        """Return one action for each row of `observation` `[N, size]`."""
         import torch
 
         return torch.randint(self.count, (len(observation),), generator=generator).numpy()
@@ -35,11 +35,11 @@ class ShootPolicy:
         self.shot = False
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
-        """Give one action for each row of `observation` `[N, size]`."""
+        """Return one action for each row of `observation` `[N, size]`."""
         self.shot = not self.shot
         return np.full(len(observation), SHOT if self.shot else DIRECTION_RIGHT)
 
 
 def make_baselines(action_space: Discrete) -> dict[str, Any]:
-    """Give the baselines by name."""
+    """Return the baselines by name."""
     return {"shoot": ShootPolicy(), "random": RandomPolicy(action_space)}

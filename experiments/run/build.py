@@ -5,8 +5,10 @@ Everything heavy is imported when it is asked for. Read next: `commands.train`.
 
 from __future__ import annotations
 
+import ast
 import sys
 import warnings
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,9 +20,9 @@ if TYPE_CHECKING:
     from envs.football.config import FootballConfig
     from envs.football.vector_env import FootballVectorEnv
     from envs.football.view.render import FootballPainter
-    from experiments.run.config import TrainConfig
+    from experiments.run.config import ProgramConfig, TrainConfig
     from minigames.suites import Minigame
-    from scenic_lite import Program
+    from scenic_lite import Domain, Program
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
 
@@ -28,7 +30,7 @@ TRAINING_SCENE = "training distribution"  # uniform θ of the training program: 
 
 
 def find_minigame(name: str) -> Minigame:
-    """Give the minigame of this name; the path of a .scenic program counts as one without tests.
+    """Return the minigame of this name; the path of a .scenic program counts as one without tests.
 
     Raises `UsageError` for a name that is neither.
     """
@@ -46,8 +48,8 @@ def find_minigame(name: str) -> Minigame:
     )
 
 
-def settled_name(name: str) -> str:
-    """Give a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
+def canonical_name(name: str) -> str:
+    """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
     from minigames.suites import MINIGAMES
 
     program = find_minigame(name).program
@@ -55,39 +57,63 @@ def settled_name(name: str) -> str:
 
 
 def find_method(name: str) -> str:
-    """Give the name back if there is such a method. Raises `UsageError` otherwise."""
+    """Return the name back if there is such a method. Raises `UsageError` otherwise."""
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; known are {', '.join(METHODS)}")
     return name
 
 
-def test_scenes(game: Minigame) -> dict[str, Path]:
-    """Give the programs on which students of a minigame are tested, by label."""
-    return {TRAINING_SCENE: game.program, **dict(game.tests)}
+def load_scenes(config: TrainConfig) -> dict[str, Program]:
+    """Compile the programs of a run's minigame, by label: what is trained on, then what its students are tested on.
+
+    The settings of `config.program` are the training program's; the test scenes stay as they are.
+    """
+    game, dialect = find_minigame(config.minigame), config.env.dialect
+    tests = {label: load_program(path, dialect) for label, path in game.tests}
+    return {TRAINING_SCENE: load_program(game.program, dialect, config.program), **tests}
 
 
-def load_program(path: Path, dialect: int | None) -> Program:
+def load_program(path: Path, dialect: int | None, settings: ProgramConfig | None = None) -> Program:
     """Compile a program of football, and print what looks like a slip in it. Raises `ScenicError` for a broken one."""
     from envs.football.scenic.domain import FOOTBALL
+
+    return _load(path, FOOTBALL, dialect, settings)
+
+
+def load_any_program(path: Path, dialect: int | None, settings: ProgramConfig) -> tuple[Program, bool]:
+    """Compile a program of football or of anything else; return whether it is football: it needs its library then."""
+    from scenic_lite import ScenicError
+
+    try:
+        return _load(path, None, dialect, settings), False
+    except ScenicError:
+        return load_program(path, dialect, settings), True
+
+
+def _load(path: Path, domain: Domain | None, dialect: int | None, settings: ProgramConfig | None) -> Program:
     from scenic_lite import load
 
-    program = load(path, FOOTBALL, dialect)
+    if settings is None:
+        program = load(path, domain, dialect)
+    else:
+        program = load(path, domain, dialect, settings.scenario, read_params(settings.param), settings.model)
     for warning in program.warnings:
         warn(f"warning: {warning}")
     return program
 
 
-def load_any_program(path: Path, dialect: int | None) -> tuple[Program, bool]:
-    """Compile a program of football or of anything else, and say whether it is football: it needs its library then."""
-    from scenic_lite import ScenicError, load
-
-    try:
-        program = load(path, None, dialect)
-    except ScenicError:
-        return load_program(path, dialect), True
-    for warning in program.warnings:
-        warn(f"warning: {warning}")
-    return program, False
+def read_params(texts: Sequence[str]) -> dict[str, object]:
+    """Return global parameters from `name=value`: a number, True, False, None or a list of them; else a text."""
+    params: dict[str, object] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.isidentifier():
+            raise UsageError(f"--param takes name=value, got '{text}'")
+        try:
+            params[name] = ast.literal_eval(value)
+        except (ValueError, SyntaxError):
+            params[name] = value
+    return params
 
 
 def warn_of_play(program: Program) -> None:
@@ -97,11 +123,11 @@ def warn_of_play(program: Program) -> None:
     from scenic_lite.dynamics.compiler.compile import compile_program
 
     try:
-        found = compile_program(program, FOOTBALL_WORLD).warnings
+        lines: tuple[object, ...] = compile_program(program, FOOTBALL_WORLD).warnings
     except ScenicError as error:
-        found = (f"no match can be played: {error}",)
-    for each in found:
-        warn(f"warning: {each}")
+        lines = (f"no match can be played: {error}",)
+    for line in lines:
+        warn(f"warning: {line}")
 
 
 @cache
@@ -110,8 +136,8 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
-    """Compile a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
+def make_upomdp(program: Program, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
+    """Make a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
     import numba
 
     from envs.football.batch import step_batch
@@ -122,11 +148,11 @@ def make_upomdp(program: Path, num_envs: int, config: FootballConfig, seed: int,
         print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
-    with warnings.catch_warnings(record=True) as found:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
-        upomdp = FootballVectorEnv(load_program(program, config.dialect), num_envs, config=config)
-    for each in found:
-        warn(f"warning: {each.message}")
+        upomdp = FootballVectorEnv(program, num_envs, config=config)
+    for warning in caught:
+        warn(f"warning: {warning.message}")
     upomdp.reset(seed=seed)
     return upomdp
 

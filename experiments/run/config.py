@@ -15,7 +15,7 @@ from types import NoneType, UnionType
 from typing import Any, TypeVar
 
 from envs.football.config import FootballConfig
-from experiments.run.arguments import group, positional
+from experiments.run.arguments import group, option, positional
 from experiments.run.errors import CommandError, nearest
 from ued.config import PairedConfig, PPOConfig, check_at_least_1, check_not_negative, setting
 from ued.methods import METHODS
@@ -28,7 +28,7 @@ class ConfigError(CommandError):
 
 
 def football_ppo() -> PPOConfig:
-    """Give the settings of students of football: bolder steps and a longer view than `PPOConfig`'s own.
+    """Return the settings of students of football: bolder steps and a longer view than `PPOConfig`'s own.
 
     On 1v1 Restricted shooting at once is easily learned and then hard to leave; with these settings students learn
     to go round the keeper within a few million steps.
@@ -47,6 +47,15 @@ def football_ppo() -> PPOConfig:
 
 
 @dataclass(frozen=True)
+class ProgramConfig:
+    """How a program is read, under the names of Scenic's own command line."""
+
+    param: tuple[str, ...] = option((), "name=value: set a global parameter of the program", "-p", repeated=True)
+    scenario: str | None = setting(None, "the modular scenario to run; else Main, or the only one")
+    model: str | None = option(None, "the world model, in place of the program's own", "-m")
+
+
+@dataclass(frozen=True)
 class RunConfig:
     """What a training run depends on whatever its method."""
 
@@ -61,6 +70,7 @@ class RunConfig:
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none")
+    program: ProgramConfig = group(ProgramConfig, "the training program")
     env: FootballConfig = group(FootballConfig, "environment")
     ppo: PPOConfig = group(football_ppo, "PPO")
 
@@ -88,12 +98,12 @@ class TrainConfig(dataclasses.make_dataclass("Settings", _settings_of_methods(),
 
 
 def to_dict(config: Any) -> dict[str, Any]:
-    """Give a configuration as what JSON can hold: paths as strings, tuples as lists."""
+    """Return a configuration as what JSON can hold: paths as strings, tuples as lists."""
     return {item.name: _plain(getattr(config, item.name)) for item in fields(config)}
 
 
 def from_dict(kind: type[Config], data: Any, where: str) -> Config:
-    """Give the configuration of class `kind` that `to_dict` gave `data` for.
+    """Return the configuration of class `kind` that `to_dict` gave `data` for.
 
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
@@ -115,15 +125,15 @@ def load(kind: type[Config], path: Path) -> Config:
 
 
 def differences(old: Any, new: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
-    """Give the settings in which two configurations of one class differ: dotted path to (old, new)."""
-    found: dict[str, tuple[Any, Any]] = {}
+    """Return the settings in which two configurations of one class differ: dotted path to (old, new)."""
+    differing: dict[str, tuple[Any, Any]] = {}
     for item in fields(old):
         before, after = getattr(old, item.name), getattr(new, item.name)
         if is_dataclass(before):
-            found |= differences(before, after, f"{path}{item.name}.")
+            differing |= differences(before, after, f"{path}{item.name}.")
         elif before != after:
-            found[path + item.name] = (before, after)
-    return found
+            differing[path + item.name] = (before, after)
+    return differing
 
 
 def _plain(value: Any) -> Any:
@@ -154,7 +164,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
 
 
 def _value(hint: Any, value: Any, where: str, path: str) -> Any:
-    """Give `value` as the type that the field has, or raise."""
+    """Return `value` as the type that the field has, or raise."""
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     if is_dataclass(hint):
         return _read(hint, value, where, f"{path}.")
@@ -170,15 +180,15 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
         return float(value)
     if type(value) is hint:
         return value
-    wanted = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
-    raise ConfigError(f"{where}: '{path}' must be {wanted}, got {json.dumps(value)}")
+    expected = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
+    raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value)}")
 
 
 # ---------------------------------------------------------------- presets
 
 
 def presets() -> dict[str, TrainConfig]:
-    """Give the named starting points of `--preset`.
+    """Return the named starting points of `--preset`.
 
     `fast` is the default: features for a small network, minutes on two cores. `thesis` is Table 4.2 of the thesis:
     its coefficients and 5M steps, on our observations and network.

@@ -1,11 +1,12 @@
 """The two ways in which a command can fail that are the user's business: one sentence each, no traceback.
 
-Read next: `__main__`, which prints them.
+Read next: `__main__`, the commands.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -22,7 +23,37 @@ class UsageError(CommandError):
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """Give ` (did you mean 'x'?)` for the word that `word` is probably meant to be, or nothing."""
+    """Return ` (did you mean 'x'?)` for the word that `word` is probably meant to be, or nothing."""
     known = {candidate.lower(): candidate for candidate in words}
     close = get_close_matches(word.lower(), known, n=1, cutoff=0.6)
     return f" (did you mean '{known[close[0]]}'?)" if close else ""
+
+
+def run_command(command: Callable[[list[str]], int], argv: Sequence[str]) -> int:
+    """Return the exit code of `command(argv)`; an error that is the user's business is one sentence."""
+    words = list(argv)
+    debug = "--debug" in words
+    words = [word for word in words if word != "--debug"]
+    try:
+        return command(words)
+    except BrokenPipeError:  # `regista inspect ... | head`
+        sys.stderr.close()
+        return 1
+    except Exception as error:
+        code = _exit_code(error)
+        if debug or code is None:
+            raise
+        # An error in a program begins with its place, file:line:column, where editors look for it.
+        print(error if getattr(error, "place", None) else f"regista: {error}", file=sys.stderr)
+        return code
+
+
+def _exit_code(error: Exception) -> int | None:
+    """Return the exit code of an error that is the user's business, None for one that is ours."""
+    if isinstance(error, CommandError):
+        return error.exit_code
+    if isinstance(error, OSError) and error.filename is not None:
+        return 1
+    # Named, not imported: neither the language nor the learning core is loaded for the sake of an error.
+    ours = {"ScenicError", "ThetaError", "CastingError", "CheckpointError", "FloatingPointError"}
+    return 1 if ours & {kind.__name__ for kind in type(error).__mro__} else None

@@ -6,15 +6,20 @@ Read next: `commands.evaluate`, which makes a table of it.
 from __future__ import annotations
 
 import time
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from experiments.run import build
+from experiments.run.baselines import make_baselines
 from experiments.run.errors import CommandError
+from experiments.run.report import Report
+from experiments.run.results import LevelResult, Result, summarise, summarise_levels
 
 if TYPE_CHECKING:
     from experiments.run.config import TrainConfig
+    from experiments.run.folder import RunFolder
+    from scenic_lite import Program
     from ued.evaluation import Evaluation
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
@@ -22,18 +27,14 @@ LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = 64  # at most, on each scene
 
 
-class TestScenes:
+class EvalScenes:
     """The test scenes of one minigame, ready to be played: `episodes` on each. Goals pay, whatever pays in training."""
 
-    __test__ = False  # for pytest: these are not tests of ours
-
-    def __init__(self, config: TrainConfig, episodes: int) -> None:
+    def __init__(self, config: TrainConfig, programs: Mapping[str, Program], episodes: int) -> None:
         self.episodes = episodes
         self.every = config.eval_every
-        self.scenes = {
-            label: self._make(label, path, config)
-            for label, path in build.test_scenes(build.find_minigame(config.minigame)).items()
-        }
+        self.programs = programs
+        self.scenes = {label: self._make(program, config) for label, program in programs.items()}
         self._check_sizes(config)
 
     def play(self, policy: Any) -> dict[str, Evaluation]:
@@ -51,29 +52,84 @@ class TestScenes:
         return evaluate(policy, scene, levels * episodes, LEVELS_SEED, scene.sample_levels(levels))
 
     def metrics(self, policy: Any) -> dict[str, float]:
-        """Give the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
+        """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
 
         These steps train nobody: they are `eval_env_steps`, not part of `env_steps`.
         """
-        began, found = time.perf_counter(), self.play(policy)
-        metrics = {f"eval/{label}": float(result.returns.mean()) for label, result in found.items()}
-        metrics["eval_env_steps"] = float(sum(result.env_steps for result in found.values()))
+        began, evaluations = time.perf_counter(), self.play(policy)
+        metrics = {f"eval/{label}": float(result.returns.mean()) for label, result in evaluations.items()}
+        metrics["eval_env_steps"] = float(sum(result.env_steps for result in evaluations.values()))
         return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
-        """Say whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
+        """Return whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
         return bool(self.every) and (before == 0 or last or before // self.every < after // self.every)
 
-    def _make(self, label: str, path: Path, config: TrainConfig) -> Any:
+    def _make(self, program: Program, config: TrainConfig) -> Any:
         env = replace(config.env, rewards="scoring")
-        return build.make_upomdp(path, min(ENVIRONMENTS, self.episodes), env, SEED, config.threads)
+        return build.make_upomdp(program, min(ENVIRONMENTS, self.episodes), env, SEED, config.threads)
 
     def _check_sizes(self, config: TrainConfig) -> None:
-        wanted = self.scenes[build.TRAINING_SCENE].single_observation_space.shape
+        shape = self.scenes[build.TRAINING_SCENE].single_observation_space.shape
         for label, scene in self.scenes.items():
-            found = scene.single_observation_space.shape
-            if found != wanted:
+            other = scene.single_observation_space.shape
+            if other != shape:
                 raise CommandError(
-                    f"the test scene '{label}' of {config.minigame} gives observations {found}, the training program "
-                    f"{wanted}: they need the same players"
+                    f"the test scene '{label}' of {config.minigame} gives observations {other}, the training program "
+                    f"{shape}: they need the same players"
                 )
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each."""
+
+    scenes: EvalScenes
+    levels: int
+    episodes: int
+
+    def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
+        """Play the students of all runs, and policies that need no training.
+
+        Raises `CommandError` if a run has no checkpoint yet.
+        """
+        results: list[Result] = []
+        levels: list[LevelResult] = []
+        for run in runs:
+            student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
+            self._play(student, run.config.method, run.config.seed, trained, results, levels)
+        space = self.scenes.scenes[build.TRAINING_SCENE].single_action_space
+        for name, policy in make_baselines(space).items() if baselines else ():
+            self._play(policy, name, 0, (0, 0), results, levels)
+        return Report(results, levels)
+
+    def _play(
+        self,
+        policy: Any,
+        method: str,
+        seed: int,
+        trained: tuple[int, int],
+        results: list[Result],
+        levels: list[LevelResult],
+    ) -> None:
+        evaluations = self.scenes.play(policy)
+        results += [summarise(evaluation, method, seed, label, trained) for label, evaluation in evaluations.items()]
+        if self.levels:
+            played = self.scenes.play_random_levels(policy, self.levels, self.episodes)
+            levels.append(summarise_levels(played, method, seed))
+
+
+def load_student(run: RunFolder, program: Program) -> tuple[Any, tuple[int, int]]:
+    """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
+
+    Raises `CommandError` if the run has none yet.
+    """
+    from ued import checkpoint
+
+    if not run.checkpoint.exists():
+        raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
+    config = run.config
+    upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
+    method = build.make_method(config, upomdp)
+    method.load_state_dict(checkpoint.load(run.checkpoint)["method"])
+    return method.student, (method.env_steps, method.updates)

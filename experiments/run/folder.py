@@ -17,16 +17,19 @@ from __future__ import annotations
 
 import fcntl
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from experiments.run import config as configs
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.table import Table, cannot_write, read_rows
 from ued.methods import METHODS
+
+if TYPE_CHECKING:
+    from scenic_lite import Program
 
 
 class RunFolder:
@@ -85,16 +88,16 @@ class RunFolder:
                 raise CommandError(f"{self.path} is being trained by another process") from None
             yield
 
-    def keep_program(self, program: Path) -> None:
+    def keep_program(self, program: Program) -> None:
         """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with."""
-        kept, text = self.path / "program.scenic", program.read_text()
+        kept, text = self.path / "program.scenic", program.source
         if not kept.exists() or not self.begun():
             try:
                 kept.write_text(text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
         elif kept.read_text() != text:
-            raise CommandError(f"{program} has changed since {self.path} began with what is now in {kept}")
+            raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
 
     # ------------------------------------------------------------ the checkpoint
 
@@ -103,7 +106,7 @@ class RunFolder:
         return self.path / "checkpoint.pt"
 
     def load(self) -> dict[str, Any] | None:
-        """Give the checkpoint, with the tables cut back to its update; None if the run has none yet."""
+        """Return the checkpoint, with the tables cut back to its update; None if the run has none yet."""
         from ued import checkpoint
 
         state = checkpoint.load(self.checkpoint) if self.checkpoint.exists() else None
@@ -121,31 +124,51 @@ class RunFolder:
         self._saved_at = time.monotonic()
 
     def checkpoint_due(self) -> bool:
-        """Say whether the last checkpoint is older than `checkpoint_seconds`."""
+        """Return whether the last checkpoint is older than `checkpoint_seconds`."""
         return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
 
     def finished(self) -> bool:
-        """Say whether the checkpoint is at the end of the budget."""
+        """Return whether the checkpoint is at the end of the budget."""
         if not self.checkpoint.exists():
             return False
         from ued import checkpoint
 
-        return checkpoint.load(self.checkpoint)["env_steps"] >= self.config.total_env_steps
+        return checkpoint.load_entry(self.checkpoint, "env_steps") >= self.config.total_env_steps
+
+    def add_update(self, method: Any, metrics: Mapping[str, float], names: Sequence[str]) -> None:
+        """Add one row to metrics.csv and one per trained level to levels.csv; wall-clock columns come last.
+
+        `names` are those of the columns of θ.
+        """
+        row: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps}
+        rest = {name: value for name, value in metrics.items() if name not in ("updates", "env_steps")}
+        self.metrics.append([row | dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))])
+        if method.last is not None:
+            self.levels.append([_level_row(method, level, names) for level in range(len(method.last.theta))])
 
     def begun(self) -> bool:
-        """Say whether anything was trained here: a run that failed before its first update leaves the name free."""
+        """Return whether anything was trained here: a run that failed before its first update leaves the name free."""
         return self.metrics.path.exists() or self.checkpoint.exists()
 
     def env_steps(self) -> int:
-        """Give the env_steps of the last row of metrics.csv, 0 if there is none."""
+        """Return the env_steps of the last row of metrics.csv, 0 if there is none."""
         rows = read_rows(self.metrics.path)
         return int(rows[-1]["env_steps"]) if rows else 0
 
     def next_recording(self) -> Path:
-        """Give the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
+        """Return the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
         first = self.path / "curriculum.rrd"
         parts = len(list(self.path.glob("curriculum*.rrd")))
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
+
+
+def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
+    """Return the row of levels.csv for one level of the method's last update."""
+    batch = method.last
+    row: dict[str, Any] = {"update": method.updates}
+    row |= {f"theta/{name}": round(float(value), 5) for name, value in zip(names, batch.theta[level], strict=True)}
+    row |= {f"return/{name}": round(float(values[level]), 5) for name, values in batch.returns.items()}
+    return row | {"score": round(float(batch.score[level]), 5)}
 
 
 UNTRAINED = ("config.json", "program.scenic", "train.log")  # what a folder may hold before its run has begun

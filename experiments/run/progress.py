@@ -8,6 +8,7 @@ from __future__ import annotations
 import shutil
 import sys
 import time
+from collections.abc import Mapping
 from typing import TextIO
 
 PLAIN_SECONDS = 15.0  # between lines where there is no terminal
@@ -58,6 +59,15 @@ class Progress:
         else:
             self.stream.write(line + "\n")
         self.stream.flush()
+
+
+def headline(metrics: Mapping[str, float]) -> dict[str, float]:
+    """Return the few numbers of an update that the progress line shows."""
+    return {
+        name.partition("/")[2] or name: value
+        for name, value in metrics.items()
+        if name.startswith("return/") or name == "regret"
+    }
 
 
 def count(number: float) -> str:

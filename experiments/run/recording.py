@@ -54,9 +54,7 @@ class RunRecorder:
     def _open(self, upomdp: Any, updates: int) -> None:
         config = self.run.config
         self.painter = build.make_painter(upomdp.program)
-        self.stage = build.make_upomdp(
-            build.find_minigame(config.minigame).program, 1, config.env, config.seed, config.threads
-        )
+        self.env = build.make_upomdp(upomdp.program, 1, config.env, config.seed, config.threads)
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         recording = Recording(self.run.next_recording(), name, config.total_env_steps, flat)
@@ -65,7 +63,7 @@ class RunRecorder:
             self._recall()
 
     def _recall(self) -> None:
-        """Give the recorder the levels of the updates that an earlier part of the recording holds."""
+        """Return the recorder the levels of the updates that an earlier part of the recording holds."""
         levels, metrics = read_columns(self.run.levels.path), read_columns(self.run.metrics.path)
         if not levels or self.recorder is None:
             return
@@ -93,12 +91,12 @@ class RunRecorder:
         import torch
 
         generator = torch.Generator().manual_seed(seed)
-        observation, _ = self.stage.reset(seed=seed, options={"theta": theta[None]})
-        places, total = [self.painter.frame(self.stage)], 0.0
+        observation, _ = self.env.reset(seed=seed, options={"theta": theta[None]})
+        places, total = [self.painter.frame(self.env)], 0.0
         for _ in range(MAX_STEPS):
-            observation, reward, terminated, truncated, _ = self.stage.step(student.play(observation, generator))
+            observation, reward, terminated, truncated, _ = self.env.step(student.play(observation, generator))
             total += float(reward[0])
             if terminated[0] or truncated[0]:
                 break
-            places.append(self.painter.frame(self.stage))
+            places.append(self.painter.frame(self.env))
         return Episode(np.stack(places), STEP_SECONDS, f"return {total:+.2f} after {len(places)} steps")

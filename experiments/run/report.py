@@ -80,7 +80,7 @@ class Report:
         return self.several[0] if self.several else ""
 
     def others(self) -> list[str]:
-        """Give the methods that are compared with the first."""
+        """Return the methods that are compared with the first."""
         return self.several[1:]
 
     @cached_property
@@ -100,13 +100,13 @@ class Report:
 
     def _of_all_scenes(self) -> Iterable[Entry]:
         scores = {name: estimate.scores(self.results, name) for name in self.methods}
-        for name, found in scores.items():
-            yield Entry(name, "mean", "", *estimate.mean_score(found))
-            yield Entry(name, "IQM", "", *estimate.iqm_score(found))
-            yield Entry(name, "IQM, stratified", "", *estimate.iqm_stratified(found))
+        for name, score in scores.items():
+            yield Entry(name, "mean", "", *estimate.mean_score(score))
+            yield Entry(name, "IQM", "", *estimate.iqm_score(score))
+            yield Entry(name, "IQM, stratified", "", *estimate.iqm_stratified(score))
             if name in self.others():
-                yield Entry(name, "mean minus first", "", *estimate.score_advantage(found, scores[self.first]))
-                yield Entry(name, "P(better)", "", *estimate.chance_of_better(found, scores[self.first]))
+                yield Entry(name, "mean minus first", "", *estimate.score_advantage(score, scores[self.first]))
+                yield Entry(name, "P(better)", "", *estimate.chance_of_better(score, scores[self.first]))
 
     def _of_levels(self) -> Iterable[Entry]:
         for name in self.methods if self.levels else ():
@@ -117,7 +117,7 @@ class Report:
     # ------------------------------------------------------------ tables
 
     def by_scene(self) -> list[list[str]]:
-        """Give methods x scenes: mean return, goal rate, and the difference of returns to the first method."""
+        """Return methods x scenes: mean return, goal rate, and the difference of returns to the first method."""
         table = [["method", "", *self.scenes, "runs", "env_steps", "updates"]]
         for name in self.methods:
             table.append([name, "return", *self._cells(name, "return", _signed), *self._training(name)])
@@ -127,7 +127,7 @@ class Report:
         return table
 
     def by_method(self) -> list[list[str]]:
-        """Give methods x what is said of all scenes, and of the worst levels."""
+        """Return methods x what is said of all scenes, and of the worst levels."""
         columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
         if self.others():
             columns |= {"mean minus first": _points, "P(better)": _plain}
@@ -156,7 +156,7 @@ class Report:
         return [str(len(rows)), *(f"{round(np.mean(counts)):_}" if any(counts) else "–" for counts in (steps, updates))]
 
     def _notes(self) -> list[str]:
-        """Give what is to be said beneath the second table."""
+        """Return what is to be said beneath the second table."""
         notes = [OF_SCENES]
         if self.others():
             notes.append(OF_PAIRS.format(first=self.first))
@@ -167,12 +167,12 @@ class Report:
     # ------------------------------------------------------------ forms
 
     def text(self) -> str:
-        """Give both tables for a terminal."""
+        """Return both tables for a terminal."""
         notes = ";\n ".join(self._notes())
         return f"{align(self.by_scene())}\n[{INTERVALS}]\n\n{align(self.by_method())}\n[{notes}]"
 
     def markdown(self) -> str:
-        """Give both tables in Markdown."""
+        """Return both tables in Markdown."""
         notes = "; ".join(self._notes())
         return f"{as_markdown(self.by_scene())}\n\n{INTERVALS}.\n\n{as_markdown(self.by_method())}\n\n{notes}."
 
@@ -189,7 +189,7 @@ class Report:
 
 
 def as_markdown(rows: list[list[str]]) -> str:
-    """Give a table in Markdown; the first row is its head."""
+    """Return a table in Markdown; the first row is its head."""
     lines = [f"| {' | '.join(row)} |" for row in rows]
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 

@@ -55,9 +55,9 @@ class LevelResult:
     cvar10_error: float  # its standard error: luck of the episodes and of the draw of levels
 
 
-def summarise(found: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
+def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
     """Make a row of an evaluation; `trained` is (env_steps, updates)."""
-    returns = found.returns
+    returns = evaluation.returns
     return Result(
         method=method,
         seed=seed,
@@ -66,13 +66,13 @@ def summarise(found: Evaluation, method: str, seed: int, scene: str, trained: tu
         mean_return=float(returns.mean()),
         return_std=float(returns.std()),
         goals=int((returns > 0).sum()),
-        mean_length=float(found.lengths.mean()),
+        mean_length=float(evaluation.lengths.mean()),
         env_steps=trained[0],
         updates=trained[1],
     )
 
 
-def summarise_levels(found: Evaluation, method: str, seed: int) -> LevelResult:
+def summarise_levels(evaluation: Evaluation, method: str, seed: int) -> LevelResult:
     """Make a row of an evaluation that played each of its L levels k times, k even.
 
     Which levels are worst is said by one half of the episodes, how bad they are by the other; then the halves change
@@ -81,11 +81,11 @@ def summarise_levels(found: Evaluation, method: str, seed: int) -> LevelResult:
     """
     from ued.statistics import cvar
 
-    count = len(found.levels)
-    goals = (found.returns > 0).reshape(-1, count).T  # [L, k]
+    count = len(evaluation.levels)
+    goals = (evaluation.returns > 0).reshape(-1, count).T  # [L, k]
     halves = goals[:, ::2].mean(1), goals[:, 1::2].mean(1)
     one, other = (cvar(halves[i], WORST, by=halves[1 - i]) for i in (0, 1))
-    spread = [cvar((halves[i] - each) ** 2, WORST, by=halves[1 - i]) for i, each in enumerate((one, other))]
+    spread = [cvar((halves[i] - rate) ** 2, WORST, by=halves[1 - i]) for i, rate in enumerate((one, other))]
     return LevelResult(
         method=method,
         seed=seed,
@@ -98,12 +98,12 @@ def summarise_levels(found: Evaluation, method: str, seed: int) -> LevelResult:
 
 
 def select(results: Sequence[Result], method: str, scene: str) -> list[Result]:
-    """Give the rows of one method on one scene."""
+    """Return the rows of one method on one scene."""
     return [row for row in results if row.method == method and row.scene == scene]
 
 
 def unique(values: Sequence[str]) -> list[str]:
-    """Give each value once, in order."""
+    """Return each value once, in order."""
     return list(dict.fromkeys(values))
 
 
@@ -146,44 +146,44 @@ class Scores(NamedTuple):
 
 
 def scores(results: Sequence[Result], method: str) -> Scores:
-    """Give the goal rates of a method's runs on all scenes."""
+    """Return the goal rates of a method's runs on all scenes."""
     scenes = unique([row.scene for row in results])
-    found = [_goal_rates(select(results, method, scene)) for scene in scenes]
-    return Scores(np.stack([rates for rates, _ in found], 1), np.stack([errors for _, errors in found], 1))
+    by_scene = [_goal_rates(select(results, method, scene)) for scene in scenes]
+    return Scores(np.stack([rates for rates, _ in by_scene], 1), np.stack([errors for _, errors in by_scene], 1))
 
 
-def mean_score(found: Scores) -> Interval:
+def mean_score(mine: Scores) -> Interval:
     """Estimate the mean over the scenes, resampling whole runs."""
     from ued.statistics import bootstrap, mean
 
-    return _as_share(bootstrap(found.rates, _rng(), mean, found.errors).interval())
+    return _as_share(bootstrap(mine.rates, _rng(), mean, mine.errors).interval())
 
 
-def iqm_score(found: Scores) -> Interval:
+def iqm_score(mine: Scores) -> Interval:
     """Estimate the interquartile mean over runs and scenes, resampling whole runs."""
     from ued.statistics import bootstrap, iqm
 
-    return _as_share(bootstrap(found.rates, _rng(), iqm, found.errors).interval())
+    return _as_share(bootstrap(mine.rates, _rng(), iqm, mine.errors).interval())
 
 
-def iqm_stratified(found: Scores) -> Interval:
+def iqm_stratified(mine: Scores) -> Interval:
     """Estimate the same with rliable's interval, which takes a run's scenes for independent; nan for a single run."""
     from ued.statistics import stratified
 
-    interval = stratified(found.rates, _rng())
-    return interval if len(found.rates) > 1 else interval._replace(low=np.nan, high=np.nan)
+    interval = stratified(mine.rates, _rng())
+    return interval if len(mine.rates) > 1 else interval._replace(low=np.nan, high=np.nan)
 
 
-def score_advantage(found: Scores, reference: Scores) -> Interval:
+def score_advantage(mine: Scores, reference: Scores) -> Interval:
     """Estimate by how much one method's mean over the scenes exceeds another's, resampling whole runs of both."""
-    return _difference(found, reference)
+    return _difference(mine, reference)
 
 
-def chance_of_better(found: Scores, reference: Scores) -> Interval:
+def chance_of_better(mine: Scores, reference: Scores) -> Interval:
     """Estimate the probability that a run's mean over the scenes is above that of a run of the other method."""
     from ued.statistics import probability_of_improvement
 
-    return probability_of_improvement(found.rates.mean(1), reference.rates.mean(1))
+    return probability_of_improvement(mine.rates.mean(1), reference.rates.mean(1))
 
 
 # ---------------------------------------------------------------- levels drawn at random
@@ -213,7 +213,7 @@ def level_cvar(rows: Sequence[LevelResult]) -> Interval:
 
 
 def _goal_rates(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
-    """Give each run's goal rate `[R]` and its standard error `[R]`."""
+    """Return each run's goal rate `[R]` and its standard error `[R]`."""
     episodes = np.array([row.episodes for row in rows])
     rates = np.array([row.goals for row in rows]) / episodes
     likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): no goal at all is not certainty
@@ -221,7 +221,7 @@ def _goal_rates(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
-    """Give each run's mean return `[R]` and its standard error `[R]`."""
+    """Return each run's mean return `[R]` and its standard error `[R]`."""
     values = np.array([row.mean_return for row in rows])
     return values, np.array([row.return_std / np.sqrt(row.episodes) for row in rows])
 
@@ -235,10 +235,10 @@ def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.
     return (mine - theirs).interval()
 
 
-def _as_share(found: Interval) -> Interval:
+def _as_share(interval: Interval) -> Interval:
     """Cut an interval to what a share can be; nan stays."""
-    low, high = np.clip((found.low, found.high), 0.0, 1.0)
-    return found._replace(low=float(low), high=float(high))
+    low, high = np.clip((interval.low, interval.high), 0.0, 1.0)
+    return interval._replace(low=float(low), high=float(high))
 
 
 def _rng() -> np.random.Generator:
@@ -246,7 +246,7 @@ def _rng() -> np.random.Generator:
 
 
 def align(rows: list[list[str]]) -> str:
-    """Give rows as columns of text, with a rule beneath the first."""
+    """Return rows as columns of text, with a rule beneath the first."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     return "\n".join([lines[0], "─" * max(map(len, lines)), *lines[1:]])

@@ -70,7 +70,7 @@ class Table:
 
 
 def read_header(path: Path) -> list[str]:
-    """Give the names of the columns, none if there is no table yet."""
+    """Return the names of the columns, none if there is no table yet."""
     if not path.exists():
         return []
     with open(path, newline="") as file:
@@ -78,7 +78,7 @@ def read_header(path: Path) -> list[str]:
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
-    """Give the whole rows as text by column; a last row without its newline is left out."""
+    """Return the whole rows as text by column; a last row without its newline is left out."""
     if not path.exists():
         return []
     with open(path, newline="") as file:
@@ -87,13 +87,13 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
-    """Give the columns as float64 arrays, NaN where a cell is empty."""
+    """Return the columns as float64 arrays, NaN where a cell is empty."""
     rows = read_rows(path)
     return {name: np.array([_number(row[name]) for row in rows]) for name in read_header(path)}
 
 
 def cannot_write(path: Path, error: Exception) -> CommandError:
-    """Give the error of a file that cannot be written."""
+    """Return the error of a file that cannot be written."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error).partition("\n")[0]
     return CommandError(f"cannot write {path}: {reason}")
 

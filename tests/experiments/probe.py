@@ -59,7 +59,7 @@ class Batch:
 
 
 def batch(update: int, rng: np.random.Generator, levels: int = 32) -> Batch:
-    """Give levels whose first column drifts from low to high within 100 updates, with a regret that falls."""
+    """Return levels whose first column drifts from low to high within 100 updates, with a regret that falls."""
     middle = np.array([-0.7 + 1.4 * update / 100, 0.0, 0.5])
     theta = np.clip(rng.normal(middle, [0.15, 0.4, 0.2], (levels, 3)), -1, 1)
     skill = update / 100

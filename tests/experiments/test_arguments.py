@@ -6,7 +6,7 @@ from typing import Literal
 
 import pytest
 
-from experiments.run.arguments import group, parse, positional, typed_settings
+from experiments.run.arguments import group, option, parse, positional, typed_settings
 from experiments.run.errors import UsageError
 from ued.config import setting
 
@@ -35,6 +35,7 @@ class Outer:
     record: bool = setting(True, "record it")
     kind: Literal["fast", "slow"] = setting("fast", "how")
     words: tuple[str, ...] = setting(("a", "b"), "some words")
+    move: tuple[str, ...] = option((), "a move", "-m", repeated=True)
     ppo: Inner = group(Inner, "PPO")
     teacher: Teacher = group(Teacher, "teacher", prefix="teacher.")
 
@@ -51,6 +52,11 @@ def test_nothing_typed_leaves_the_base_as_it_is():
 def test_every_kind_of_field():
     found = read("go", "--num-envs", "128", "--out", "x/y", "--no-record", "--kind", "slow", "--words", "c", "d", "e")
     assert found == Outer(game="go", num_envs=128, out=Path("x/y"), record=False, kind="slow", words=("c", "d", "e"))
+
+
+def test_a_repeated_flag_adds_one_value_each_time_and_may_be_short():
+    assert read("-m", "e4", "go", "--move", "e5").move == ("e4", "e5")
+    assert read("-m", "e4", "go").game == "go"
 
 
 def test_nested_fields_are_flat_or_prefixed_at_every_depth():

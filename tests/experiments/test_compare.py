@@ -22,7 +22,7 @@ from experiments.pictures import results_page
 from experiments.run import build
 from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError
-from experiments.run.evaluator import TestScenes
+from experiments.run.evaluator import EvalScenes
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
 from experiments.run.results import (
@@ -124,9 +124,10 @@ def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
 def test_goals_are_what_counts_whatever_pays_in_training(in_process, monkeypatch):
     paid, make = [], build.make_upomdp
     monkeypatch.setattr(
-        build, "make_upomdp", lambda path, n, env, *rest: paid.append(env.rewards) or make(path, n, env, *rest)
+        build, "make_upomdp", lambda program, n, env, *rest: paid.append(env.rewards) or make(program, n, env, *rest)
     )
-    TestScenes(TrainConfig(env=FootballConfig(rewards="scoring,checkpoints")), 4)
+    config = TrainConfig(env=FootballConfig(rewards="scoring,checkpoints"))
+    EvalScenes(config, build.load_scenes(config), 4)
     assert paid == ["scoring"] * 4
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
-from experiments.pictures.scene_view import corners, stage_of
+from experiments.pictures.scene_view import corners, view_of
+from experiments.run.build import read_params
 from scenic_lite import load
 
 STREET = """
@@ -34,6 +35,36 @@ def test_a_program_that_is_no_football_is_shown(street, capsys):
         assert piece in text
 
 
+def test_parameters_scenario_and_model_are_those_of_the_command_line(tmp_path, capsys):
+    path = tmp_path / "roads.scenic"
+    (tmp_path / "town.scenic").write_text("class Car:\n    width: 7\n")
+    path.write_text("""# scenic: 3
+param lanes = 2
+scenario Quiet():
+    setup:
+        ego = new Object at (globalParameters.lanes, 0)
+scenario Busy():
+    setup:
+        ego = new Object at (Range(0, 1), globalParameters.lanes)
+        other = new Object at (10, 0)
+""")
+    assert main(["inspect", str(path), "--scenario", "Busy", "-p", "lanes=30.5", "--show", "scenes", "--n", "1"]) == 0
+    text = capsys.readouterr().out
+    assert "other" in text and "30.50" in text
+    assert main(["inspect", str(path), "--scenario", "Quite"]) == 1
+    assert "did you mean 'Quiet'?" in capsys.readouterr().err
+    path.write_text("model nowhere\nego = Car at 0 @ 0\nother = Car ahead of ego by 1\n")
+    assert main(["inspect", str(path), "-m", "town", "--show", "scenes"]) == 0
+    assert "Car" in capsys.readouterr().out
+    assert main(["inspect", str(path), "-p", "lanes"]) == 2
+    assert capsys.readouterr().err == "regista: --param takes name=value, got 'lanes'\n"
+
+
+def test_values_of_parameters_are_read_as_python_writes_them():
+    texts = ["a=3", "b=-0.5", "c=True", "d=None", "e=[1, 'x']", "f=snow storm", "g="]
+    assert read_params(texts) == {"a": 3, "b": -0.5, "c": True, "d": None, "e": [1, "x"], "f": "snow storm", "g": ""}
+
+
 def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, capsys):
     for program in (str(street), "1v1Free"):
         png, rrd = tmp_path / "scenes.png", tmp_path / "scenes.rrd"
@@ -53,8 +84,8 @@ def test_a_recording_holds_every_scene_with_its_objects(street, tmp_path, capsys
     strips = batches[0].column("LineStrips2D:strips").to_pylist()[0]
     program = load(street)
     scenes = program.instantiate(program.sample(3, np.random.default_rng(5))[0])
-    stage = stage_of(program, np.zeros((1, 5)), football=False)
-    np.testing.assert_allclose(np.array(strips[0])[:4], corners(stage.boxes(scenes))[0, 0], atol=1e-4)
+    view = view_of(program, np.zeros((1, 5)), football=False)
+    np.testing.assert_allclose(np.array(strips[0])[:4], corners(view.boxes(scenes))[0, 0], atol=1e-4)
     cards = [chunk.to_record_batch() for chunk in RrdReader(str(rrd)).stream().filter(content="/card")]
     assert "| ego.heading |" in str(cards[0].to_pylist())
 
@@ -107,10 +138,10 @@ def test_boxes_turn_with_the_heading():
 
 def test_a_stage_without_any_ground_holds_its_objects():
     program = load("ego = Object at Range(5, 9) @ -3")
-    stage = stage_of(program, np.array([[-1.0], [1.0]]), football=False)
-    low_x, high_x, low_y, high_y = stage.bounds
+    view = view_of(program, np.array([[-1.0], [1.0]]), football=False)
+    low_x, high_x, low_y, high_y = view.bounds
     assert low_x < 5 and high_x > 9 and low_y < -3 < high_y
-    assert stage.ground == []
+    assert view.ground == []
 
 
 def test_behaviors_are_shown_as_code(tmp_path, capsys):

@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 
+import scenic_lite
 from experiments.__main__ import main
+from experiments.run.build import TRAINING_SCENE, load_scenes
+from experiments.run.config import ProgramConfig
 from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
@@ -43,6 +46,27 @@ def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert len(levels["update"]) == 20 * 8
     assert {"theta/place.x", "return/protagonist", "score"} <= set(levels)
     assert "20k env_steps, 20 updates" in capsys.readouterr().out
+
+
+def test_every_program_is_read_once(probe, tmp_path, monkeypatch):
+    read = []
+    load = scenic_lite.load
+    monkeypatch.setattr(scenic_lite, "load", lambda path, *settings: read.append(path) or load(path, *settings))
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
+    assert len(read) == len(set(read)) == 4
+
+
+def test_the_settings_of_a_program_are_part_of_the_run(probe, tmp_path, capsys):
+    program, path = tmp_path / "mine.scenic", tmp_path / "run"
+    program.write_text("param far = 3\nego = LeftCM at 0 @ globalParameters.far\n")
+    assert main(["train", str(program), "-p", "far=5", "--param", "name=dusk", "--out", str(path), *SHORT]) == 0
+    settings = RunFolder.open(path).config
+    assert settings.program == ProgramConfig(param=("far=5", "name=dusk"))
+    params = load_scenes(settings)[TRAINING_SCENE].params
+    assert (params["far"], params["name"]) == (5, "dusk")
+    capsys.readouterr()
+    assert main(["train", "--resume", str(path), "-p", "far=6", "--total-env-steps", "22000"]) == 1
+    assert "was trained with program.param = ('far=5', 'name=dusk')" in capsys.readouterr().err
 
 
 def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):

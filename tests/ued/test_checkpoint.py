@@ -65,6 +65,18 @@ def test_everything_comes_back(tmp_path):
     assert os.listdir(tmp_path) == ["c.pt"]
 
 
+def test_one_entry_is_read_without_the_arrays_of_the_others(tmp_path, monkeypatch):
+    path = tmp_path / "checkpoint.pt"
+    checkpoint.save(path, {"update": 3, "large": np.arange(1000), "kept": np.arange(5)})
+    decoded = []
+    decode = checkpoint._decode_array
+    monkeypatch.setattr(checkpoint, "_decode_array", lambda value: decoded.append(value["shape"]) or decode(value))
+    assert checkpoint.load_entry(path, "update") == 3 and decoded == []
+    assert checkpoint.load_entry(path, "kept").tolist() == [0, 1, 2, 3, 4] and decoded == [[5]]
+    with pytest.raises(CheckpointError, match="there is no checkpoint at"):
+        checkpoint.load_entry(tmp_path / "other.pt", "update")
+
+
 def test_numpy_numbers_become_plain_ones(tmp_path):
     checkpoint.save(tmp_path / "c.pt", {"a": np.float64(0.1), "b": np.uint64(2**64 - 1), "c": np.bool_(True)})
     assert checkpoint.load(tmp_path / "c.pt") == {"a": 0.1, "b": 2**64 - 1, "c": True}
