@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from scenic_lite.core.domain import Domain
-from scenic_lite.core.scope import InterpreterState, Source, near
+from scenic_lite.core.environment import Source, near
+from scenic_lite.core.state import LOAD, Handlers, LoadState, Mode
 from scenic_lite.core.types import Namespace
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.assignments import unpack
@@ -48,21 +49,22 @@ def load(
     argument that means nothing.
     """
     text, file, folder = text_of(source)
-    session = new_session(domain, dialect_of(text, file, dialect))
-    override(session, file, params or {}, model)
-    session.root = folder
+    mode = load_mode(domain, dialect_of(text, file, dialect))
+    state = mode.state
+    override(state, file, params or {}, model)
+    state.root = folder
     own = source_of(text, file, folder)
-    run_file(session, text, own)
-    set_up_main(session, own, scenario)
-    doubt_overrides(session, own)
-    settle(session)
-    if session.ego is None and needs_ego(session):
-        raise no_ego(session, own)
-    prune(session)
-    return Program(session, own, text, warnings_of(session))
+    run_file(mode, text, own)
+    set_up_main(mode, own, scenario)
+    doubt_overrides(state, own)
+    settle(state)
+    if state.ego is None and needs_ego(state):
+        raise no_ego(state, own)
+    prune(state)
+    return Program(mode, own, text, warnings_of(state))
 
 
-def override(session: InterpreterState, file: str, params: Mapping[str, object], model: str | None) -> None:
+def override(state: LoadState, file: str, params: Mapping[str, object], model: str | None) -> None:
     """Set what the caller decides and the program cannot change."""
     if not isinstance(params, Mapping):
         raise TypeError(f"params maps names to values, it is no {type(params).__name__}")
@@ -71,24 +73,24 @@ def override(session: InterpreterState, file: str, params: Mapping[str, object],
             raise TypeError(f"the name of a parameter is a text, not {name!r}")
         if not is_plain(value):
             raise TypeError(f"the parameter '{name}' must be a number, a text, a truth value, None, or a list of them")
-        session.params[name] = value
-        session.param_places[name] = SourceSpan(file, 1, 0, 1, 1)
-    session.fixed_params = frozenset(params)
+        state.params[name] = value
+        state.param_places[name] = SourceSpan(file, 1, 0, 1, 1)
+    state.fixed_params = frozenset(params)
     if model is not None and not isinstance(model, str):
         raise TypeError(f"model is the name of a module, not {model!r}")
-    session.model = model
+    state.model = model
 
 
-def doubt_overrides(session: InterpreterState, own: Source) -> None:
+def doubt_overrides(state: LoadState, own: Source) -> None:
     """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
     unset = SourceSpan(own.file, 1, 0, 1, 1)
-    known = {name for name, place in session.param_places.items() if place != unset}
-    known |= session.domain.params if session.domain else frozenset()
-    for name in sorted(session.fixed_params - known):
+    known = {name for name, place in state.param_places.items() if place != unset}
+    known |= state.domain.params if state.domain else frozenset()
+    for name in sorted(state.fixed_params - known):
         hint = near(name, known)
         if hint:
             message = f"the program sets no parameter '{name}', which its caller overrides"
-            session.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
+            state.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
 
 
 def is_plain(value: object) -> bool:
@@ -100,20 +102,20 @@ def is_plain(value: object) -> bool:
     return value is None or type(value) in (bool, int, float, str)
 
 
-def warnings_of(session: InterpreterState) -> tuple[ScenicError, ...]:
+def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
     """What the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
-    warnings = {(warning.place, warning.message): warning for warning in session.warnings}
+    warnings = {(warning.place, warning.message): warning for warning in state.warnings}
     warned = {place for place, _ in warnings}
-    for doubt in session.doubts:
-        settled = doubt.place in session.declared and doubt.hint.startswith("did you mean")
+    for doubt in state.doubts:
+        settled = doubt.place in state.declared and doubt.hint.startswith("did you mean")
         if doubt.place not in warned and not settled:
             warnings[doubt.place, doubt.message] = doubt
     return tuple(warnings.values())
 
 
-def no_ego(session: InterpreterState, source: Source) -> ScenicError:
+def no_ego(state: LoadState, source: Source) -> ScenicError:
     """The error for a program without an ego, at its first object."""
-    own = (each.place for each in session.objects if each.place.file == source.file)
+    own = (each.place for each in state.objects if each.place.file == source.file)
     where = next(own, SourceSpan(source.file, 1, 0, 1, 1))
     hint = "write ego = ... before one of its objects"
     return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
@@ -138,17 +140,16 @@ def is_file(source: str) -> bool:
         return False
 
 
-def new_session(domain: Domain | None, dialect: int) -> InterpreterState:
-    """A session that knows all of the language and nothing yet of a program."""
-    params: dict = {}
-    builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", params)}
-    session = InterpreterState(domain, dialect, EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
-    session.params = params
-    return session
+def load_mode(domain: Domain | None, dialect: int) -> Mode:
+    """The mode of a load that knows all of the language and nothing yet of a program."""
+    state = LoadState(domain, dialect)
+    builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
+    handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
+    return Mode(LOAD, state, handlers, state.budget, state.column)
 
 
-def needs_ego(session: InterpreterState) -> bool:
+def needs_ego(state: LoadState) -> bool:
     """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
-    if session.dialect == 2:
-        return session.main is None or not session.main.behavior.scenario.compose
-    return any(each.properties["requireVisible"] is True for each in session.objects)
+    if state.dialect == 2:
+        return state.main is None or not state.main.behavior.scenario.compose
+    return any(each.properties["requireVisible"] is True for each in state.objects)

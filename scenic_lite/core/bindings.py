@@ -10,7 +10,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState
 
 Names = dict[str, Any]
 COST = 4  # elements of memory that one kept name counts for
@@ -20,30 +22,29 @@ class Bindings:
     """All names in sight of `scope`, also for the functions of its module that a condition may call."""
 
     def __init__(self, scope: Scope) -> None:
-        self.session = scope.session
+        self.state = scope.state
         self.kept = [(scope, dict(scope)) for scope in scopes_of(scope)]
-        self.ego, self.workspace = scope.session.ego, scope.session.workspace
-        scope.session.budget.spend(COST * sum(len(names) for _, names in self.kept))
+        self.ego, self.workspace = scope.state.ego, scope.state.workspace
+        scope.mode.budget.spend(COST * sum(len(names) for _, names in self.kept))
 
     @contextmanager
-    def restored(self) -> Iterator[None]:
+    def restored(self, state: LoadState) -> Iterator[None]:
         """Inside, every name has the value it had when this was made."""
-        session = self.session
         now = [(scope, dict(scope)) for scope, _ in self.kept]
-        tracked = session.ego, session.workspace
-        session.ego, session.workspace = self.ego, self.workspace
+        tracked = state.ego, state.workspace
+        state.ego, state.workspace = self.ego, self.workspace
         put_back(self.kept)
         try:
             yield
         finally:
-            session.ego, session.workspace = tracked
+            state.ego, state.workspace = tracked
             put_back(now)
 
 
 def scopes_of(scope: Scope) -> list[Names]:
     """The dictionaries that names are looked up in, innermost first."""
     scopes: list[Names] = []
-    at: Scope | None = scope
+    at: Environment | None = scope
     while at is not None:
         scopes.append(at.locals)
         at = at.outer

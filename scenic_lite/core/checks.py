@@ -64,7 +64,7 @@ class Check:
 
 @dataclass
 class RuntimeChecks:
-    """What a session has noted so far, and where it stands."""
+    """What a load has noted so far, and where it stands."""
 
     watches: dict[int, Check] = field(default_factory=dict)
     unplaced: list[Check] = field(default_factory=list)  # until the expression that made them is left

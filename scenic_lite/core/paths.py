@@ -1,7 +1,7 @@
-"""Functions of the program that branch on random values, walked once for each way through them.
+"""Functions of the program that branch on random values, walked once along each path through them.
 
 Each walk decides every branch beforehand; the results are joined by the branches' conditions, so that what the
-function computes stays a node over arrays. Read next: `language.field_rows`, for functions with too many ways.
+function computes stays a node over arrays. Read next: `language.field_rows`, for functions with too many paths.
 """
 
 from __future__ import annotations
@@ -9,21 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from scenic_lite.core.scope import InterpreterState
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import WHERE, Value, apply
 
 MOST_BRANCHES, MOST_WALKS = 24, 64
 
 
-class Way:
-    """One way: the decisions of its branches in order, then always True; `conditions` are what was asked."""
+class Path:
+    """One path: the decisions of its branches in order, then always True; `conditions` are what was asked."""
 
     def __init__(self, decisions: list[bool]) -> None:
         self.decisions = decisions
         self.conditions: list[Value] = []
 
-    def turn(self, condition: Value) -> bool:
+    def branch(self, condition: Value) -> bool:
         """Which way to go at the next branch."""
         at = len(self.conditions)
         if at >= MOST_BRANCHES:
@@ -34,46 +33,42 @@ class Way:
         return self.decisions[at]
 
 
-class Walks:
-    """All ways through a computation that gives a number; nan where one of them fails."""
+class PathEnumerator:
+    """All paths through a computation that gives a number; nan where one of them fails."""
 
-    def __init__(self, session: InterpreterState, compute: Callable[[], Value]) -> None:
-        self.session, self.compute = session, compute
+    def __init__(self, compute: Callable[[Path], Value]) -> None:
+        self.compute = compute
         self.count = 0
         self.fault: ScenicError | None = None
-        self.arrived = False  # by some way
+        self.arrived = False  # along some path
 
     def result(self) -> Value:
-        """Raises ScenicError if every way fails, or there are too many of them."""
+        """Raises ScenicError if every path fails, or there are too many of them."""
         value = self._from([])
         if not self.arrived and self.fault is not None:
             raise self.fault
         return value
 
     def _from(self, decisions: list[bool]) -> Value:
-        """The value of all ways that begin with some decisions."""
+        """The value of all paths that begin with some decisions."""
         self.count += 1
         if self.count > MOST_WALKS:
             raise too_many()
-        path = Way(list(decisions))
+        path = Path(list(decisions))
         value = self._walk(path)
         for at in reversed(range(len(decisions), len(path.conditions))):
             other = self._from([*path.decisions[:at], False])
             value = apply(WHERE, path.conditions[at], value, other)
         return value
 
-    def _walk(self, path: Way) -> Value:
-        before, self.session.path = self.session.path, path
+    def _walk(self, path: Path) -> Value:
         try:
-            with self.session.requiring():
-                value = self.compute()
+            value = self.compute(path)
         except ScenicError as error:
             if error.kind not in ("value", "type"):
                 raise
             self.fault = error
             return math.nan
-        finally:
-            self.session.path = before
         self.arrived = True
         return value
 

@@ -15,19 +15,20 @@ import numpy as np
 from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FallibleOperation
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Function, Instance, RandomChoice, randoms_in
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 
-def row_by_row(scope: Scope, node: ast.expr) -> RandomExpr:
+def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
     """The truth of a condition for each sample, evaluated one after the other."""
     columns = tuple(columns_of(*(random for value in mentioned(scope, node) for random in randoms_in(value))))
-    return RandomExpr(RowByRow(scope, node, columns), columns, "truth")
+    return RandomExpr(PerSampleCondition(scope, node, columns), columns, "truth")
 
 
-class ByRow(FallibleOperation):
+class PerSampleOperation(FallibleOperation):
     """What is decided scene by scene: a tree, and the draws that it depends on.
 
     An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
@@ -57,51 +58,48 @@ class ByRow(FallibleOperation):
         assert fault is not None, "a scene without a fault"
         return fault
 
-    def in_scene(self, draws: Iterable[Value], decide: Callable[[], Value], otherwise: Value) -> Value:
+    def per_sample(self, draws: Iterable[Value], decide: Callable[[Scope], Value], otherwise: Value) -> Value:
         """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
-        session = self.scope.session
-        row, budget = session.row, session.budget
-        session.row, session.budget = dict(zip(self.columns, draws, strict=True)), budget.scene()
+        budget = self.scope.mode.budget.scene()
+        mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
         try:
-            with session.requiring():
-                return decide()
+            return decide(Scope.at(mode, self.scope))
         except ScenicError as error:
             if error.kind != "value":
                 raise
             self._faults[-1] = error
             return otherwise
         finally:
-            spent, session.row, session.budget = session.budget, row, budget
-            self._charge(spent)
+            self._charge(budget)
 
     def _charge(self, spent: Budget) -> None:
         try:
-            self.scope.session.budget.charge(spent)
+            self.scope.mode.budget.charge(spent)
         except ScenicError as error:
             error.hint = "write it without branches and loops on random values, or ask for fewer scenes at once"
             raise self.scope.placed(error, self.node) from None
 
 
-class RowByRow(ByRow):
+class PerSampleCondition(PerSampleOperation):
     """A condition as an operation: columns [N] -> truth [N]."""
 
     node: ast.expr
 
     def __call__(self, *arrays: Any) -> Any:
-        with self.bindings.restored():
-            return np.array([self.in_scene(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
+        with self.bindings.restored(self.scope.state):
+            return np.array([self.per_sample(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
 
-    def _holds(self) -> bool:
-        return bool(self.scope.value(self.node))
+    def _holds(self, scope: Scope) -> bool:
+        return bool(scope.value(self.node))
 
 
 def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
     """The values that an expression may read: of its names, of what its functions name, and of the ego."""
-    found = [scope.session.ego] if scope.session.ego is not None else []
+    found = [scope.state.ego] if scope.state.ego is not None else []
     return found + reached([(scope, node)])
 
 
-def reached(pending: list[tuple[Scope, ast.AST]]) -> list[Value]:
+def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
     """The values of all names in some trees, and in the functions and behaviors that they name."""
     found: list[Value] = []
     seen: set[int] = set()
@@ -123,9 +121,9 @@ def names_in(tree: ast.AST) -> frozenset[str]:
     return frozenset(each.id for each in ast.walk(tree) if isinstance(each, ast.Name))
 
 
-def visible(scope: Scope, name: str) -> Value:
+def visible(scope: Environment, name: str) -> Value:
     """The value of a name, or None: it may be a local of a function not yet called."""
-    at: Scope | None = scope
+    at: Environment | None = scope
     while at is not None:
         if name in at.locals:
             return at.locals[name]

@@ -1,43 +1,28 @@
-"""Where evaluation stands: the session (one load), and the frames (one module, function or class body each).
+"""Names together with the mode in which they mean something: every value of a program comes out of a Scope.
 
-`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of `expressions` and `statements`; every
-error raised below passes through here and is given its place in the program. Read next: `evaluation.expressions`.
+`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of its handlers; every error raised
+below passes through here and is given its place in the program. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
 
 import ast
-import difflib
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.budget import Budget, exceeded
-from scenic_lite.core.checks import RuntimeChecks
-from scenic_lite.core.domain import Domain
+from scenic_lite.core.environment import Environment, Source, near
 from scenic_lite.core.exceptions import from_python, named_fault
-from scenic_lite.core.types import (
-    Behavior,
-    BehaviorCall,
-    Instance,
-    Namespace,
-    RandomChoice,
-    ScenicClass,
-    Stream,
-    describe_kind,
-)
+from scenic_lite.core.paths import Path
+from scenic_lite.core.state import LOAD, Mode
+from scenic_lite.core.types import Instance, RandomChoice, Stream, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
-
-if TYPE_CHECKING:
-    from scenic_lite.core.paths import Way
 
 PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
 CONTAINERS = (list, tuple, set, dict, str, bytes, range)
@@ -45,203 +30,66 @@ LARGEST_NAMED = 100  # elements of a container
 WORDS: dict[type, str] = {nodes.TryInterrupt: "interrupt when"}
 
 
-@dataclass(frozen=True)
-class Source:
-    """One file of program text."""
+class Scope(Environment):
+    """An environment in a mode: the way to evaluate nodes at one point of the program."""
 
-    file: str
-    lines: tuple[str, ...]
-    folder: Path | None  # where modules named by the program are looked for
-    library: bool  # of the domain, not of the user
+    __slots__ = ("handlers", "mode", "state")
 
-    def line(self, number: int) -> str:
-        return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
-
-
-@dataclass
-class Requirement:
-    """One `require`: its condition over the samples."""
-
-    label: str
-    place: SourceSpan
-    condition: Value
-    probability: float = 1.0
-
-
-class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's.
-
-    `whole` is the region that the program names, where only a part of it is drawn from.
-    """
-
-    region: Region
-    columns: tuple[ThetaColumn, ...]
-    point: Vector
-    whole: Region | None = None
-
-
-class Sight(NamedTuple):
-    """What an object's specifier demands: that `viewer` sees it, or that it does not."""
-
-    viewer: Instance
-    wanted: bool
-
-
-class Watched(NamedTuple):
-    """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
-
-    tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
-    place: SourceSpan
-    scope: Scope
-    label: str = ""  # its name, or its text
-    bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
-
-
-@dataclass(eq=False)
-class InterpreterState:
-    """Everything that loading one program has made so far."""
-
-    domain: Domain | None
-    dialect: int
-    expressions: dict[type, Callable[[Scope, Any], Value]]
-    statements: dict[type, Callable[[Scope, Any], Value]]
-    builtins: dict[str, Value]
-    call: Callable[[Scope, Value, list, dict[str, Value], ast.AST], Value]
-    unpack: Callable[[Scope, ast.expr, Value], None]
-    budget: Budget = field(default_factory=Budget)
-    objects: list[Instance] = field(default_factory=list)
-    params: dict[str, Value] = field(default_factory=dict)
-    requirements: list[Requirement] = field(default_factory=list)
-    sights: list[tuple[Instance, Sight]] = field(default_factory=list)
-    conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
-    columns: list[ThetaColumn] = field(default_factory=list)
-    points: list[DrawnPoint] = field(default_factory=list)
-    behaviors: dict[str, Behavior] = field(default_factory=dict)
-    monitors: list[BehaviorCall] = field(default_factory=list)
-    terminations: list[Watched] = field(default_factory=list)
-    records: list[Watched] = field(default_factory=list)
-    temporal: list[Watched] = field(default_factory=list)
-    scenarios: list[Behavior] = field(default_factory=list)
-    main: BehaviorCall | None = None  # the modular scenario that the program is
-    main_frame: Scope | None = None
-    library_params: set[str] = field(default_factory=set)
-    param_places: dict[str, SourceSpan] = field(default_factory=dict)
-    sources: dict[str, Source] = field(default_factory=dict)
-    modules: dict[str, Namespace] = field(default_factory=dict)
-    importing: list[str] = field(default_factory=list)
-    root: Path | None = None  # the program's folder
-    model: str | None = None  # the world model that the caller wants instead of the program's
-    modelling: int = 0  # `model` statements that are being executed
-    fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
-    handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
-    warnings: list[ScenicError] = field(default_factory=list)
-    doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
-    declared: set[SourceSpan] = field(default_factory=set)  # `with` specifiers of properties that the class declares
-    watching: RuntimeChecks = field(default_factory=RuntimeChecks)
-    ego: Instance | None = None
-    workspace: Value = None
-    owner: tuple[Instance, str] | None = None  # whose specifier is being evaluated
-    in_requirement: int = 0
-    path: Way | None = None  # the way that is taken where a function branches on random values
-    row: dict[RandomExpr, Value] | None = None  # of one sample: the value of each random node
-    drawn: Callable[[ThetaColumn], ThetaColumn] | None = (
-        None  # while an episode runs: gives each new draw its value at once
-    )
-
-    def column(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
-        """Draw a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
-        if self.in_requirement:
-            raise ScenicError(
-                "type",
-                "a requirement cannot draw a random value",
-                hint="draw it before the requirement and give it a name",
-            )
-        if len(self.columns) >= self.budget.limits.draws:
-            raise exceeded(f"more than {self.budget.limits.draws:,} random values are drawn")
-        column = ThetaColumn(kind, place, offset, span)
-        if self.drawn is not None:
-            return self.drawn(column)
-        column.owner = self.owner
-        self.columns.append(column)
-        return column
-
-    @contextmanager
-    def owned(self, instance: Instance, name: str):
-        """Random values drawn inside belong to `instance.name`."""
-        before, self.owner = self.owner, (instance, name)
-        try:
-            yield
-        finally:
-            self.owner = before
-
-    @contextmanager
-    def own_ego(self):
-        """Inside, a module has no ego yet; the one that it sets is the program's where that has none (dialect 3)."""
-        before, self.ego = self.ego, None
-        try:
-            yield
-        finally:
-            self.ego = before if before is not None or self.dialect == 2 else self.ego
-
-    @contextmanager
-    def requiring(self):
-        """Inside, comparisons and `and`, `or`, `not` of random values are allowed, draws are not."""
-        self.in_requirement += 1
-        try:
-            yield
-        finally:
-            self.in_requirement -= 1
-
-
-class Scope:
-    """The names visible at one point of the program, and the way to evaluate nodes there."""
-
-    __slots__ = (
-        "assigned",
-        "globals",
-        "locals",
-        "method",
-        "module_names",
-        "nonlocals",
-        "outer",
-        "session",
-        "source",
-        "transparent",
-        "yields",
-    )
-
-    def __init__(
-        self, session: InterpreterState, source: Source, names: dict[str, Value], outer: Scope | None = None
-    ) -> None:
-        self.session = session
-        self.source = source
-        self.locals = names
-        self.outer = outer
-        self.globals: set[str] = set()  # declared `global` here
-        self.nonlocals: set[str] = set()
-        self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
-        self.transparent = False  # of a comprehension, whose `:=` binds outside
-        self.method: tuple[ScenicClass, Value] | None = None  # of a method: its class and its first argument
-        self.yields: list[Value] | None = None  # of a generator: what it has given so far
-        self.module_names: dict[str, Value] = outer.module_names if outer else names
+    def __init__(self, mode: Mode, source: Source, names: dict[str, Value], outer: Environment | None = None) -> None:
+        super().__init__(source, names, outer)
+        self.mode, self.state, self.handlers = mode, mode.state, mode.handlers
 
     def inner(self, names: dict[str, Value]) -> Scope:
-        """A frame for a function, comprehension or class body inside this one."""
-        return Scope(self.session, self.source, names, self)
+        """A scope for a comprehension or class body inside this one."""
+        return Scope(self.mode, self.source, names, self)
+
+    @staticmethod
+    def inside(mode: Mode, around: Environment, names: dict[str, Value]) -> Scope:
+        """A scope for the body of what was defined in the environment `around`."""
+        return Scope(mode, around.source, names, around)
+
+    @staticmethod
+    def at(mode: Mode, environment: Environment) -> Scope:
+        """The same names in a mode."""
+        scope = Scope(mode, environment.source, environment.locals, environment.outer)
+        scope.globals, scope.nonlocals, scope.assigned = (
+            environment.globals, environment.nonlocals, environment.assigned,
+        )  # fmt: skip
+        scope.transparent, scope.method, scope.yields = environment.transparent, environment.method, environment.yields
+        return scope
+
+    def requiring(self) -> Scope:
+        """The same names, inside a requirement."""
+        return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
+
+    def along(self, path: Path) -> Scope:
+        """The same names, where branches on random values follow a path."""
+        return Scope.at(replace(self.mode.requiring(), path=path), self)
+
+    def owning(self, instance: Instance, name: str) -> Scope:
+        """The same names; values drawn inside belong to `instance.name`."""
+        return Scope.at(replace(self.mode, owner=(instance, name)), self) if self.mode.phase == LOAD else self
+
+    def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
+        """A new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
+        column = self.mode.draw(kind, place, offset, span)
+        if self.mode.owner is not None:
+            column.owner = self.mode.owner
+        return column
 
     # ------------------------------------------------------------ evaluation
 
     def value(self, node: ast.expr) -> Value:
         """Evaluate an expression; every error leaves with a place."""
-        self.session.budget.step()
-        handler = self.session.expressions.get(type(node))
+        self.mode.budget.step()
+        handler = self.handlers.expressions.get(type(node))
         if handler is None:
             raise self.error("unsupported", f"{type(node).__name__} expressions are not supported", node)
         try:
             value = handler(self, node)
-            if self.session.watching.unplaced:
+            if self.state.watching.unplaced:
                 self.note_places(node)
-            return value if self.session.row is None else in_row(value, self.session.row)
+            return value if self.mode.row is None else in_row(value, self.mode.row)
         except ScenicError as error:
             raise self.placed(error, node) from None
         except PYTHON_FAULTS as fault:
@@ -250,14 +98,14 @@ class Scope:
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Execute statements in order."""
         for node in statements:
-            self.session.budget.step()
-            handler = self.session.statements.get(type(node))
+            self.mode.budget.step()
+            handler = self.handlers.statements.get(type(node))
             if handler is None:
                 word = WORDS.get(type(node), type(node).__name__.lower())
                 raise self.error("unsupported", f"`{word}` is not supported outside behaviors", node)
             try:
                 handler(self, node)
-                if self.session.watching.unplaced:
+                if self.state.watching.unplaced:
                     self.note_places(node)
             except ScenicError as error:
                 raise self.placed(error, node) from None
@@ -269,8 +117,8 @@ class Scope:
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
-        if self.session.path is not None and isinstance(value, RandomExpr):
-            return self.session.path.turn(value)
+        if self.mode.path is not None and isinstance(value, RandomExpr):
+            return self.mode.path.branch(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
         return bool(value)
 
@@ -285,14 +133,14 @@ class Scope:
 
     def drawn_notes(self, value: RandomExpr) -> list[str]:
         first = next(columns_of(value), None)
-        if first is None or first.place.file not in self.session.sources:
+        if first is None or first.place.file not in self.state.sources:
             return []
-        line = self.session.sources[first.place.file].line(first.place.line)
+        line = self.state.sources[first.place.file].line(first.place.line)
         return [str(ScenicError("value", "the random value is drawn here", first.place, source_line=line))]
 
     def call(self, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
         """Call a function of the program or of the language."""
-        return self.session.call(self, function, arguments, keywords, node)
+        return self.handlers.call(self, function, arguments, keywords, node)
 
     def elements(self, value: Value, node: ast.AST) -> list:
         """The elements of a container that is not random."""
@@ -305,8 +153,8 @@ class Scope:
             value = [Vector(x, y) for x, y in points]
         if not isinstance(value, CONTAINERS):
             raise self.error("type", f"{describe_kind(value)} has no elements", node)
-        self.session.budget.container(len(value))
-        row = self.session.row
+        self.mode.budget.container(len(value))
+        row = self.mode.row
         return list(value) if row is None else [in_row(each, row) for each in value]
 
     def bindings(self, generators: list[ast.comprehension]) -> Iterator[Scope]:
@@ -315,8 +163,8 @@ class Scope:
         for element in self.elements(self.value(first.iter), first.iter):
             inner = self.inner({})
             inner.transparent = True
-            self.session.unpack(inner, first.target, element)
-            self.session.budget.step()
+            self.handlers.unpack(inner, first.target, element)
+            self.mode.budget.step()
             if all(inner.truth(test) for test in first.ifs):
                 if rest:
                     yield from inner.bindings(rest)
@@ -325,45 +173,27 @@ class Scope:
 
     # ------------------------------------------------------------ places and errors
 
-    def place(self, node: ast.AST) -> SourceSpan:
-        if not isinstance(node, ast.expr | ast.stmt):
-            return SourceSpan(self.source.file, 1, 0, 1, 1)
-        end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
-        return SourceSpan(self.source.file, node.lineno, node.col_offset, end_line, end_column)
-
     def watch(self, result: Value) -> None:
         """Note a result that some scenes may be unable to compute."""
-        session = self.session
-        if session.row is None and session.drawn is None:
-            path = session.path
-            ways = () if path is None else zip(path.conditions, path.decisions, strict=False)
-            session.watching.note(result, ways)
+        if self.mode.row is None:
+            path = self.mode.path
+            branches = () if path is None else zip(path.conditions, path.decisions, strict=False)
+            self.state.watching.note(result, branches)
 
     def note_places(self, node: ast.AST) -> None:
         if "lineno" in vars(node):
             place = self.place(node)
-            self.session.watching.place(place, self.source.line(place.line))
-
-    def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
-        """An error at `node`."""
-        return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
-
-    def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
-        """Give an error its place, unless it has one. A node that no text made leaves that to whoever is above."""
-        if error.place is None and "lineno" in vars(node):
-            error.place = self.place(node)
-            error.source_line = self.source.line(error.place.line)
-        return error
+            self.state.watching.place(place, self.source.line(place.line))
 
     def warn(self, message: str, node: ast.AST, hint: str = "") -> None:
         if not self.source.library:
-            self.session.warnings.append(self.error("warning", message, node, hint))
+            self.state.warnings.append(self.error("warning", message, node, hint))
 
     # ------------------------------------------------------------ names
 
     def lookup(self, name: str) -> Value:
         """The value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
-        scope: Scope | None = self
+        scope: Environment | None = self
         while scope is not None:
             if name in scope.globals:
                 break
@@ -375,13 +205,13 @@ class Scope:
             scope = scope.outer
         if name in self.module_names:
             return self.module_names[name]
-        if name in self.session.builtins:
-            return self.session.builtins[name]
+        if name in self.handlers.builtins:
+            return self.handlers.builtins[name]
         raise ScenicError("name", f"name '{name}' is not defined", hint=near(name, self.visible_names()))
 
     def visible_names(self) -> list[str]:
-        names = [*self.session.builtins, "ego", "workspace"]
-        scope: Scope | None = self
+        names = [*self.handlers.builtins, "ego", "workspace"]
+        scope: Environment | None = self
         while scope is not None:
             names += scope.locals
             scope = scope.outer
@@ -390,17 +220,6 @@ class Scope:
     def assign(self, name: str, value: Value) -> None:
         self.names_of(name)[name] = value
         name_draws(name, value)
-
-    def names_of(self, name: str) -> dict[str, Value]:
-        """Where an assignment to the name goes."""
-        if name in self.globals:
-            return self.module_names
-        scope: Scope | None = self.outer if name in self.nonlocals else None
-        while scope is not None:
-            if name in scope.locals:
-                return scope.names_of(name)
-            scope = scope.outer
-        return self.locals
 
 
 def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
@@ -463,11 +282,3 @@ def near_inputs(value: RandomExpr) -> list[RandomExpr]:
         level = [each for node in level for each in node.inputs if isinstance(each, RandomExpr)][:16]
         found += level
     return found
-
-
-def near(name: str, names: Iterable[str]) -> str:
-    """A hint with the nearest spelling, or nothing."""
-    public = [each for each in names if not each.startswith("_")]
-    same = [each for each in public if sorted(each.lower()) == sorted(name.lower())]  # or two letters swapped
-    close = same or difflib.get_close_matches(name, public, 1, 0.7)
-    return f"did you mean '{close[0]}'?" if close else ""

@@ -8,8 +8,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.exceptions import ExceptionClass, Fault
 from scenic_lite.errors import SourceSpan
 from scenic_lite.syntax import nodes
@@ -17,15 +18,15 @@ from scenic_lite.values.geometry import Located, Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, select
 from scenic_lite.values.regions import Region, VectorField
 
-if TYPE_CHECKING:
-    from scenic_lite.core.scope import Scope
-
 
 @dataclass(frozen=True, eq=False)
 class Default:
-    """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it."""
+    """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it.
 
-    compute: Callable[[Instance], Value]
+    It also gets the scope of the statement that makes the object.
+    """
+
+    compute: Callable[[Any, Instance], Value]
     needs: frozenset[str] = frozenset()
     attributes: tuple[str, ...] = ()
 
@@ -133,7 +134,7 @@ class Function:
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
     body: list[ast.stmt] | ast.expr
-    scope: Scope
+    scope: Environment
     assigned: frozenset[str] = frozenset()  # its local names besides its arguments
     generates: bool = False  # it has a `yield`
     owner: ScenicClass | None = None  # whose method it is
@@ -204,7 +205,7 @@ class Behavior:
     node: nodes.Behavior | nodes.Scenario
     defaults: tuple[Value, ...]
     keyword_defaults: dict[str, Value]
-    scope: Scope
+    scope: Environment
     assigned: frozenset[str] = frozenset()  # its own variables besides its arguments
 
     @property

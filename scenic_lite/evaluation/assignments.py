@@ -35,7 +35,7 @@ def augmented(scope: Scope, node: ast.AugAssign) -> None:
     """`target += value`; the container and the index of the target are evaluated once."""
     target = node.target
     if isinstance(target, ast.Name):
-        old = scope.session.ego if target.id == "ego" else scope.lookup(target.id)
+        old = scope.state.ego if target.id == "ego" else scope.lookup(target.id)
         bind_target(scope, target, changed(scope, node, old))
     elif isinstance(target, ast.Subscript):
         container, index = scope.value(target.value), scope.value(target.slice)
@@ -95,13 +95,13 @@ def set_item(scope: Scope, target: ast.Subscript, container: Value, index: Value
         raise scope.error("type", f"elements of {describe_kind(container)} cannot be assigned here", target)
     if isinstance(container, list):
         scope.refuse_random(index, target, "the index of a list must not be random")
-    scope.session.budget.whole(index)
+    scope.mode.budget.whole(index)
     if isinstance(index, slice) and isinstance(container, list):
         container[index] = scope.elements(value, target)
-        scope.session.budget.container(len(container))
+        scope.mode.budget.container(len(container))
     else:
         container[index] = value
-        scope.session.budget.spend(1)
+        scope.mode.budget.spend(1)
 
 
 def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
@@ -111,7 +111,7 @@ def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
             hint = f"write {owner.title()}.position = x @ y"
             raise ScenicError("type", f"the {name} of an object belongs to its position", hint=hint)
         if name in owner.properties:
-            owner.properties[name] = checked(name, value, scope.session.dialect)
+            owner.properties[name] = checked(name, value, scope.state.dialect)
         else:
             owner.attributes[name] = value
     elif isinstance(owner, ScenicClass) and owner.base is not None:
@@ -150,7 +150,7 @@ def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
 def set_ego(scope: Scope, node: ast.AST, value: Value) -> None:
     if not is_object(value):
         raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node)
-    scope.session.ego = value
+    scope.state.ego = value
 
 
 def set_workspace(scope: Scope, node: ast.AST, value: Value) -> None:
@@ -160,7 +160,7 @@ def set_workspace(scope: Scope, node: ast.AST, value: Value) -> None:
     drawn = next(randoms_in(value), None)
     if isinstance(drawn, RandomExpr):
         raise scope.error("value", "the workspace must be fixed", node, notes=scope.drawn_notes(drawn))
-    scope.session.workspace = value
+    scope.state.workspace = value
 
 
 TRACKED: dict[str, Callable[[Scope, ast.AST, Value], None]] = {"ego": set_ego, "workspace": set_workspace}
@@ -189,7 +189,7 @@ def delete_target(scope: Scope, target: ast.expr) -> None:
         if not isinstance(container, list | dict):
             raise scope.error("type", f"elements of {describe_kind(container)} cannot be deleted", target)
         scope.refuse_random(index, target, "the index of what is deleted must not be random")
-        scope.session.budget.whole(index)
+        scope.mode.budget.whole(index)
         del container[index]
     else:
         assert isinstance(target, ast.Attribute)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.builtin_tables import own
+from scenic_lite.core.environment import near
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import Scope, near
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -159,9 +160,9 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
         return position.x if name == "x" else position.y
-    if name == "z" and position is not None and scope.session.dialect == 3:
+    if name == "z" and position is not None and scope.state.dialect == 3:
         return 0.0
-    if name == "distanceTo" and scope.session.dialect == 3 and is_object(instance):
+    if name == "distanceTo" and scope.state.dialect == 3 and is_object(instance):
         return Bound(DISTANCE_TO_OUTLINE, instance)
     if name in VECTOR_METHODS and position is not None:
         return Bound(VECTOR_METHODS[name], position)

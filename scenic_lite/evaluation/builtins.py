@@ -14,6 +14,7 @@ import numpy as np
 
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.builtin_tables import typed
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.exceptions import NAMED, ExceptionClass, Fault, named_fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
@@ -57,7 +58,7 @@ def some(scope: Scope, node: ast.AST, values: Value) -> Value:
 
 def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, start: bool) -> Value:
     items = scope.elements(values, node)
-    if not scope.session.in_requirement:
+    if not scope.mode.symbolic:
         for item in items:
             scope.refuse_random(item, node, "control flow cannot depend on a random value")
     return reduce(lambda a, b: apply(operation, a, b, kind="truth"), items, start)
@@ -65,7 +66,7 @@ def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, sta
 
 def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
     """`bool(value)`."""
-    if scope.session.in_requirement and isinstance(value, RandomExpr):
+    if scope.mode.symbolic and isinstance(value, RandomExpr):
         return apply(TRUE_OR_FALSE, value, kind="truth")
     return scope.certain_truth(value, node)
 
@@ -99,8 +100,8 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
         count = len(numbers)
     except OverflowError:
         raise exceeded("a range of more elements than can be counted") from None
-    if count > scope.session.budget.limits.elements:
-        scope.session.budget.container(count)
+    if count > scope.mode.budget.limits.elements:
+        scope.mode.budget.container(count)
     return numbers
 
 
@@ -118,7 +119,7 @@ def make_tuple(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
 
 def make_set(scope: Scope, node: ast.AST, values: Value = ()) -> set:
     elements = scope.elements(values, node)
-    scope.session.budget.whole(elements)
+    scope.mode.budget.whole(elements)
     return set(elements)
 
 
@@ -179,7 +180,7 @@ def following(scope: Scope, node: ast.AST, iterator: Value, default: Value = NOT
 
 
 def stream(scope: Scope, items: list) -> Stream:
-    scope.session.budget.container(len(items))
+    scope.mode.budget.container(len(items))
     return Stream(items)
 
 
@@ -279,7 +280,7 @@ def can_be_called(value: Value) -> bool:
 
 def own_super(scope: Scope, node: ast.AST) -> Super:
     """`super()` in a method."""
-    at: Scope | None = scope
+    at: Environment | None = scope
     while at is not None and at.method is None:
         at = at.outer
     if at is None or at.method is None or at.method[0].base is None:

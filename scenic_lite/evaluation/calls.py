@@ -10,8 +10,9 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
+from scenic_lite.core.environment import near
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import Scope, near
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -31,7 +32,7 @@ from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unk
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
-TRACKED_NAMES = ("ego", "workspace")  # the session's, wherever they are set
+TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
 NAMING = (ast.ExceptHandler, ast.MatchAs, ast.MatchStar, ast.FunctionDef, ast.ClassDef)
 OWN_SCOPES = (
     ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.SetComp, ast.DictComp,
@@ -121,11 +122,11 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
                 [call_builtin(scope, function, [*before, each, *after], keywords, node) for each in argument.options]
             )
     if not function.needs_context:
-        scope.session.budget.whole(arguments)
+        scope.mode.budget.whole(arguments)
     given = [scope, node, *arguments] if function.needs_context else arguments
     check_signature(function, given, keywords)
     result = function.function(*given, **keywords)
-    scope.session.budget.keep(result)
+    scope.mode.budget.keep(result)
     scope.watch(result)
     return result
 
@@ -151,12 +152,13 @@ def call_function(
     scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Run a function of the program; an error inside a library is shown where the program called it."""
-    inner = function.scope.inner(bind(function.name, function.arguments, function, arguments, keywords))
+    names = bind(function.name, function.arguments, function, arguments, keywords)
+    inner = Scope.inside(scope.mode, function.scope, names)
     inner.assigned = function.assigned
     inner.yields = [] if function.generates else None
     if function.owner is not None and arguments:
         inner.method = (function.owner, arguments[0])
-    budget = scope.session.budget
+    budget = scope.mode.budget
     budget.enter()
     try:
         if isinstance(function.body, ast.expr):
@@ -265,9 +267,9 @@ def new(scope: Scope, node: nodes.New) -> Value:
             return cls if node.operator is None else scope.value(node.operator)
         hint = near(node.cls.id, classes_in(scope)) if isinstance(node.cls, ast.Name) else ""
         raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
-    if scope.session.in_requirement:
+    if scope.mode.symbolic:
         raise ScenicError("type", "a requirement cannot make objects")
-    instance = Instance(cls, scope.place(node), scope.session.owner)
+    instance = Instance(cls, scope.place(node), scope.mode.owner)
     meanings = [meaning(scope, instance, each) for each in node.specifiers]
     return make(scope, cls, meanings, instance)
 
@@ -280,19 +282,18 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
     """Evaluate a specifier's operands; errors point at the specifier."""
     first = node.arguments[0] if node.arguments else None
     name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
-    owned = name or ("heading" if "facing" in node.name else "position")
-    with scope.session.owned(instance, owned):
-        try:
-            operands = [None if each is None else scope.value(each) for each in node.arguments]
-            if name:
-                value = operands[1]
-                warn_of_unknown(scope, instance.cls, node, name, value)
-                return with_property(scope, node, name, value)
-            if node.name not in SPECIFIERS:
-                raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
-            return SPECIFIERS[node.name](scope, node, *operands)
-        except ScenicError as error:
-            raise scope.placed(error, node) from None
+    scope = scope.owning(instance, name or ("heading" if "facing" in node.name else "position"))
+    try:
+        operands = [None if each is None else scope.value(each) for each in node.arguments]
+        if name:
+            value = operands[1]
+            warn_of_unknown(scope, instance.cls, node, name, value)
+            return with_property(scope, node, name, value)
+        if node.name not in SPECIFIERS:
+            raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
+        return SPECIFIERS[node.name](scope, node, *operands)
+    except ScenicError as error:
+        raise scope.placed(error, node) from None
 
 
 CALLS: dict[type, Callable[[Scope, Any], Value]] = {

@@ -57,7 +57,7 @@ def comparison(scope: Scope, node: ast.Compare) -> Value:
     left = scope.value(node.left)
     result: Value = True
     for sign, operand in zip(node.ops, node.comparators, strict=True):
-        with scope.session.watching.given(*(((result, True),) if isinstance(result, RandomExpr) else ())):
+        with scope.state.watching.given(*(((result, True),) if isinstance(result, RandomExpr) else ())):
             right = scope.value(operand)
         link = compared(scope, node, sign, left, right)
         if isinstance(link, RandomExpr) or isinstance(result, RandomExpr):
@@ -78,8 +78,8 @@ def compared(scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, righ
         inside = membership(scope, node, left, right)
         return inside if isinstance(sign, ast.In) else apply(NOT, inside, kind="truth")
     for side in (left, right):
-        scope.session.budget.whole(side)
-        if not scope.session.in_requirement:
+        scope.mode.budget.whole(side)
+        if not scope.mode.symbolic:
             scope.refuse_random(side, node, "random values cannot be compared here")
     if isinstance(left, RandomChoice):
         return left.map_options([compared(scope, node, sign, option, right) for option in left.options])
@@ -97,7 +97,7 @@ def compared(scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, righ
 
 def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
     """`left is right`; outside requirements a random choice is itself and none of its options, as in real Scenic."""
-    if left is right or not scope.session.in_requirement:
+    if left is right or not scope.mode.symbolic:
         return (left is right) == same
     if isinstance(left, RandomChoice):
         return left.map_options([identity(scope, option, right, same) for option in left.options])
@@ -108,8 +108,8 @@ def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
 
 def equal(scope: Scope, left: Value, right: Value) -> bool:
     """Whether two values are equal that are not random."""
-    scope.session.budget.whole(left)
-    scope.session.budget.whole(right)
+    scope.mode.budget.whole(left)
+    scope.mode.budget.whole(right)
     return bool(equality(scope, ast.Eq(), left, right))
 
 
@@ -137,10 +137,10 @@ def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Va
     """Equality of two collections of the same length, with random parts."""
     result: Value = True
     for a, b in zip(left, right, strict=True):
-        if scope.session.row is not None:
-            a, b = in_row(a, scope.session.row), in_row(b, scope.session.row)
+        if scope.mode.row is not None:
+            a, b = in_row(a, scope.mode.row), in_row(b, scope.mode.row)
         for part in (a, b):
-            if not scope.session.in_requirement:
+            if not scope.mode.symbolic:
                 scope.refuse_random(part, ast.Pass(), "random values cannot be compared here")
         same = True if a is b else equality(scope, ast.Eq(), a, b)
         result = apply(AND, result, same, kind="truth")
@@ -153,18 +153,18 @@ def membership(scope: Scope, node: ast.Compare, item: Value, container: Value) -
         return container.map_options([membership(scope, node, item, option) for option in container.options])
     if isinstance(container, Region):
         inside = in_region(container, item)
-        if isinstance(inside, RandomExpr) and not scope.session.in_requirement:
+        if isinstance(inside, RandomExpr) and not scope.mode.symbolic:
             scope.refuse_random(inside, node, "random values cannot be compared here")
         return inside
     if kind_of(container) == "text":
         if kind_of(item) != "text":
             raise ScenicError("type", f"a text holds texts, not {describe_kind(item)}")
         for value in (item, container):
-            if not scope.session.in_requirement:
+            if not scope.mode.symbolic:
                 scope.refuse_random(value, node, "random values cannot be compared here")
         return apply(HOLDS, item, container, kind="truth")
     elements = scope.elements(container, node)
-    if not scope.session.in_requirement:
+    if not scope.mode.symbolic:
         for value in (item, *elements):
             scope.refuse_random(value, node, "random values cannot be compared here")
     result: Value = False

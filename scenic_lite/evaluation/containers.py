@@ -18,7 +18,7 @@ def sorted_list(scope: Scope, node: Any, values: Value, key: Value = None, rever
     """`sorted(values, key=..., reverse=...)`; what decides the order must not be random."""
     items = scope.elements(values, node)
     keys = [scope.call(key, [item], {}, node) for item in items] if key is not None else items
-    scope.session.budget.whole(keys)
+    scope.mode.budget.whole(keys)
     for each in keys:
         scope.refuse_random(each, node, "random values cannot be sorted")
     order = sorted(range(len(items)), key=lambda i: keys[i], reverse=scope.certain_truth(reverse, node))
@@ -26,19 +26,19 @@ def sorted_list(scope: Scope, node: Any, values: Value, key: Value = None, rever
 
 
 def list_append(scope: Scope, node: Any, self: list, item: Value) -> None:
-    scope.session.budget.container(len(self) + 1)
-    scope.session.budget.memory -= len(self)
+    scope.mode.budget.container(len(self) + 1)
+    scope.mode.budget.memory -= len(self)
     self.append(item)
 
 
 def list_extend(scope: Scope, node: Any, self: list, items: Value) -> None:
     items = scope.elements(items, node)
-    scope.session.budget.container(len(self) + len(items))
+    scope.mode.budget.container(len(self) + len(items))
     self.extend(items)
 
 
 def list_insert(scope: Scope, node: Any, self: list, index: int, item: Value) -> None:
-    scope.session.budget.container(len(self) + 1)
+    scope.mode.budget.container(len(self) + 1)
     self.insert(index, item)
 
 
@@ -48,7 +48,7 @@ def list_sort(scope: Scope, node: Any, self: list, key: Value = None, reverse: V
 
 def dictionary_update(scope: Scope, node: Any, self: dict, other: Value = (), **more: Value) -> None:
     pairs = other if isinstance(other, dict) else dictionary_of(scope, node, other)
-    scope.session.budget.container(len(self) + len(pairs) + len(more))
+    scope.mode.budget.container(len(self) + len(pairs) + len(more))
     self.update(pairs, **more)
 
 
@@ -59,14 +59,14 @@ def dictionary_of(scope: Scope, node: Any, pairs: Value) -> dict:
     found = [scope.elements(pair, node) for pair in scope.elements(pairs, node)]
     if any(len(pair) != 2 for pair in found):
         raise ScenicError("value", "a dictionary is made of pairs of a key and a value")
-    scope.session.budget.whole([key for key, _ in found])
+    scope.mode.budget.whole([key for key, _ in found])
     return dict(found)
 
 
 def keys_of(scope: Scope, node: Any, keys: Value, value: Value = None) -> dict:
     """`dict.fromkeys(keys, value)`."""
     found = scope.elements(keys, node)
-    scope.session.budget.whole(found)
+    scope.mode.budget.whole(found)
     return dict.fromkeys(found, value)
 
 
@@ -85,7 +85,7 @@ def dictionary_items(scope: Scope, node: Any, self: dict) -> list:
 def set_update(scope: Scope, node: Any, self: set, *several: Value) -> None:
     for each in several:
         self.update(hashable(scope, node, each))
-    scope.session.budget.container(len(self))
+    scope.mode.budget.container(len(self))
 
 
 def set_union(scope: Scope, node: Any, self: set, *several: Value) -> set:
@@ -119,7 +119,7 @@ def set_apart(scope: Scope, node: Any, self: set, other: Value) -> bool:
 def hashable(scope: Scope, node: Any, values: Value) -> list:
     """The elements of a collection that a set is to hold or to be compared with."""
     elements = scope.elements(values, node)
-    scope.session.budget.whole(elements)
+    scope.mode.budget.whole(elements)
     return elements
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.checks import FallibleOperation
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.exceptions import from_python, named_fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, Function, LazyValue, Namespace, RandomChoice, Stream, choose, describe_kind
@@ -62,7 +63,7 @@ OPERANDS = (int, float, str, list, tuple, set, dict, Vector, RandomExpr, Polylin
 
 
 def constant(scope: Scope, node: ast.Constant) -> Value:
-    scope.session.budget.keep(node.value)
+    scope.mode.budget.keep(node.value)
     if isinstance(node.value, bytes | complex) or node.value is Ellipsis:
         raise ScenicError("unsupported", f"{type(node.value).__name__} constants are not supported")
     return node.value
@@ -71,8 +72,8 @@ def constant(scope: Scope, node: ast.Constant) -> Value:
 def name(scope: Scope, node: ast.Name) -> Value:
     if node.id == "ego":
         return ego_of(scope)
-    if node.id == "workspace" and scope.session.workspace is not None:
-        return scope.session.workspace
+    if node.id == "workspace" and scope.state.workspace is not None:
+        return scope.state.workspace
     return scope.lookup(node.id)
 
 
@@ -102,7 +103,7 @@ def combined(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Val
         result = BINARY[type(sign)](left, right)
     except TypeError:
         raise mismatch(sign, left, right) from None
-    scope.session.budget.keep(result)
+    scope.mode.budget.keep(result)
     scope.watch(result)
     return result
 
@@ -137,7 +138,7 @@ NUMBERS_FROM: dict[type, str] = {
 
 def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> None:
     """Refuse what would be huge before it is made."""
-    budget = scope.session.budget
+    budget = scope.mode.budget
     if isinstance(left, int) and isinstance(right, int):
         if isinstance(sign, ast.Pow) and right > 0:
             budget.integer(left.bit_length() * right)
@@ -167,7 +168,7 @@ def signed(sign: ast.unaryop, value: Value) -> Value:
 
 
 def negation(scope: Scope, node: ast.UnaryOp, value: Value) -> Value:
-    if isinstance(value, RandomExpr) and scope.session.in_requirement:
+    if isinstance(value, RandomExpr) and scope.mode.symbolic:
         return apply(NOT, value, kind="truth")
     return not scope.certain_truth(value, node.operand)
 
@@ -178,9 +179,9 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
     pending: Value = None
     value: Value = None
     for operand in node.values:
-        with scope.session.watching.given(*(() if pending is None else ((pending, is_and),))):
+        with scope.state.watching.given(*(() if pending is None else ((pending, is_and),))):
             value = scope.value(operand)
-        if isinstance(value, RandomExpr) and scope.session.in_requirement:
+        if isinstance(value, RandomExpr) and scope.mode.symbolic:
             pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
             value = pending
         elif scope.certain_truth(value, operand) != is_and:
@@ -192,10 +193,10 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
 
 def conditional(scope: Scope, node: ast.IfExp) -> Value:
     test = scope.value(node.test)
-    if isinstance(test, RandomExpr) and scope.session.in_requirement:
-        with scope.session.watching.given((test, True)):
+    if isinstance(test, RandomExpr) and scope.mode.symbolic:
+        with scope.state.watching.given((test, True)):
             yes = scope.value(node.body)
-        with scope.session.watching.given((test, False)):
+        with scope.state.watching.given((test, False)):
             return either(test, yes, scope.value(node.orelse))
     return scope.value(node.body if scope.certain_truth(test, node.test) else node.orelse)
 
@@ -243,9 +244,9 @@ def item_of(scope: Scope, container: Value, index: Value) -> Value:
     if not isinstance(container, list | tuple | dict | str | range):
         hint = "it is called with round brackets" if isinstance(container, Builtin | Function) else ""
         raise ScenicError("type", f"{describe_kind(container)} has no elements to index", hint=hint)
-    scope.session.budget.whole(index)
+    scope.mode.budget.whole(index)
     result = container[index]
-    scope.session.budget.keep(result) if isinstance(index, slice) else None
+    scope.mode.budget.keep(result) if isinstance(index, slice) else None
     return result
 
 
@@ -299,21 +300,21 @@ def sequence(scope: Scope, node: ast.List | ast.Tuple | ast.Set) -> Value:
             items += scope.elements(scope.value(element.value), element)
         else:
             items.append(scope.value(element))
-    scope.session.budget.container(len(items))
+    scope.mode.budget.container(len(items))
     if isinstance(node, ast.Tuple):
         return tuple(items)
     return set_of(scope, items) if isinstance(node, ast.Set) else items
 
 
 def set_of(scope: Scope, items: list[Value]) -> set:
-    scope.session.budget.whole(items)
+    scope.mode.budget.whole(items)
     return set(items)
 
 
 def key_of(scope: Scope, node: ast.expr) -> Value:
     """A key of a dictionary."""
     key = scope.value(node)
-    scope.session.budget.whole(key)
+    scope.mode.budget.whole(key)
     return key
 
 
@@ -324,7 +325,7 @@ def dictionary(scope: Scope, node: ast.Dict) -> dict:
             result.update(mapping(scope, value))
         else:
             result[key_of(scope, key)] = scope.value(value)
-    scope.session.budget.container(len(result))
+    scope.mode.budget.container(len(result))
     return result
 
 
@@ -353,8 +354,8 @@ def comprehension(scope: Scope, node: ast.ListComp | ast.SetComp | ast.Generator
     result: list[Value] = []
     for inner in scope.bindings(node.generators):
         result.append(inner.value(node.elt))
-        scope.session.budget.spend(1)
-    scope.session.budget.container(len(result))
+        scope.mode.budget.spend(1)
+    scope.mode.budget.container(len(result))
     if isinstance(node, ast.GeneratorExp):
         return Stream(result)
     return set_of(scope, result) if isinstance(node, ast.SetComp) else result
@@ -362,14 +363,14 @@ def comprehension(scope: Scope, node: ast.ListComp | ast.SetComp | ast.Generator
 
 def dictionary_comprehension(scope: Scope, node: ast.DictComp) -> dict:
     result = {key_of(inner, node.key): inner.value(node.value) for inner in scope.bindings(node.generators)}
-    scope.session.budget.container(len(result))
+    scope.mode.budget.container(len(result))
     return result
 
 
 def named(scope: Scope, node: ast.NamedExpr) -> Value:
     value = scope.value(node.value)
     at = scope
-    while at.transparent and at.outer is not None:
+    while at.transparent and isinstance(at.outer, Scope):
         at = at.outer
     at.assign(node.target.id, value)
     return value
@@ -377,14 +378,14 @@ def named(scope: Scope, node: ast.NamedExpr) -> Value:
 
 def give(scope: Scope, node: ast.Yield | ast.YieldFrom) -> None:
     """`yield`: kept until the function has ended; what the caller would send is None."""
-    at: Scope | None = scope
+    at: Environment | None = scope
     while at is not None and at.yields is None:
         at = at.outer
     if at is None or at.yields is None:
         raise ScenicError("syntax", "`yield` belongs into a function")
     value = None if node.value is None else scope.value(node.value)
     at.yields += scope.elements(value, node) if isinstance(node, ast.YieldFrom) else [value]
-    scope.session.budget.container(1)
+    scope.mode.budget.container(1)
 
 
 def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:

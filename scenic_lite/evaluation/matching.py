@@ -39,7 +39,7 @@ def chosen_case(scope: Scope, node: ast.Match) -> list[ast.stmt]:
 
 def matches(scope: Scope, pattern: ast.pattern, value: Value, names: dict[str, Value]) -> bool:
     """Whether a value fits, noting the names that the pattern gives to its parts."""
-    scope.session.budget.step()
+    scope.mode.budget.step()
     if not (isinstance(pattern, ast.MatchAs) and pattern.pattern is None) and isinstance(
         value, RandomExpr | RandomChoice
     ):

@@ -78,7 +78,7 @@ def power(scope: Scope, node: ast.AST, base: Value, exp: Value, mod: Value = Non
             raise ScenicError("type", "pow() with three arguments takes fixed integers")
         return pow(base, exp, mod)
     if isinstance(base, int) and isinstance(exp, int) and exp > 0:
-        scope.session.budget.integer(base.bit_length() * exp)
+        scope.mode.budget.integer(base.bit_length() * exp)
     numeric(ABSOLUTE, base)
     numeric(ABSOLUTE, exp)
     return real_power(base, exp)
@@ -145,7 +145,7 @@ class Extreme:
             return self._by_key(scope, node, items, key)
         if any(isinstance(item, RandomExpr) for item in items) and all(kind_of(item) != "text" for item in items):
             return reduce(lambda a, b: numeric(self.operation, a, b), items)
-        scope.session.budget.whole(items)
+        scope.mode.budget.whole(items)
         for item in items:
             scope.refuse_random(item, node, "random values cannot be compared here")
         if len(items) == 1:
@@ -154,7 +154,7 @@ class Extreme:
 
     def _by_key(self, scope: Scope, node: ast.AST, items: list, key: Value) -> Value:
         keys = [scope.call(key, [item], {}, node) for item in items]
-        scope.session.budget.whole(keys)
+        scope.mode.budget.whole(keys)
         if any(isinstance(each, RandomExpr) for each in keys) and all(kind_of(each) == "number" for each in keys):
             best = np.argmin if self.operation is MINIMUM else np.argmax
             return choose(RandomExpr(BestOf(best), tuple(keys)), items)
@@ -179,7 +179,7 @@ def total(scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value
     if isinstance(start, str):
         raise ScenicError("type", "texts are not added by sum()", hint="write ''.join(texts)")
     if isinstance(start, list | tuple):
-        scope.session.budget.container(len(start) + sum(len(item) for item in items if isinstance(item, list | tuple)))
+        scope.mode.budget.container(len(start) + sum(len(item) for item in items if isinstance(item, list | tuple)))
     return reduce(lambda a, b: a + b, items, start)
 
 
@@ -209,7 +209,7 @@ def product(scope: Scope, node: ast.AST, values: Value, start: Value = 1) -> Val
     result = start
     for each in scope.elements(values, node):
         result = numeric(MULTIPLY, result, each)
-        scope.session.budget.keep(result)
+        scope.mode.budget.keep(result)
     return result
 
 

@@ -8,15 +8,18 @@ happens in episodes is in `dynamics.scenarios`. Read next: `loader`.
 
 from __future__ import annotations
 
-from scenic_lite.core.scope import InterpreterState, Scope, Source, near
+from scenic_lite.core.environment import Source, near
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import Behavior, BehaviorCall
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.calls import bind
 
 
-def set_up_main(session: InterpreterState, source: Source, name: str | None) -> None:
+def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
     """Run the setup of the main scenario, if there is one. Raises ScenicError if it cannot be told which one is."""
-    scenario = main_of(session, source, name)
+    state = mode.state
+    scenario = main_of(state, source, name)
     if scenario is None:
         return
     place = scenario.scope.place(scenario.node)
@@ -25,15 +28,15 @@ def set_up_main(session: InterpreterState, source: Source, name: str | None) -> 
     except ScenicError as error:
         error.hint = "the scenario that a program is gets no arguments: give its parameters defaults"
         raise scenario.scope.placed(error, scenario.node) from None
-    session.main = BehaviorCall(scenario, arguments, place)
-    session.main_frame = scenario_frame(session.main)
-    session.monitors, session.terminations, session.records = [], [], []
-    session.main_frame.run(scenario.scenario.setup)
+    state.main = BehaviorCall(scenario, arguments, place)
+    scope = state.main_frame = scenario_frame(mode, state.main)
+    state.monitors, state.terminations, state.records = [], [], []
+    scope.run(scenario.scenario.setup)
 
 
-def main_of(session: InterpreterState, source: Source, name: str | None) -> Behavior | None:
+def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | None:
     """The scenario that the program is, among those of its own file."""
-    known = {each.name: each for each in session.scenarios if each.scope.source is source}
+    known = {each.name: each for each in state.scenarios if each.scope.source is source}
     if name is not None:
         if name not in known:
             raise ScenicError("name", f"{source.file} has no scenario '{name}'", hint=near(name, known))
@@ -54,10 +57,10 @@ def needs_arguments(scenario: Behavior) -> bool:
     return positional > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
 
 
-def scenario_frame(call: BehaviorCall) -> Scope:
+def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
     """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
     call.names.clear()
     call.names.update(call.arguments)
-    scope = call.behavior.scope.inner(call.names)
+    scope = Scope.inside(mode, call.behavior.scope, call.names)
     scope.assigned = call.behavior.assigned
     return scope

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from scenic_lite.core.environment import Source, near
 from scenic_lite.core.exceptions import named_fault
-from scenic_lite.core.scope import InterpreterState, Scope, Source, near
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import Namespace
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
@@ -66,29 +69,26 @@ def read(path: Path) -> str:
         raise ScenicError("syntax", f"{shown} is not UTF-8 text: see line {line}") from None
 
 
-def run_file(session: InterpreterState, text: str, source: Source) -> dict[str, Any]:
-    """Evaluate one file in this session; returns its names, those of the domain's default model included."""
-    session.sources[source.file] = source
-    scope = Scope(session, source, {})
-    tree, doubts = parsed(text, source.file, session.dialect)
+def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
+    """Evaluate one file; return its names, those of the domain's default model included."""
+    state = mode.state
+    state.sources[source.file] = source
+    scope = Scope(mode, source, {})
+    tree, doubts = parsed(text, source.file, state.dialect)
     if not source.library:
-        session.doubts += doubts
-        model = unnamed_model(session, tree)
+        state.doubts += doubts
+        model = unnamed_model(state, tree)
         if model is not None:
             take_model(scope, model, tree)
     scope.run(tree.body)
     return scope.locals
 
 
-def unnamed_model(session: InterpreterState, tree: ast.Module) -> str | None:
+def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
     """The world model of a file that names none: the caller's, or the domain's default."""
-    domain = session.domain
-    if session.model is not None:
-        return (
-            None
-            if session.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree))
-            else session.model
-        )
+    domain = state.domain
+    if state.model is not None:
+        return None if state.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree)) else state.model
     if domain is None or not domain.default_model or not wants_default_model(tree, domain.library):
         return None
     return domain.default_model
@@ -96,14 +96,10 @@ def unnamed_model(session: InterpreterState, tree: ast.Module) -> str | None:
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:
     """All names of a world model; its params never replace those that are set."""
-    session = scope.session
-    session.modelling += 1
     try:
-        take_all(scope, import_module(scope, name))
+        take_all(scope, import_module(Scope.at(replace(scope.mode, in_model=True), scope), name))
     except ScenicError as error:
         raise scope.placed(error, node) from None
-    finally:
-        session.modelling -= 1
 
 
 def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
@@ -113,31 +109,31 @@ def source_of(text: str, file: str, folder: Path | None, library: bool = False) 
 
 def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
     """The module a program names, evaluated on its first import; a folder is a module of what was imported from it."""
-    session = scope.session
+    state = scope.state
     path, library = locate(scope, name, level)
     if path is None:
         return MODULES[name]
     key = str(path)
-    if key in session.importing:
+    if key in state.importing:
         raise ScenicError("import", f"{name} imports itself in a circle")
-    if key not in session.modules:
+    if key not in state.modules:
         if path.suffix != ".scenic":
-            session.modules[key] = Namespace(name, {})
-            return session.modules[key]
+            state.modules[key] = Namespace(name, {})
+            return state.modules[key]
         text = read(path)
         source = source_of(text, shown_name(scope, name, path, library), path.parent, library)
-        session.importing.append(key)
+        state.importing.append(key)
         try:
-            with session.own_ego():
-                session.modules[key] = Namespace(name, run_file(session, text, source), not library)
+            with state.own_ego():
+                state.modules[key] = Namespace(name, run_file(scope.mode, text, source), not library)
         finally:
-            session.importing.pop()
-    return session.modules[key]
+            state.importing.pop()
+    return state.modules[key]
 
 
 def shown_name(scope: Scope, name: str, path: Path, library: bool) -> str:
     """How errors name the file of a module."""
-    domain = scope.session.domain
+    domain = scope.state.domain
     if library and domain:
         return f"{domain.name}/{path.name}"
     return path.name if not name else f"{name.replace('.', '/')}.scenic"
@@ -149,8 +145,8 @@ def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
     A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
     file that imports; one with dots before it in the latter and those above, as far as the program's folder.
     """
-    session = scope.session
-    library = session.domain.library if session.domain else {}
+    state = scope.state
+    library = state.domain.library if state.domain else {}
     if not level and name in library:
         return Path(library[name]), True
     if not level and name in MODULES:
@@ -160,7 +156,7 @@ def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
         file = path.with_name(f"{path.name}.scenic")
         found = file if name and file.is_file() else path
         if found is file or path.is_dir():
-            root = folder if scope.source.library or session.root is None else session.root
+            root = folder if scope.source.library or state.root is None else state.root
             if not found.resolve().is_relative_to(root.resolve()):
                 raise ScenicError("import", f"{found.name} is a link that leads out of the program's folder")
             return found, scope.source.library
@@ -173,7 +169,7 @@ def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
 
 def folders_of(scope: Scope, level: int) -> list[Path]:
     """Where a module is looked for; `level` counts the dots before its name."""
-    own, root = scope.source.folder, scope.session.root
+    own, root = scope.source.folder, scope.state.root
     if own is None:
         return []
     if level == 0:
@@ -196,7 +192,7 @@ def neighbours(scope: Scope) -> list[str]:
 
 def model(scope: Scope, node: nodes.Model) -> None:
     """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
-    wanted = None if scope.source.library or scope.session.modelling else scope.session.model
+    wanted = None if scope.source.library or scope.mode.in_model else scope.state.model
     take_model(scope, wanted or node.name, node)
 
 

@@ -10,8 +10,10 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
+from scenic_lite.core.environment import Environment, near
 from scenic_lite.core.exceptions import ExceptionClass
-from scenic_lite.core.scope import Scope, Watched, name_draws, near
+from scenic_lite.core.scope import Scope, name_draws
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -67,16 +69,16 @@ def repeat(scope: Scope, node: ast.For) -> None:
 def went_round(scope: Scope, items: Value) -> None:
     """Count a round of a `for`; only one over a range can be of any length."""
     if isinstance(items, range):
-        scope.session.budget.round()
+        scope.mode.budget.round()
     else:
-        scope.session.budget.step()
+        scope.mode.budget.step()
 
 
 def repeat_while(scope: Scope, node: ast.While) -> None:
     while scope.truth(node.test):
         if not one_round(scope, node.body):
             return
-        scope.session.budget.round()
+        scope.mode.budget.round()
     scope.run(node.orelse)
 
 
@@ -118,7 +120,7 @@ def declare_nonlocal(scope: Scope, node: ast.Nonlocal) -> None:
     scope.nonlocals.update(node.names)
 
 
-def has_local(scope: Scope | None, name: str) -> bool:
+def has_local(scope: Environment | None, name: str) -> bool:
     """Whether a function, from this one outwards, has a variable; those of the module do not count."""
     while scope is not None and scope.locals is not scope.module_names:
         if name in scope.locals or name in scope.assigned:
@@ -220,8 +222,8 @@ def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
         if isinstance(each, ast.Name) and each.id == "self" and id(each) not in owners:
             raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", each)
 
-    def compute(self: Instance) -> Value:
-        value = scope.inner({"self": self}).value(node.value)
+    def compute(maker: Scope, self: Instance) -> Value:
+        value = Scope.inside(maker.mode, scope, {"self": self}).value(node.value)
         return value.compute(self) if isinstance(value, LazyValue) else value
 
     return Default(compute, frozenset(reads), tuple(node.attributes))
@@ -231,9 +233,9 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
     defaults, keyword_defaults = defaults_of(scope, node.args)
     behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(node.body)[0])
     scope.assign(node.name, behavior)
-    scope.session.behaviors[node.name] = behavior
+    scope.state.behaviors[node.name] = behavior
     if node.started:  # Scenic 2, where to define it is to start it
-        scope.session.monitors.append(BehaviorCall(behavior, {}, scope.place(node)))
+        scope.state.monitors.append(BehaviorCall(behavior, {}, scope.place(node)))
 
 
 def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
@@ -241,7 +243,7 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
     own = names_of([*node.setup, *node.compose])[0]
     scenario = Behavior(node.name, node, defaults, keyword_defaults, scope, own)
     scope.assign(node.name, scenario)
-    scope.session.scenarios.append(scenario)
+    scope.state.scenarios.append(scenario)
 
 
 # ------------------------------------------------------------ the scenario
@@ -249,26 +251,26 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 def set_params(scope: Scope, node: nodes.Param) -> None:
     """Later params win, except that a library's never replace the program's own."""
-    session = scope.session
+    state = scope.state
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = scope.value(expression)
         name_draws(name, value)
-        if name in session.fixed_params:
-            session.param_places[name] = scope.place(place)
+        if name in state.fixed_params:
+            state.param_places[name] = scope.place(place)
             continue
-        if scope.source.library or session.modelling:
-            if name in session.params and name not in session.library_params:
+        if scope.source.library or scope.mode.in_model:
+            if name in state.params and name not in state.library_params:
                 continue
-            session.library_params.add(name)
+            state.library_params.add(name)
         else:
-            session.library_params.discard(name)
+            state.library_params.discard(name)
             doubt_param(scope, name, place)
-        session.params[name], session.param_places[name] = value, scope.place(place)
+        state.params[name], state.param_places[name] = value, scope.place(place)
 
 
 def doubt_param(scope: Scope, name: str, node: ast.expr) -> None:
     """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
-    known = scope.session.domain.params if scope.session.domain else frozenset()
+    known = scope.state.domain.params if scope.state.domain else frozenset()
     hint = "" if name in known else near(name, known)
     if hint:
         scope.warn(f"nothing reads the parameter '{name}'", node, hint)
@@ -278,7 +280,7 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
     value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
         raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
-    scope.session.monitors.append(value)
+    scope.state.monitors.append(value)
 
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
@@ -288,7 +290,7 @@ def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAf
         if not is_number(duration) and not isinstance(duration, RandomExpr):
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
-    scope.session.terminations.append(Watched(node, scope.place(node), scope, name_of_termination(node)))
+    scope.state.terminations.append(Watched(node, scope.place(node), scope, name_of_termination(node)))
 
 
 def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:
@@ -298,7 +300,7 @@ def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:
     """`record`: evaluated in every step by whoever runs the episode."""
-    scope.session.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
+    scope.state.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 
 def only_in_behavior(scope: Scope, node: ast.AST) -> None:

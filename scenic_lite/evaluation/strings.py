@@ -13,7 +13,8 @@ import numpy as np
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.builtin_tables import needs_context, plain
 from scenic_lite.core.exceptions import ExceptionClass, Fault
-from scenic_lite.core.scope import InterpreterState, Scope
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import Builtin, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
@@ -26,18 +27,18 @@ FIELD = re.compile(r"\{\{|\}\}|\{(?P<name>[^{}!:]*)(?:!(?P<conversion>[rsa]))?(?
 DEEPEST = 50  # containers inside each other that are written out
 
 
-def written(session: InterpreterState, value: Value, depth: int = 0) -> str:
+def written(state: LoadState, value: Value, depth: int = 0) -> str:
     """`repr(value)`; of a text too."""
     if isinstance(value, list | tuple | set | dict):
-        session.budget.container(len(value))
+        state.budget.container(len(value))
         if depth > DEEPEST:
             raise exceeded("a text of collections that are nested too deeply")
-        return collection(session, value, depth + 1)
+        return collection(state, value, depth + 1)
     if isinstance(value, Vector):
-        x, y = written(session, value.x), written(session, value.y)
-        return f"({x} @ {y})" if session.dialect == 2 else f"Vector({x}, {y}, 0)"
+        x, y = written(state, value.x), written(state, value.y)
+        return f"({x} @ {y})" if state.dialect == 2 else f"Vector({x}, {y}, 0)"
     if isinstance(value, Fault):
-        return f"{value.cls.name}({', '.join(written(session, each) for each in value.arguments)})"
+        return f"{value.cls.name}({', '.join(written(state, each) for each in value.arguments)})"
     if isinstance(value, ScenicClass | ExceptionClass):
         return f"<class '{value.name}'>"
     if isinstance(value, Instance):
@@ -49,13 +50,13 @@ def written(session: InterpreterState, value: Value, depth: int = 0) -> str:
     return describe_kind(value)
 
 
-def collection(session: InterpreterState, value: Any, depth: int) -> str:
+def collection(state: LoadState, value: Any, depth: int) -> str:
     if isinstance(value, dict):
-        pairs = (f"{written(session, k, depth)}: {written(session, v, depth)}" for k, v in value.items())
+        pairs = (f"{written(state, k, depth)}: {written(state, v, depth)}" for k, v in value.items())
         return f"{{{', '.join(pairs)}}}"
-    parts = [written(session, each, depth) for each in value]
+    parts = [written(state, each, depth) for each in value]
     inside = ", ".join(parts)
-    session.budget.text(len(inside))
+    state.budget.text(len(inside))
     if isinstance(value, list):
         return f"[{inside}]"
     if isinstance(value, tuple):
@@ -79,7 +80,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
         return format(value, spec)
     if isinstance(value, Fault):
         return value.text()
-    return format(value, spec) if spec else written(scope.session, value)
+    return format(value, spec) if spec else written(scope.state, value)
 
 
 class FormatEach:
@@ -98,7 +99,7 @@ def joined(scope: Scope, pieces: list[Value]) -> Value:
     result: Value = ""
     for piece in pieces:
         result = piece if result == "" else result + piece
-        scope.session.budget.keep(result)
+        scope.mode.budget.keep(result)
     return result
 
 
@@ -112,7 +113,7 @@ def represented(scope: Scope, node: Any, value: Value) -> Value:
         return text_of(scope, value, "")
     if isinstance(value, RandomExpr | RandomChoice):
         raise ScenicError("unsupported", "repr() of a random value", hint="write str(x)")
-    return written(scope.session, value)
+    return written(scope.state, value)
 
 
 # ------------------------------------------------------------ formats
@@ -210,49 +211,49 @@ def text_format(scope: Scope, node: Any, self: str, *values: Value, **named: Val
 
 def text_join(scope: Scope, node: Any, self: str, items: Value) -> Value:
     items = scope.elements(items, node)
-    scope.session.budget.text(sum(len(item) + len(self) for item in items if isinstance(item, str)))
+    scope.mode.budget.text(sum(len(item) + len(self) for item in items if isinstance(item, str)))
     if any(isinstance(item, RandomExpr) for item in items):
         return joined(scope, [part for item in items for part in (self, item)][1:])
     return self.join(items)
 
 
 def text_replace(scope: Scope, node: Any, self: str, old: str, new: str, count: int = -1) -> str:
-    scope.session.budget.text(len(self) + (len(self) + 1) * len(new))
+    scope.mode.budget.text(len(self) + (len(self) + 1) * len(new))
     return self.replace(old, new, count)
 
 
 def text_split(scope: Scope, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
-    scope.session.budget.container(len(self))
+    scope.mode.budget.container(len(self))
     return self.split(sep, maxsplit)
 
 
 def text_rsplit(scope: Scope, node: Any, self: str, sep: str | None = None, maxsplit: int = -1) -> list:
-    scope.session.budget.container(len(self))
+    scope.mode.budget.container(len(self))
     return self.rsplit(sep, maxsplit)
 
 
 def text_lines(scope: Scope, node: Any, self: str, keepends: bool = False) -> list:
-    scope.session.budget.container(len(self))
+    scope.mode.budget.container(len(self))
     return self.splitlines(keepends)
 
 
 def text_centre(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
-    scope.session.budget.text(width)
+    scope.mode.budget.text(width)
     return self.center(width, fill)
 
 
 def text_left(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
-    scope.session.budget.text(width)
+    scope.mode.budget.text(width)
     return self.ljust(width, fill)
 
 
 def text_right(scope: Scope, node: Any, self: str, width: int, fill: str = " ") -> str:
-    scope.session.budget.text(width)
+    scope.mode.budget.text(width)
     return self.rjust(width, fill)
 
 
 def text_zeros(scope: Scope, node: Any, self: str, width: int) -> str:
-    scope.session.budget.text(width)
+    scope.mode.budget.text(width)
     return self.zfill(width)
 
 

@@ -43,8 +43,7 @@ def guarded(scope: Scope, node: ast.Try) -> None:
 
 def decides_by_row(scope: Scope, error: ScenicError) -> bool:
     """Whether a requirement will be evaluated again, scene by scene, because of this error."""
-    session = scope.session
-    return error.kind == "random-control-flow" and bool(session.in_requirement) and session.row is None
+    return error.kind == "random-control-flow" and scope.mode.symbolic and scope.mode.row is None
 
 
 def handler_for(scope: Scope, node: ast.Try | nodes.TryInterrupt, fault: Fault) -> ast.ExceptHandler | None:
@@ -63,7 +62,7 @@ def handler_for(scope: Scope, node: ast.Try | nodes.TryInterrupt, fault: Fault) 
 
 def handle(scope: Scope, handler: ast.ExceptHandler, fault: Fault, error: ScenicError) -> None:
     """Run the block of an `except`; its name ends with it."""
-    handled = scope.session.handled
+    handled = scope.state.handled
     handled.append(error)
     if handler.name is not None:
         scope.assign(handler.name, fault)
@@ -78,9 +77,9 @@ def handle(scope: Scope, handler: ast.ExceptHandler, fault: Fault, error: Scenic
 def throw(scope: Scope, node: ast.Raise) -> None:
     """`raise`, `raise E`, `raise E(...)`, with or without `from`."""
     if node.exc is None:
-        if not scope.session.handled:
+        if not scope.state.handled:
             raise named_fault("RuntimeError", scope.error("value", "there is no exception to raise again", node))
-        raise scope.session.handled[-1]
+        raise scope.state.handled[-1]
     value = scope.value(node.exc)
     if node.cause is not None:
         scope.value(node.cause)

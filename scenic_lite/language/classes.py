@@ -20,11 +20,11 @@ def constants(**values: Value) -> dict[str, Default]:
 
 
 def constant(value: Value) -> Default:
-    return Default(lambda _: value)
+    return Default(lambda *_: value)
 
 
 VELOCITY = Default(
-    lambda self: Vector(0.0, self.properties["speed"]).rotated(self.properties["heading"]),
+    lambda _, self: Vector(0.0, self.properties["speed"]).rotated(self.properties["heading"]),
     frozenset({"speed", "heading"}),
 )
 NOWHERE_IN_PARTICULAR = Vector(0.0, 0.0)

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.scope import DrawnPoint, Requirement, Scope
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import EPISODE, DrawnPoint, Requirement
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector, is_scalar
@@ -31,8 +32,8 @@ def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
     if is_number(low) and is_number(high):
         if not math.isfinite(float(high) - float(low)):
             raise ScenicError("value", f"Range({low}, {high}) has no finite length")
-        return scope.session.column("range", place, float(low), span_between(float(low), float(high)))
-    column = scope.session.column("range", place)
+        return scope.draw("range", place, float(low), span_between(float(low), float(high)))
+    column = scope.draw("range", place)
     column.shown = low + (high - low) * column
     column.low, column.high = math.nan, math.nan
     return column.shown
@@ -47,7 +48,7 @@ def span_between(low: float, high: float) -> float:
 
 def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
     """`Uniform(a, b, ...)`: one of the values, cut evenly."""
-    if len(options) == 1 and isinstance(options[0], list | tuple | set) and scope.session.drawn is None:
+    if len(options) == 1 and isinstance(options[0], list | tuple | set) and scope.mode.phase != EPISODE:
         scope.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
     return weighted(scope, node, list(options), [1.0] * len(options))
 
@@ -71,9 +72,9 @@ def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
 def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """One of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if scope.session.drawn is None else "rejection"  # of the episode (spec section 7)
+        kind = "value" if scope.mode.phase != EPISODE else "rejection"  # of the episode (spec section 7)
         raise ScenicError(kind, "a choice among no values")
-    column = scope.session.column("choice", scope.place(node))
+    column = scope.draw("choice", scope.place(node))
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
     index = RandomExpr(Cut(shares[:-1]), (column,))
@@ -105,7 +106,7 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
     if weights is not None:
         return weighted_integers(scope, node, range(first, last + 1), weights)
-    column = scope.session.column("integers", scope.place(node))
+    column = scope.draw("integers", scope.place(node))
     column.shown = RandomExpr(Integers(first, last - first + 1), (column,))
     column.low, column.high = float(first), float(last)
     return column.shown
@@ -113,10 +114,10 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
 
 def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
     """As `draw_integers` with random ends; a scene whose range is empty is rejected."""
-    column = scope.session.column("integers", scope.place(node))
+    column = scope.draw("integers", scope.place(node))
     first, last = apply(CEILING, low), apply(FLOOR, high)
     filled = apply(LESS_EQUAL, first, last, kind="truth")
-    scope.session.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
+    scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
     column.shown = RandomExpr(integer_between, (column, first, last))
     column.low, column.high = math.nan, math.nan
     return column.shown
@@ -156,7 +157,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
     check_numbers("Normal", mean, spread)
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
-    column = scope.session.column("normal", scope.place(node))
+    column = scope.draw("normal", scope.place(node))
     column.low, column.high = -math.inf, math.inf
     column.shown = mean + spread * RandomExpr(normal_quantile, (column,))
     return column.shown
@@ -169,7 +170,7 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
         raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
     if not low < high:
         raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
-    column = scope.session.column("normal", scope.place(node))
+    column = scope.draw("normal", scope.place(node))
     column.low, column.high = float(low), float(high)
     start, end = apply(NORMAL_SHARE, (low - mean) / spread), apply(NORMAL_SHARE, (high - mean) / spread)
     raw = mean + spread * RandomExpr(normal_quantile, (start + (end - start) * column,))
@@ -184,7 +185,7 @@ def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]
     scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
     axes = ("point.x", "point.y") if count == 2 else ("point.along",)
     place = scope.place(node)
-    columns = [scope.session.column(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
+    columns = [scope.draw(axis, place, *scale) for axis, scale in zip(axes, scales, strict=True)]
     if isinstance(region, RandomChoice):
         points, headings = zip(*(point_for(option, columns) for option in options), strict=True)
         point, heading = region.map_options(list(points)), None
@@ -194,12 +195,12 @@ def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]
         point = region.point(columns[0], columns[-1])
         heading = region.heading_of(point, columns[0])
     if isinstance(region, Region):
-        scope.session.points.append(DrawnPoint(region, tuple(columns), point))
+        scope.state.points.append(DrawnPoint(region, tuple(columns), point))
     if count == 2:
         show_coordinates(columns, point, region.bounds() if isinstance(region, Region) else None)
     if isinstance(region, Filtered):
         label = "a point passes its region's test"
-        scope.session.requirements.append(Requirement(label, place, region.test(point)))
+        scope.state.requirements.append(Requirement(label, place, region.test(point)))
     return point, heading
 
 
@@ -222,7 +223,7 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
     drawn = value.index if isinstance(value, RandomChoice) else value
     if not isinstance(drawn, RandomExpr | Vector):
         return value
-    for column in scope.session.columns:
+    for column in scope.state.columns:
         if column.shown is drawn:
             return choice_like(value, redrawn(scope, node, column))
     raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
@@ -235,7 +236,7 @@ def choice_like(value: Value, drawn: RandomExpr) -> Value:
 
 def redrawn(scope: Scope, node: ast.AST, column: ThetaColumn) -> RandomExpr:
     """What `column` shows, computed from a new column; other random values in it stay the same."""
-    fresh = scope.session.column(column.draw_kind, scope.place(node), column.offset, column.span)
+    fresh = scope.draw(column.draw_kind, scope.place(node), column.offset, column.span)
     fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
     fresh.shown = replaced(column.shown, {id(column): fresh})
     return fresh.shown

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.per_sample import ByRow, body_of, definitions_in, reached
+from scenic_lite.core.per_sample import PerSampleOperation, body_of, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.types import randoms_in
 from scenic_lite.values.geometry import Vector
@@ -29,7 +29,7 @@ def heading_by_row(
     return result
 
 
-class HeadingByRow(ByRow):
+class HeadingByRow(PerSampleOperation):
     """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]; nan where it fails."""
 
     def __init__(
@@ -45,13 +45,13 @@ class HeadingByRow(ByRow):
 
     def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
         rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
-        with self.bindings.restored():
+        with self.bindings.restored(self.scope.state):
             headings = [self._one(*row) for row in self.scenes(each.tolist() for each in rows)]
         return np.array(headings, float)
 
     def _one(self, x: float, y: float, *draws: Value) -> float:
-        return self.in_scene(draws, lambda: self._asked(x, y), float("nan"))
+        return self.per_sample(draws, lambda scope: self._asked(scope, x, y), float("nan"))
 
-    def _asked(self, x: float, y: float) -> Value:
-        result = self.heading(self.scope.call(self.function, [Vector(x, y)], {}, self.node))
-        return in_row(result, self.scope.session.row or {})
+    def _asked(self, scope: Scope, x: float, y: float) -> Value:
+        result = self.heading(scope.call(self.function, [Vector(x, y)], {}, self.node))
+        return in_row(result, scope.mode.row or {})

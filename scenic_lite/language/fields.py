@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.paths import Walks
+from scenic_lite.core.paths import PathEnumerator
 from scenic_lite.core.scope import Scope
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.field_rows import heading_by_row
@@ -39,7 +39,7 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
             if point.fixed or error.kind not in ("random-control-flow", "type"):
                 raise
         try:
-            return Walks(scope.session, lambda: heading(scope.call(function, [point], {}, node))).result()
+            return PathEnumerator(lambda path: heading(scope.along(path).call(function, [point], {}, node))).result()
         except ScenicError as error:
             if error.kind != "random-control-flow":
                 raise

@@ -226,7 +226,7 @@ def number(value: Value) -> Value:
 
 def heading_for(scope: Scope) -> Callable[[Value], Value]:
     """What a field's function gives, as a heading: dialect 3 normalises it."""
-    return number if scope.session.dialect == 2 else lambda value: normalised(number(value))
+    return number if scope.state.dialect == 2 else lambda value: normalised(number(value))
 
 
 def fixed_number(what: str, value: Value) -> float:

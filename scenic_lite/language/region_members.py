@@ -47,21 +47,21 @@ def contains_region(self: Region, reg: Value, tolerance: Value = 0) -> Value:
 def intersect(scope: Scope, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite.values import algebra
 
-    scope.session.budget.spend(COST)
-    return algebra.common_part(self, region(other), scope.session.dialect)
+    scope.mode.budget.spend(COST)
+    return algebra.common_part(self, region(other), scope.state.dialect)
 
 
 def difference(scope: Scope, node: Any, self: Region, other: Value) -> Region:
     from scenic_lite.values import algebra
 
-    scope.session.budget.spend(COST)
+    scope.mode.budget.spend(COST)
     return algebra.remainder(self, region(other))
 
 
 def union(scope: Scope, node: Any, self: Region, other: Value, buf: Value = 0) -> Region:
     from scenic_lite.values import algebra
 
-    scope.session.budget.spend(COST)
+    scope.mode.budget.spend(COST)
     return algebra.union(self, region(other))
 
 
@@ -74,7 +74,7 @@ def intersects(self: Region, other: Value) -> Value:
 def buffer(scope: Scope, node: Any, self: Region, amount: Value) -> Region:
     from scenic_lite.values import algebra
 
-    scope.session.budget.spend(COST)
+    scope.mode.budget.spend(COST)
     return algebra.grown(self, number(amount))
 
 
@@ -126,7 +126,7 @@ def separated_points(scope: Scope, node: Any, self: Region, distance: Value) -> 
 
 
 def points_at(scope: Scope, self: Region, distances: Any) -> list[Vector]:
-    scope.session.budget.container(len(distances))
+    scope.mode.budget.container(len(distances))
     return [line(self).along(float(distance)) for distance in distances]
 
 

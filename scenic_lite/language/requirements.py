@@ -11,8 +11,9 @@ import ast
 import math
 
 from scenic_lite.core.bindings import Bindings
-from scenic_lite.core.per_sample import row_by_row
-from scenic_lite.core.scope import InterpreterState, Requirement, Scope, Watched
+from scenic_lite.core.per_sample import per_sample_condition
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState, Requirement, Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
@@ -25,41 +26,40 @@ from scenic_lite.values.graph import RandomExpr, Value, columns_of, is_number
 
 def require(scope: Scope, node: nodes.Require) -> None:
     """`require[p] condition as name`; a temporal one is watched in the episode, too."""
-    session = scope.session
-    if session.in_requirement:
+    state = scope.state
+    if scope.mode.symbolic:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
     probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
         raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
-    number = len(session.requirements)
-    with session.watching.within(number):
+    number = len(state.requirements)
+    with state.watching.within(number):
         condition = condition_of(scope, node.condition)
     label = node.name or source_text(scope, node)
     requirement = Requirement(label, scope.place(node), condition, float(probability))
     bindings = Bindings(scope)
     if is_temporal(node.condition):
-        session.temporal.append(Watched(node, requirement.place, scope, label, bindings))
+        state.temporal.append(Watched(node, requirement.place, scope, label, bindings))
 
     def again() -> None:
-        with bindings.restored(), session.watching.within(number):
+        with bindings.restored(state), state.watching.within(number):
             requirement.condition = condition_of(scope, node.condition)
 
-    session.requirements.append(requirement)
-    session.conditions.append(again)
+    state.requirements.append(requirement)
+    state.conditions.append(again)
 
 
 def condition_of(scope: Scope, node: ast.expr) -> Value:
     """A condition over all samples at once; row by row if functions in it decide on random values."""
     if is_temporal(node):
         return possible(formula_of(node), lambda part: condition_of(scope, part))
-    with scope.session.requiring():
-        try:
-            condition = scope.value(node)
-        except ScenicError as error:
-            if error.kind != "random-control-flow":
-                raise
-            condition = row_by_row(scope, node)
-            scope.watch(condition)
+    try:
+        condition = scope.requiring().value(node)
+    except ScenicError as error:
+        if error.kind != "random-control-flow":
+            raise
+        condition = per_sample_condition(scope, node)
+        scope.watch(condition)
     if isinstance(condition, BehaviorCall):
         hint = f"write require monitor {condition.behavior.name}()"
         raise scope.error("type", "a monitor is no condition", node, hint)
@@ -81,31 +81,31 @@ def source_text(scope: Scope, node: ast.AST) -> str:
 
 def mutate(scope: Scope, node: nodes.Mutate) -> None:
     """`mutate [objects] [by scale]`: these, or all made so far, will be given noise."""
-    session = scope.session
-    if session.in_requirement:
+    state = scope.state
+    if scope.mode.symbolic:
         raise ScenicError("syntax", "`mutate` does not belong into a requirement")
     scale = 1.0 if node.scale is None else scope.value(node.scale)
     if not is_number(scale):
         hint = "the property mutationScale may be random"
         raise scope.error("type", f"`mutate by` needs a fixed number, not {describe_kind(scale)}", node, hint)
-    targets = [scope.value(each) for each in node.targets] if node.targets else list(session.objects)
+    targets = [scope.value(each) for each in node.targets] if node.targets else list(state.objects)
     for target in targets:
         if not is_object(target):
             raise scope.error("type", f"`mutate` needs objects, not {describe_kind(target)}", node)
         target.properties["mutationScale"] = scale
 
 
-def settle(session: InterpreterState) -> None:
+def settle(state: LoadState) -> None:
     """After the last statement: add the noise of the objects that have any, and tell the requirements."""
-    noisy = [each for each in session.objects if not is_zero(each.properties["mutationScale"])]
+    noisy = [each for each in state.objects if not is_zero(each.properties["mutationScale"])]
     for instance in noisy:
         try:
-            add_noise(session, instance)
+            add_noise(state, instance)
         except ScenicError as error:  # too many draws
             error.place = instance.place
             raise
     if noisy:
-        for evaluate_again in session.conditions:
+        for evaluate_again in state.conditions:
             evaluate_again()
 
 
@@ -113,17 +113,17 @@ def is_zero(value: Value) -> bool:
     return is_number(value) and value == 0
 
 
-def add_noise(session: InterpreterState, instance: Instance) -> None:
+def add_noise(state: LoadState, instance: Instance) -> None:
     """Position and heading as the scene shows them; what was computed from them keeps the values without noise."""
     properties = instance.properties
     spread = properties["positionStdDev"]
     if not isinstance(spread, Vector):
         spread = Vector(spread, spread)
     name_coordinates(instance)
-    shift = Vector(noise(session, instance, "x", spread.x), noise(session, instance, "y", spread.y))
+    shift = Vector(noise(state, instance, "x", spread.x), noise(state, instance, "y", spread.y))
     properties["position"] = properties["position"] + shift
-    heading = properties["heading"] + noise(session, instance, "heading", properties["headingStdDev"])
-    properties["heading"] = normalised(heading) if session.dialect == 3 else heading
+    heading = properties["heading"] + noise(state, instance, "heading", properties["headingStdDev"])
+    properties["heading"] = normalised(heading) if state.dialect == 3 else heading
 
 
 def name_coordinates(instance: Instance) -> None:
@@ -135,13 +135,13 @@ def name_coordinates(instance: Instance) -> None:
                 column.owner = (instance, axis)
 
 
-def noise(session: InterpreterState, instance: Instance, axis: str, spread: Value) -> Value:
+def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Value:
     """A normal value with mean 0, one column of θ named like `ego.noise.x`."""
     spread = instance.properties["mutationScale"] * spread
     if is_zero(spread):
         return 0.0
-    with session.owned(instance, f"noise.{axis}"):
-        column = session.column("normal", instance.place)
+    column = state.column("normal", instance.place)
+    column.owner = (instance, f"noise.{axis}")
     column.low, column.high = -math.inf, math.inf
     column.shown = spread * RandomExpr(normal_quantile, (column,))
     return column.shown

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import EPISODE
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import (
@@ -41,7 +42,7 @@ DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
 def degrees(scope: Scope, angle: Value) -> Value:
     if not is_scalar(angle):
         raise ScenicError("type", f"`deg` follows a number, not {describe_kind(angle)}")
-    return angle * (DEGREE_OF_DIALECT_2 if scope.session.dialect == 2 else math.pi / 180)
+    return angle * (DEGREE_OF_DIALECT_2 if scope.state.dialect == 2 else math.pi / 180)
 
 
 def distance(scope: Scope, start: Value, end: Value) -> Value:
@@ -90,7 +91,7 @@ def heading_of(words: str, value: Value) -> Value:
 
 def field_at(scope: Scope, field: Value, place: Value) -> Value:
     if not isinstance(field, VectorField):
-        hint = "write `new` before it" if scope.session.dialect == 3 else ""
+        hint = "write `new` before it" if scope.state.dialect == 3 else ""
         raise ScenicError("type", f"`X at Y` needs a vector field or a class, not {describe_kind(field)}", hint=hint)
     return field.heading_at(vector_of("at", place))
 
@@ -99,7 +100,7 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
     """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
     if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
         return field_relative(x, y)
-    random_frames = is_random_frame if scope.session.dialect == 3 else is_oriented
+    random_frames = is_random_frame if scope.state.dialect == 3 else is_oriented
     if all(is_oriented(each) or random_frames(each) for each in (x, y)):
         raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
     if is_oriented(y):
@@ -108,9 +109,9 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
         return into_frame(scope, y, x)
     if is_scalar(x) and is_scalar(y):
         return x + y
-    if scope.session.dialect == 3 and is_random_frame(x):
+    if scope.state.dialect == 3 and is_random_frame(x):
         return x.map_options([relative_to(scope, option, y) for option in x.options])
-    if scope.session.dialect == 3 and is_random_frame(y):
+    if scope.state.dialect == 3 and is_random_frame(y):
         return y.map_options([relative_to(scope, x, option) for option in y.options])
     return vector_of("relative to", x) + vector_of("relative to", y)
 
@@ -125,7 +126,7 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
         return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base)
-    if is_scalar(offset) and scope.session.dialect == 3:
+    if is_scalar(offset) and scope.state.dialect == 3:
         return offset + heading
     hint = f"write {base.title()}.heading" if is_scalar(offset) else ""
     raise ScenicError("type", f"a vector is needed beside an oriented object, not {describe_kind(offset)}", hint=hint)
@@ -157,11 +158,11 @@ def offset_along(scope: Scope, start: Value, direction: Value, offset: Value) ->
 
 
 def sees(scope: Scope, viewer: Value, seen: Value) -> Value:
-    dialect = scope.session.dialect
-    if not scope.session.in_requirement and scope.session.drawn is None and dialect == 3:
+    dialect = scope.state.dialect
+    if not scope.mode.symbolic and scope.mode.phase != EPISODE and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
     result = over_choices(lambda a, b: can_see(viewer_of(scope, a), b, dialect), viewer, seen)
-    if isinstance(result, RandomExpr) and not scope.session.in_requirement:
+    if isinstance(result, RandomExpr) and not scope.mode.symbolic:
         raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
     return result
 
@@ -200,7 +201,7 @@ def visible_part(scope: Scope, region: Value) -> Region:
 def visible_from(scope: Scope, region: Value, viewer: Value) -> Region:
     from scenic_lite.values import algebra
 
-    return algebra.common_part(region_of("visible", region), view_of(viewer_of(scope, viewer)), scope.session.dialect)
+    return algebra.common_part(region_of("visible", region), view_of(viewer_of(scope, viewer)), scope.state.dialect)
 
 
 def hidden_part(scope: Scope, region: Value) -> Region:

@@ -10,7 +10,8 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.scope import Scope, Sight
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import Sight
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import as_heading, is_object, view_of
@@ -28,7 +29,7 @@ DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behin
 
 def optional_heading(scope: Scope, priority: int = LOOSE) -> dict[str, int]:
     """The heading that a position specifier may bring along: dialect 3 sets the parent's."""
-    return {"parentHeading" if scope.session.dialect == 3 else "heading": priority}
+    return {"parentHeading" if scope.state.dialect == 3 else "heading": priority}
 
 
 def vector_of(words: str, value: Value) -> Vector:
@@ -45,9 +46,9 @@ def vector_hint(value: Value) -> str:
 
 
 def ego_of(scope: Scope) -> Instance:
-    if scope.session.ego is None:
+    if scope.state.ego is None:
         raise ScenicError("name", "there is no ego yet", hint="write ego = ... before this line")
-    return scope.session.ego
+    return scope.state.ego
 
 
 def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
@@ -64,7 +65,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
     In dialect 3 also `on` an object, which is its rectangle, and `on` a point.
     """
     words = node.name  # type: ignore[attr-defined]
-    if words == "on" and scope.session.dialect == 3 and not isinstance(region, Region | RandomChoice):
+    if words == "on" and scope.state.dialect == 3 and not isinstance(region, Region | RandomChoice):
         if is_object(region):
             p = region.properties
             region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
@@ -73,7 +74,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
             return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
     oriented = check_region(words, region)
     gives = POSITION | (
-        optional_heading(scope, 2 if words == "on" and scope.session.dialect == 3 else LOOSE) if oriented else {}
+        optional_heading(scope, 2 if words == "on" and scope.state.dialect == 3 else LOOSE) if oriented else {}
     )
     heading_name = next((name for name in gives if name != "position"), "heading")
     point, heading = point_in(scope, node, region)
@@ -113,7 +114,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
         return Vector(shift.x, (half + shift.y) * step_y)
 
     heading = as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
-    if heading is None or (isinstance(anchor, RandomChoice) and scope.session.dialect == 2):
+    if heading is None or (isinstance(anchor, RandomChoice) and scope.state.dialect == 2):
         vector = vector_of(words, anchor)
         return ResolvedSpecifier(
             words,
@@ -123,7 +124,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             frozenset({extent, "heading"}),
         )
     centre = vector_of(words, anchor)
-    other = own_extent(anchor, extent) if scope.session.dialect == 3 else 0.0
+    other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
     gives = optional_heading(scope)
     return ResolvedSpecifier(
         words,
@@ -170,7 +171,7 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
     """A position, and in dialect 3 a parent heading."""
     words = node.name  # type: ignore[attr-defined]
-    if scope.session.dialect == 3:
+    if scope.state.dialect == 3:
         gives = POSITION | optional_heading(scope)
         return ResolvedSpecifier(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
     return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
@@ -188,7 +189,7 @@ def not_visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSp
     view = view_of(viewer)
 
     def hidden(self: Instance) -> Region:
-        container = self.properties["regionContainedIn"] or scope.session.workspace
+        container = self.properties["regionContainedIn"] or scope.state.workspace
         if container is None:
             raise ScenicError("value", "`not visible` needs a workspace to draw from")
         return Filtered(container, lambda point: apply(NOT, view.contains(point), kind="truth"))
@@ -200,7 +201,7 @@ def in_or_out_of_sight(
     scope: Scope, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]
 ) -> ResolvedSpecifier:
     """A position drawn from a region that depends on what can be seen."""
-    dialect = scope.session.dialect
+    dialect = scope.state.dialect
     words = "visible" if sight.wanted else "not visible"
 
     def compute(self: Instance) -> dict[str, Value]:
@@ -208,7 +209,7 @@ def in_or_out_of_sight(
 
     def demand(self: Instance) -> None:
         if dialect == 3:
-            scope.session.sights.append((self, sight))
+            scope.state.sights.append((self, sight))
 
     gives = {"position": LOOSE if dialect == 3 else FIRM}
     return ResolvedSpecifier(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
@@ -260,7 +261,7 @@ def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """Heading `turn` as seen from the viewpoint; dialect 3 sets the yaw, on top of the parent's heading."""
     start = vector_of("apparently facing ... from", ego_of(scope) if viewpoint is None else viewpoint)
-    name = "yaw" if scope.session.dialect == 3 else "heading"
+    name = "yaw" if scope.state.dialect == 3 else "heading"
 
     def compute(self: Instance) -> dict[str, Value]:
         return {name: angle_between(start, self.properties["position"]) + turn}
@@ -270,7 +271,7 @@ def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value
 
 def heading_meaning(scope: Scope, node: ast.AST, compute: Callable[[Instance], Value], needs: Any) -> ResolvedSpecifier:
     """A firm heading; dialect 3 normalises it."""
-    finish = normalised if scope.session.dialect == 3 else lambda heading: heading
+    finish = normalised if scope.state.dialect == 3 else lambda heading: heading
     return ResolvedSpecifier(
         "facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs)
     )

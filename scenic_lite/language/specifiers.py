@@ -10,7 +10,8 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from scenic_lite.core.scope import Scope, near
+from scenic_lite.core.environment import near
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, ScenicClass
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.alternatives import one_behavior
@@ -73,12 +74,10 @@ class Resolution:
             meaning.always(self.instance)
         if not any(self.winners.get(name) is meaning for name in meaning.gives):
             return
-        owned = next(iter(meaning.gives))
-        with self.scope.session.owned(self.instance, owned):
-            given = meaning.compute(self.instance)
+        given = meaning.compute(self.instance)
         for name, value in given.items():
             if self.winners.get(name) is meaning:
-                self.instance.properties[name] = checked(name, value, self.scope.session.dialect)
+                self.instance.properties[name] = checked(name, value, self.scope.state.dialect)
 
     def _missing(self, meaning: ResolvedSpecifier, need: str) -> ScenicError:
         message = f"`{meaning.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
@@ -92,23 +91,23 @@ class Resolution:
 def make(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
     refuse_final(scope, cls, meanings)
-    if scope.session.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
+    if scope.state.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
         refuse_heading(scope, cls, meanings)
     winners = strongest(scope, meanings)
     for name in cls.property_names():
         if name not in winners:
             winners[name] = default_of(scope, cls, name, instance)
-    if scope.session.dialect == 3 and cls.derives_from(ORIENTED_POINT):
+    if scope.state.dialect == 3 and cls.derives_from(ORIENTED_POINT):
         split_heading(scope, cls, winners, instance)
     resolution = Resolution(scope, instance, winners)
     for meaning in [*meanings, *winners.values()]:
         resolution.settle(meaning)
     instance.properties.pop("parentHeading", None)
     if cls.derives_from(OBJECT):
-        limit = scope.session.budget.limits.objects
-        if len(scope.session.objects) >= limit:
+        limit = scope.mode.budget.limits.objects
+        if len(scope.state.objects) >= limit:
             raise ScenicError("budget", f"evaluation budget exceeded: more than {limit} objects")
-        scope.session.objects.append(instance)
+        scope.state.objects.append(instance)
     return instance
 
 
@@ -151,8 +150,11 @@ def stronger(scope: Scope, name: str, old: ResolvedSpecifier | None, new: Resolv
     return old
 
 
-def default_of(scope: Scope, cls: ScenicClass, name: str, instance: Instance) -> ResolvedSpecifier:
+def default_of(
+    scope: Scope, cls: ScenicClass, name: str, instance: Instance, owner: str | None = None
+) -> ResolvedSpecifier:
     """The class's default for a property, as a specifier; `additive` ones collect those of all bases."""
+    owning = scope.owning(instance, owner or name)
     defaults = cls.defaults_of(name)
     needs = frozenset().union(*(default.needs for default in defaults[:1]))
     if "additive" in defaults[0].attributes:
@@ -161,12 +163,12 @@ def default_of(scope: Scope, cls: ScenicClass, name: str, instance: Instance) ->
             f"default of {name}",
             instance_node(instance),
             {name: LOOSE},
-            lambda self: {name: tuple(default.compute(self) for default in defaults)},
+            lambda self: {name: tuple(default.compute(owning, self) for default in defaults)},
             everything,
         )
     compute = defaults[0].compute
     return ResolvedSpecifier(
-        f"default of {name}", instance_node(instance), {name: LOOSE}, lambda self: {name: compute(self)}, needs
+        f"default of {name}", instance_node(instance), {name: LOOSE}, lambda self: {name: compute(owning, self)}, needs
     )
 
 
@@ -185,8 +187,8 @@ def split_heading(scope: Scope, cls: ScenicClass, winners: dict[str, ResolvedSpe
     if yaw is not None and not heading.name.startswith("default"):
         raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
     if heading.name.startswith("default"):
-        parent = winners["heading"].compute
-        needs = winners["heading"].needs
+        default = default_of(scope, cls, "heading", instance, "parentHeading")
+        parent, needs = default.compute, default.needs
         winners.setdefault(
             "parentHeading",
             ResolvedSpecifier(
@@ -223,7 +225,7 @@ def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, va
     """A property that the class does not declare is allowed, but looks like a slip if a declared one is near."""
     known = cls.property_names()
     if name in known:
-        scope.session.declared.add(scope.place(node))
+        scope.state.declared.add(scope.place(node))
         return
     hint = near(name, known)
     is_behavior = isinstance(scope.module_names.get(name), Behavior)

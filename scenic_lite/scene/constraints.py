@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import InterpreterState
+from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
@@ -143,22 +143,22 @@ class Checks(NamedTuple):
         return (*(rule for each in self.batched for rule in each.rules), *(rule for rule, _ in self.nodes))
 
 
-def checks_of(session: InterpreterState, objects: list[Instance]) -> Checks:
-    """Every rule that the objects and requirements of a session imply."""
+def checks_of(state: LoadState, objects: list[Instance]) -> Checks:
+    """Every rule that the objects and requirements of a program imply."""
     batched: list[Overlaps | Containment] = []
     nodes: list[tuple[Constraint, Value]] = []
     overlaps = Overlaps(objects)
     if overlaps.rules:
         batched.append(overlaps)
-    for region, (where, label) in containers(session, objects).items():
+    for region, (where, label) in containers(state, objects).items():
         if isinstance(region, RectangularRegion) and region.fixed():
             batched.append(Containment(region, objects, where, label))
             continue
         for i in where:
             rule = Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
             nodes.append((rule, region.contains_corners(outline(objects[i]))))
-    nodes += [*sometimes_apart(objects), *visibility(session, objects), *sights(session, objects)]
-    for requirement in session.requirements:
+    nodes += [*sometimes_apart(objects), *visibility(state, objects), *sights(state, objects)]
+    for requirement in state.requirements:
         if requirement.condition is True:
             continue
         rule = Constraint(requirement.label, requirement.place, "require", requirement.probability)
@@ -166,22 +166,22 @@ def checks_of(session: InterpreterState, objects: list[Instance]) -> Checks:
     return Checks(tuple(batched), tuple(nodes))
 
 
-def rules_of_requirements(session: InterpreterState, checks: Checks) -> list[int | None]:
+def rules_of_requirements(state: LoadState, checks: Checks) -> list[int | None]:
     """Which rule each requirement is; None for one that holds in every scene."""
-    at = len(checks.rules) - sum(each.condition is not True for each in session.requirements)
+    at = len(checks.rules) - sum(each.condition is not True for each in state.requirements)
     places: list[int | None] = []
-    for each in session.requirements:
+    for each in state.requirements:
         places.append(None if each.condition is True else at)
         at += each.condition is not True
     return places
 
 
-def containers(session: InterpreterState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
+def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
     """The objects that each container must hold: its own region if it has one, else the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
     for i, instance in enumerate(objects):
         own = instance.properties["regionContainedIn"]
-        region = session.workspace if own is None else own
+        region = state.workspace if own is None else own
         if region is None or isinstance(region, Everywhere):
             continue
         if not isinstance(region, Region):
@@ -203,29 +203,29 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
                 yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
 
 
-def visibility(session: InterpreterState, objects: list[Instance]) -> list[tuple[Constraint, Value]]:
+def visibility(state: LoadState, objects: list[Instance]) -> list[tuple[Constraint, Value]]:
     """What the ego must see, unless `requireVisible` is switched off."""
     nodes = []
     for instance in objects:
         wanted = instance.properties["requireVisible"]
-        if wanted is False or instance is session.ego or session.ego is None:
+        if wanted is False or instance is state.ego or state.ego is None:
             continue
-        seen = can_see(session.ego, instance, session.dialect)
+        seen = can_see(state.ego, instance, state.dialect)
         if isinstance(wanted, RandomExpr):
             seen = apply(OR, seen, apply(NOT, wanted, kind="truth"), kind="truth")
-        rule = Constraint(f"{instance.title()} is not visible from {session.ego.title()}", instance.place, "visibility")
+        rule = Constraint(f"{instance.title()} is not visible from {state.ego.title()}", instance.place, "visibility")
         if seen is not True:
             nodes.append((rule, seen))
     return nodes
 
 
-def sights(session: InterpreterState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
+def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
     """What the specifiers `visible` and `not visible` of dialect 3 demand, of objects that came to be."""
     made = {id(each) for each in objects}
-    for instance, (viewer, wanted) in session.sights:
+    for instance, (viewer, wanted) in state.sights:
         if id(instance) not in made:
             continue
-        seen = can_see(viewer, instance, session.dialect)
+        seen = can_see(viewer, instance, state.dialect)
         label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"
         holds = seen if wanted else apply(NOT, seen, kind="truth")
         if holds is not True:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import DrawnPoint
+from scenic_lite.core.state import DrawnPoint
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.regions import Region
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.checks import Faults, Found
-from scenic_lite.core.scope import InterpreterState, Source
+from scenic_lite.core.environment import Source
+from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import BehaviorCall, Instance, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import Constraint, checks_of, rules_of_requirements
@@ -41,7 +42,7 @@ class Program:
         param_places: where each parameter, random or not, was set.
         behaviors, monitors, terminations, records, temporal: the dynamic half, kept as trees.
         main: the modular scenario that the program is, if it is one; its names are those of `main_frame`.
-        session: what the trees are evaluated in, by `scenic_lite.dynamics`.
+        state: what the trees are evaluated in, by `scenic_lite.dynamics`.
         warnings: what looks like a slip but is legal.
         source, file: the text and where it came from.
 
@@ -49,45 +50,46 @@ class Program:
     pickled: another process loads the same text, and maps the same θ to the same scenes.
     """
 
-    def __init__(self, session: InterpreterState, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
+    def __init__(self, mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
         self.source, self.file = text, source.file
-        self.dialect = session.dialect
-        self.behaviors = session.behaviors
-        self.monitors = tuple(session.monitors)
-        self.terminations = tuple(session.terminations)
-        self.records, self.temporal = tuple(session.records), tuple(session.temporal)
-        self.main, self.main_frame = session.main, session.main_frame
-        self.session = session
-        self.param_places = dict(session.param_places)
-        self._sources = session.sources
-        self._workspace, self._points = session.workspace, session.points
-        self._param_values = session.params
+        state = mode.state
+        self.dialect = state.dialect
+        self.behaviors = state.behaviors
+        self.monitors = tuple(state.monitors)
+        self.terminations = tuple(state.terminations)
+        self.records, self.temporal = tuple(state.records), tuple(state.temporal)
+        self.main, self.main_frame = state.main, state.main_frame
+        self.mode = mode
+        self.param_places = dict(state.param_places)
+        self._sources = state.sources
+        self._workspace, self._points = state.workspace, state.points
+        self._param_values = state.params
         self.warnings = warnings
-        self._instances = in_order(session)
+        self._instances = in_order(state)
         name_objects(self._instances)
-        self._checks = checks_of(session, self._instances)
+        self._checks = checks_of(state, self._instances)
         self.requirements: tuple[Constraint, ...] = self._checks.rules
         self.objects = tuple(info_of(instance) for instance in self._instances)
-        self._lay_out(session)
-        self._plan(session)
+        self._lay_out(state)
+        self._plan(state)
         self._refuse_impossible()
 
-    def _lay_out(self, session: InterpreterState) -> None:
+    def _lay_out(self, state: LoadState) -> None:
         """Find the columns that reach anything, and flatten the graph."""
-        roots = list(self._roots(session.params))
+        roots = list(self._roots(state.params))
         used = {id(column) for column in columns_of(*roots)}
-        self._columns = [column for column in session.columns if id(column) in used]
+        self._columns = [column for column in state.columns if id(column) in used]
         name_arguments(self._instances)
         names = column_names(self._columns)
         self.draws = tuple(
-            Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, session))
+            Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))
             for name, column in zip(names, self._columns, strict=True)
         )
         self._offset = np.array([column.offset for column in self._columns])[:, None]
         self._span = np.array([column.span for column in self._columns])[:, None]
-        self._tape = Tape(roots, self._columns, session.budget.limits.operations)
-        watches = session.watching.watches.values()
-        self._faults = Faults(watches, self._tape, rules_of_requirements(session, self._checks))
+        self._tape = Tape(roots, self._columns, state.budget.limits.operations)
+        watches = state.watching.watches.values()
+        self._faults = Faults(watches, self._tape, rules_of_requirements(state, self._checks))
 
     def _roots(self, params: dict[str, Value]) -> Iterable[RandomExpr]:
         for instance in self._instances:
@@ -99,13 +101,13 @@ class Program:
         for value in self.read_in_episodes:
             yield from randoms_in(value)
 
-    def _plan(self, session: InterpreterState) -> None:
+    def _plan(self, state: LoadState) -> None:
         """Separate what is fixed from what must be read from the tape."""
         planner = Planner(self._tape, self._instances)
         self._arrangement = Arrangement(planner, self._instances)
-        plans = {name: planner.plan(value) for name, value in session.params.items()}
+        plans = {name: planner.plan(value) for name, value in state.params.items()}
         self._param_plans = {name: plan for name, plan in plans.items() if plan is not None}
-        self.params = {name: planner.fixed(session.params[name]) for name, plan in plans.items() if plan is None}
+        self.params = {name: planner.fixed(state.params[name]) for name, plan in plans.items() if plan is None}
         self._properties: dict[str, list[Any]] = {}
         self._property_plans: list[tuple[str, int, Any]] = []
         self._arguments: list[dict[str, Any] | None] = [None] * len(self._instances)
@@ -156,7 +158,7 @@ class Program:
 
         Never raises for rows that describe no valid scene: their `ok` is False.
         """
-        self.session.budget.new_call()
+        self.mode.budget.new_call()
         return self._scenes(self._checked(theta))[0]
 
     def _scenes(self, theta: np.ndarray) -> tuple[Scenes, Found]:
@@ -188,15 +190,15 @@ class Program:
     @cached_property
     def read_in_episodes(self) -> list[Value]:
         """What behaviors, monitors and conditions name."""
-        return read_in_episodes(self.session, self._instances)
+        return read_in_episodes(self.mode.state, self._instances)
 
     @property
     def instances(self) -> list[Instance]:
-        """The objects as the session knows them, in the order of `objects`."""
+        """The objects as the evaluator knows them, in the order of `objects`."""
         return self._instances
 
     def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
-        """The values that one row theta [D] gives to the draws, for `InterpreterState.row`."""
+        """The values that one row theta [D] gives to the draws, for `LoadState.row`."""
         scaled = self._scaled(self._checked(np.asarray(theta, dtype=float)[None]))
         return {column: float(value) for column, value in zip(self._columns, scaled[:, 0], strict=True)}
 
@@ -251,7 +253,7 @@ class Program:
         theta = np.empty((n, self.dim))
         pending = np.arange(n)
         draws = accepted = 0
-        self.session.budget.new_call(n)
+        self.mode.budget.new_call(n)
         while len(pending):
             if draws >= (FIRST_DRAWS if len(pending) == n else FIRST_DRAWS + DRAWS_PER_SCENE * n):
                 raise self._impossible(rng, n - len(pending), n, draws)
@@ -370,10 +372,10 @@ class Program:
         return self.error("value", f"{rule.label} in every scene", rule.place, where)
 
 
-def place_in_program(column: ThetaColumn, session: InterpreterState) -> SourceSpan:
+def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
     """Where a value is drawn; for a default of a library's class, where its object is made."""
     place, owner = column.place, column.owner
-    while session.sources[place.file].library and owner is not None:
+    while state.sources[place.file].library and owner is not None:
         place, owner = owner[0].place, owner[0].owner
     return place
 
@@ -382,9 +384,9 @@ def outline_parts(instance: Instance) -> list[Value]:
     return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]
 
 
-def in_order(session: InterpreterState) -> list[Instance]:
+def in_order(state: LoadState) -> list[Instance]:
     """The ego first, then as created."""
-    return sorted(session.objects, key=lambda instance: instance is not session.ego)
+    return sorted(state.objects, key=lambda instance: instance is not state.ego)
 
 
 def info_of(instance: Instance) -> ObjectInfo:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.scope import DrawnPoint, InterpreterState
+from scenic_lite.core.state import DrawnPoint, LoadState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.distributions import show_coordinates, span_between
@@ -45,32 +45,32 @@ class Demand(NamedTuple):
         return Vector(self.right, self.up)
 
 
-def prune(session: InterpreterState) -> None:
-    """Draw the points of a session's objects from the parts of their regions in which the objects fit.
+def prune(state: LoadState) -> None:
+    """Draw the points of a program's objects from the parts of their regions in which the objects fit.
 
     What is cut off is what Scenic cuts off, so that shares of valid draws can be compared: the container's rim, as far
     in as the radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
     ScenicError where an object fits nowhere.
     """
-    points = {id(part): i for i, each in enumerate(session.points) for part in (each.point.x, each.point.y)}
+    points = {id(part): i for i, each in enumerate(state.points) for part in (each.point.x, each.point.y)}
     parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
-    for container, (where, label) in containers(session, session.objects).items():
-        for instance in [session.objects[i] for i in where] if is_fixed_area(container) else []:
-            found = near_point(points, session, instance.properties["position"])
-            if found is None or not is_fixed_area(session.points[found[0]].region):
+    for container, (where, label) in containers(state, state.objects).items():
+        for instance in [state.objects[i] for i in where] if is_fixed_area(container) else []:
+            found = near_point(points, state, instance.properties["position"])
+            if found is None or not is_fixed_area(state.points[found[0]].region):
                 continue
             at, right, up = found
-            base, demand = session.points[at].region, Demand(container, right, up, inner_radius(instance))
-            if session.dialect == 3 and base is session.workspace:
+            base, demand = state.points[at].region, Demand(container, right, up, inner_radius(instance))
+            if state.dialect == 3 and base is state.workspace:
                 continue
             known = parts.setdefault(demand, {})
             if base not in known:
                 known[base] = common_part(base, demand)
             part = known[base]
             if part is None:
-                raise does_not_fit(session, instance, label)
+                raise does_not_fit(state, instance, label)
             if part is not base:
-                draw_from(session, at, part)
+                draw_from(state, at, part)
 
 
 def is_fixed_area(region: Region) -> bool:
@@ -80,11 +80,11 @@ def is_fixed_area(region: Region) -> bool:
     return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
 
 
-def near_point(points: dict[int, int], session: InterpreterState, position: Vector) -> tuple[int, float, float] | None:
+def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tuple[int, float, float] | None:
     """The index of the drawn point that a position is, and the fixed step from there."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
-    if at is None or session.points[at].point.x is not x or session.points[at].point.y is not y:
+    if at is None or state.points[at].point.x is not x or state.points[at].point.y is not y:
         return None
     return at, right, up
 
@@ -121,25 +121,25 @@ def least(value: Value) -> float:
     return bounds_of(tape, columns)[tape.slot(value)][0]
 
 
-def does_not_fit(session: InterpreterState, instance: Instance, label: str) -> ScenicError:
+def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicError:
     place = instance.place
     message = f"{instance.title()} does not fit into {label}"
     hint = "nowhere in the region from which its position is drawn is there room for it"
-    return ScenicError("value", message, place, hint=hint, source_line=session.sources[place.file].line(place.line))
+    return ScenicError("value", message, place, hint=hint, source_line=state.sources[place.file].line(place.line))
 
 
 # ------------------------------------------------------------ one point
 
 
-def draw_from(session: InterpreterState, at: int, part: Region) -> None:
+def draw_from(state: LoadState, at: int, part: Region) -> None:
     """Draw the point with the index `at` from a part of its region."""
-    drawn = session.points[at]
+    drawn = state.points[at]
     columns = drawn.columns
     if drawn.point.x is columns[0] and isinstance(part, RectangularRegion):
         narrow(columns, part)
     else:
-        columns = redraw(session, drawn, part)
-    session.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or drawn.region)
+        columns = redraw(state, drawn, part)
+    state.points[at] = DrawnPoint(part, columns, drawn.point, drawn.whole or drawn.region)
 
 
 def common_part(base: Region, demand: Demand) -> Region | None:
@@ -221,11 +221,11 @@ def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
         column.span = span_between(low, low + span)
 
 
-def redraw(session: InterpreterState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColumn, ...]:
+def redraw(state: LoadState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColumn, ...]:
     """Make the point's nodes those of another region, so that all that was computed from them follows."""
     columns = drawn.columns
     if drawn.point.x is columns[0]:  # its columns become nodes, of two others
-        columns = tuple(successor(session, column) for column in columns)
+        columns = tuple(successor(state, column) for column in columns)
     for column, (offset, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.span = offset, span
     made = part.point(*columns)
@@ -235,9 +235,9 @@ def redraw(session: InterpreterState, drawn: DrawnPoint, part: Region) -> tuple[
     return columns
 
 
-def successor(session: InterpreterState, column: ThetaColumn) -> ThetaColumn:
+def successor(state: LoadState, column: ThetaColumn) -> ThetaColumn:
     """A new column in the place of another one."""
     fresh = ThetaColumn(column.draw_kind, column.place)
     fresh.name, fresh.owner = column.name, column.owner
-    session.columns[next(i for i, each in enumerate(session.columns) if each is column)] = fresh
+    state.columns[next(i for i, each in enumerate(state.columns) if each is column)] = fresh
     return fresh

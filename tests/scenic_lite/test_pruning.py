@@ -97,7 +97,7 @@ SLOW = ("row by row",)
 def unpruned(text):
     """The same program, whose invalid draws are all rejected."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(loader, "prune", lambda session: None)
+        patch.setattr(loader, "prune", lambda state: None)
         return load(text, dialect=3)
 
 

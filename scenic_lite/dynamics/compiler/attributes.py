@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 
-from scenic_lite.core.scope import near
+from scenic_lite.core.environment import near
 from scenic_lite.core.types import Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.emit import register_of

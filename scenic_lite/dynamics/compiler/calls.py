@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 
+from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice
 from scenic_lite.dynamics.compiler.attributes import set_attribute
@@ -185,7 +186,7 @@ def mutation(c: Compilation, scope: Scope, node: ast.Call) -> tuple[Value] | Non
     items = scope.value(function.value)
     if not isinstance(items, list | RegisterList):
         return None
-    holder = scope
+    holder: Environment = scope
     while not isinstance(holder, CompiledScope):
         assert holder.outer is not None
         holder = holder.outer

@@ -101,7 +101,7 @@ def reverse(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments
 def sort(c: Compilation, scope: Scope, node: ast.AST, items: Value, arguments: list, keywords: dict) -> Changed:
     found = in_order(c, scope, node, [items], keywords)
     return (
-        scope.call(scope.session.builtins["sorted"], [items], keywords, node) if found is NotImplemented else found
+        scope.call(scope.handlers.builtins["sorted"], [items], keywords, node) if found is NotImplemented else found
     ), None
 
 

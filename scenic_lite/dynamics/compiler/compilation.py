@@ -13,7 +13,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.scope import PYTHON_FAULTS, InterpreterState, Scope, Source, from_python
+from scenic_lite.core.environment import Environment, Source
+from scenic_lite.core.scope import PYTHON_FAULTS, Scope, from_python
+from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import Behavior, Function, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
@@ -64,15 +66,20 @@ class CompiledScope(Scope):
     __slots__ = ("compilation", "given", "inlined", "slots")
 
     def __init__(
-        self, compilation: Compilation, source: Source, names: dict[str, Value], outer: Scope, inlined: InlinedBody
+        self,
+        compilation: Compilation,
+        source: Source,
+        names: dict[str, Value],
+        outer: Environment,
+        inlined: InlinedBody,
     ) -> None:
-        super().__init__(compilation.session, source, names, outer)
+        super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
         self.slots: dict[str, Slot] = {}
         self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
 
     def inner(self, names: dict[str, Value]) -> Scope:
-        return Scope(self.session, self.source, names, self)
+        return Scope(self.mode, self.source, names, self)
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Compile statements as far as they can be reached."""
@@ -110,7 +117,7 @@ class CompiledScope(Scope):
 
     def assign_where_it_is(self, name: str, value: Value) -> None:
         """Change what a name stands for, whoever it belongs to."""
-        scope: Scope | None = self
+        scope: Environment | None = self
         while scope is not None and name not in scope.locals and scope.locals is not scope.module_names:
             scope = scope.outer
         if isinstance(scope, CompiledScope):
@@ -150,11 +157,11 @@ class Compilation:
 
     program: Program
     world: World
-    session: InterpreterState
     code: Assembler
     shapes: dict[tuple, Shape]
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
     modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
+    mode: Mode = field(init=False)  # how nodes are evaluated for the compiler
     shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     path: tuple = ()
     slot: int = 0  # register of the innermost block: where it goes on
@@ -184,6 +191,11 @@ class Compilation:
     world_base: int = 0
     fact_base: int = 0
     live_names: frozenset[str] = frozenset()  # properties that the world shows
+
+    @property
+    def state(self) -> LoadState:
+        """What the statements of the walk make, `ego` among it."""
+        return self.mode.state
 
     @contextmanager
     def entered(self, thing: Behavior | Function, node: ast.AST) -> Iterator[None]:
@@ -267,14 +279,14 @@ class Compilation:
     @contextmanager
     def within(self, part: ScenarioInstance, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
         """Inside, statements belong to a scenario, and `ego` is its own."""
-        outside = self.part, self.composing, self.setting_up, self.repeating, self.session.ego
+        outside = self.part, self.composing, self.setting_up, self.repeating, self.state.ego
         self.part, self.composing, self.setting_up, self.repeating = part, composing, setting_up, 0
-        self.session.ego = part.ego
+        self.state.ego = part.ego
         try:
             yield
         finally:
-            part.ego = self.session.ego
-            self.part, self.composing, self.setting_up, self.repeating, self.session.ego = outside
+            part.ego = self.state.ego
+            self.part, self.composing, self.setting_up, self.repeating, self.state.ego = outside
 
     @contextmanager
     def repeated(self) -> Iterator[None]:

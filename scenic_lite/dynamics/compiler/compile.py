@@ -11,11 +11,14 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from scenic_lite.core.budget import Budget
+from scenic_lite.core.checks import RuntimeChecks
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
@@ -73,8 +76,9 @@ def compile_program(program: Program, world: World) -> Compiled:
     simulation = Namespace("simulation()", {}, open=True)
     modules: dict[int, dict[str, Value]] = {}
     for _ in range(MOST_WALKS):
-        compilation = Compilation(program, world, program.session, Assembler(), shapes, simulation, modules)
-        with lent(compilation):
+        compilation = Compilation(program, world, Assembler(), shapes, simulation, modules)
+        compilation.mode = compile_mode(compilation)
+        with live_objects(compilation):
             threads = walk(compilation)
         if not compilation.code.widened:
             return finished(compilation, threads)
@@ -82,22 +86,17 @@ def compile_program(program: Program, world: World) -> Compiled:
 
 
 @contextmanager
-def lent(c: Compilation) -> Iterator[None]:
-    """Inside, the session evaluates for the compiler, and objects have live properties."""
-    session = c.session
-    outside = dict(vars(session))
+def live_objects(c: Compilation) -> Iterator[None]:
+    """Inside, objects have live properties; outside, they and all variables are as they were loaded."""
     instances = list(c.program.instances)
     loaded = [(each.properties, each.attributes) for each in instances]
     for each in instances:
         each.properties, each.attributes = dict(each.properties), dict(each.attributes)
     variables = {} if c.program.main_frame is None else c.program.main_frame.locals
     loaded_variables = dict(variables)
-    vars(session).update(meanings(c))
     try:
         yield
     finally:
-        vars(session).clear()
-        vars(session).update(outside)
         variables.clear()
         variables.update(loaded_variables)
         for each, (properties, attributes) in zip(instances, loaded, strict=True):
@@ -106,33 +105,36 @@ def lent(c: Compilation) -> Iterator[None]:
             c.modules[number].update(before)
 
 
-def meanings(c: Compilation) -> dict[str, Any]:
-    """The fields of the session that differ while a program is compiled."""
-    session = c.session
+def compile_mode(c: Compilation) -> Mode:
+    """How nodes are evaluated while a program is compiled; what statements make is the walk's own."""
+    loaded = c.program.mode
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
     for kind in HASHING:
-        own[kind] = partial(hashed, own.get(kind, session.expressions[kind]))
+        own[kind] = partial(hashed, own.get(kind, loaded.handlers.expressions[kind]))
     statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
     simulation = Builtin("simulation", lambda: c.simulation, over_choices=False)
 
     def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
         return call_value(c, scope, function, arguments, keywords, node)
 
-    return {
-        "expressions": session.expressions | own | {nodes.New: partial(new, c)},
-        "statements": session.statements | statements,
-        "call": call,
-        "column": partial(draw, c),
-        "in_requirement": 1,
-        "owner": None,
-        "points": [],
-        "requirements": [],
-        "handled": [],
-        "scenarios": list(session.scenarios),
-        "behaviors": dict(session.behaviors),
-        "budget": Budget(session.budget.limits),
-        "builtins": session.builtins | {"simulation": simulation},
-    }
+    handlers = replace(
+        loaded.handlers,
+        expressions=loaded.handlers.expressions | own | {nodes.New: partial(new, c)},
+        statements=loaded.handlers.statements | statements,
+        call=call,
+        builtins=loaded.handlers.builtins | {"simulation": simulation},
+    )
+    state = replace(
+        loaded.state,
+        points=[],
+        requirements=[],
+        handled=[],
+        scenarios=list(loaded.state.scenarios),
+        behaviors=dict(loaded.state.behaviors),
+        watching=RuntimeChecks(),
+    )
+    state.forget_watched()
+    return Mode(COMPILE, state, handlers, Budget(state.budget.limits), partial(draw, c), symbolic=True)
 
 
 def hashed(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
@@ -140,7 +142,7 @@ def hashed(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr)
     return certain(handler(scope, node))
 
 
-def draw(c: Compilation, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
+def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
     """A number from the match's stream, drawn where the program is now."""
     code = c.code
     register = code.temporaries.take()

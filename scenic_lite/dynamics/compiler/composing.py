@@ -36,7 +36,7 @@ def main_part(c: Compilation) -> ScenarioInstance:
     program, code = c.program, c.code
     main = program.main
     part = part_of(code, "scenario" if main is None else main.behavior.name, None, main)
-    part.ego = c.session.ego
+    part.ego = c.state.ego
     if main is not None and program.main_frame is not None:
         loaded, behavior = program.main_frame, main.behavior
         inlined = InlinedBody((id(behavior.node),), behavior.scenario.compose, Label(), behavior)
@@ -98,7 +98,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstanc
     code, parent = c.code, c.part
     assert parent is not None
     part = part_of(code, call.behavior.name, parent, call)
-    part.ego = c.session.ego
+    part.ego = c.state.ego
     with entered(c, part, node):
         part.scope = frame_of_part(c, part)
         check_guards(c, part.scope)
@@ -108,7 +108,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstanc
         start(c, part)
         show_names(part)
     if parent.ego is None:
-        c.session.ego = part.ego
+        c.state.ego = part.ego
     return part
 
 

@@ -26,7 +26,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     code, program = c.code, c.program
     rows = placed(shortened(code.rows))
     layout = Layout(code)
-    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.session.budget.limits.operations)
+    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.mode.budget.limits.operations)
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
     relocate([*c.commands, tuple(each.value for each in c.records)], layout)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenic_lite.core.scope import Watched
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.machine import opcodes as op

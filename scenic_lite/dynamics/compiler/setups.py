@@ -7,11 +7,11 @@ also stand in a compose block. Read next: `dynamics.compiler.watchers`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.scope import Scope, Watched
+from scenic_lite.core.environment import Environment
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
@@ -43,24 +43,11 @@ from scenic_lite.values.graph import Value
 def set_up(c: Compilation, part: ScenarioInstance) -> None:
     """Execute the setup of a scenario that begins; what it makes is kept by the part."""
     assert part.call is not None
-    session = c.session
-    with lists_of(c, {"monitors": [], "terminations": [], "records": []}):
-        part.scope.run(part.call.behavior.scenario.setup)
-        part.monitors = [monitor_of(c, call, c.flag_of(call)) for call in session.monitors]
-        part.terminations = [WatchedItem(each, c.flag_of(each)) for each in session.terminations]
-        part.records = [WatchedItem(each, c.flag_of(each)) for each in session.records]
-
-
-@contextmanager
-def lists_of(c: Compilation, lists: dict[str, list]) -> Iterator[None]:
-    """Inside, what statements note goes into these lists of the session."""
-    session = vars(c.session)
-    outside = {name: session[name] for name in lists}
-    session.update(lists)
-    try:
-        yield
-    finally:
-        session.update(outside)
+    c.state.forget_watched()
+    part.scope.run(part.call.behavior.scenario.setup)
+    part.monitors = [monitor_of(c, call, c.flag_of(call)) for call in c.state.monitors]
+    part.terminations = [WatchedItem(each, c.flag_of(each)) for each in c.state.terminations]
+    part.records = [WatchedItem(each, c.flag_of(each)) for each in c.state.records]
 
 
 def flag_if_live(c: Compilation, scope: CompiledScope, thing: object) -> None:
@@ -80,12 +67,12 @@ def refuse_repeated(c: Compilation) -> None:
 
 def keep_condition(c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
     keep_termination(scope, node)
-    flag_if_live(c, scope, c.session.terminations[-1])
+    flag_if_live(c, scope, c.state.terminations[-1])
 
 
 def keep_value(c: Compilation, scope: CompiledScope, node: nodes.Record) -> None:
     keep_record(scope, node)
-    flag_if_live(c, scope, c.session.records[-1])
+    flag_if_live(c, scope, c.state.records[-1])
 
 
 def refuse_param(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
@@ -103,7 +90,7 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
         raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
     call = with_own_arguments(c, value)
     if c.setting_up:
-        c.session.monitors.append(call)
+        c.state.monitors.append(call)
         flag_if_live(c, scope, call)
         return
     refuse_repeated(c)
@@ -272,7 +259,7 @@ def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require
     code = c.code
     names: dict[str, Value] = {}
     used = {each.id for each in ast.walk(node.condition) if isinstance(each, ast.Name)}
-    at: Scope | None = scope
+    at: Environment | None = scope
     outside, code.variables = code.variables, code.fixed
     while isinstance(at, CompiledScope):
         for name in sorted(used & set(at.locals) - set(names)):

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from itertools import product
 
-from scenic_lite.core.scope import Watched
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label, Operands
@@ -207,7 +207,7 @@ class Automaton:
 def see_step(c: Compilation, each: Temporal) -> None:
     """Rows that let a temporal requirement see the step."""
     scope = each.scope or frame_for(c, each.watched)
-    with each.watched.bindings.restored() if each.watched.bindings is not None else nullcontext():
+    with each.watched.bindings.restored(c.state) if each.watched.bindings is not None else nullcontext():
         progress(c, each, scope)
 
 

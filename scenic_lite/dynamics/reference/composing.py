@@ -27,7 +27,7 @@ class ComposeThread(Thread):
     ended = False
 
     def _frame(self) -> Scope:
-        return scenario_frame(self.call)
+        return scenario_frame(self.episode.mode, self.call)
 
     def use(self, scope: Scope) -> None:
         """The names of a setup that has been executed already."""

@@ -1,9 +1,9 @@
 """One episode: what is true of it now, put where the evaluator looks.
 
-The evaluator knows a program's session and its objects. While the statements of an episode run, `Episode.playing`
-lends them the episode's own state: the values of everything random in this scene (`InterpreterState.row`), the live
-properties of the objects, the draws, and what some statements and functions mean at run time. Outside of it the
-program is as it was loaded, so that many episodes of one program can be played in turns. Read next:
+An episode has a `Mode` of its own, which the scopes of its threads carry: the values of everything random in this
+scene, the draws, and what some statements and functions mean at run time. While its statements run,
+`Episode.playing` gives the objects their live properties. Outside of it the program is as it was loaded, so that many
+episodes of one program can be played in turns. Read next:
 `dynamics.reference.threads`.
 """
 
@@ -12,18 +12,22 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.scope import in_row
+from scenic_lite.core.checks import RuntimeChecks
+from scenic_lite.core.environment import Environment
+from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.state import EPISODE, Mode
 from scenic_lite.core.types import Builtin, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
 from scenic_lite.dynamics.reference.episode_rng import Draws
 from scenic_lite.dynamics.reference.program_state import Belongings
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 
@@ -69,7 +73,6 @@ class Episode:
 
     def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int) -> None:
         self.program, self.world = program, world
-        self.session = program.session
         self.draws = Draws(seed)
         self.time, self.timestep = 0, world.timestep
         self.active = False  # its statements run: it is being played, and not rejected
@@ -84,31 +87,41 @@ class Episode:
         self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
         self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
         self._belongings = Belongings(program)
-        self._inside = self._lent()
+        self.mode = self._mode()
+        self.state = self.mode.state
 
     def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
         return {name: settled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
 
-    def _lent(self) -> dict[str, Any]:
-        """The fields of the session that differ while this episode is played."""
-        session = self.session
-        return {
-            "row": self.row,
-            "drawn": self._draw,
-            "objects": self.objects,
-            "ego": session.ego,
-            "in_requirement": 0,
-            "owner": None,
-            "handled": [],
-            "budget": Patience(session.budget.limits),
-            "builtins": session.builtins
-            | {"simulation": Builtin("simulation", lambda: self.simulation, over_choices=False)},
-        }
+    def _mode(self) -> Mode:
+        """How the nodes of this episode are evaluated; what its statements make is its own."""
+        loaded = self.program.mode
+        state = replace(
+            loaded.state,
+            objects=self.objects,
+            points=[],
+            requirements=[],
+            scenarios=list(loaded.state.scenarios),
+            behaviors=dict(loaded.state.behaviors),
+            handled=[],
+            watching=RuntimeChecks(),
+        )
+        state.forget_watched()
+        simulation = Builtin("simulation", lambda: self.simulation, over_choices=False)
+        handlers = replace(loaded.handlers, builtins=loaded.handlers.builtins | {"simulation": simulation})
+        return Mode(EPISODE, state, handlers, Patience(state.budget.limits), self._draw, row=self.row)
+
+    def scope(self, environment: Environment) -> Scope:
+        """The same names, as they are in this episode."""
+        return Scope.at(self.mode, environment)
 
     def install(self, statements: Handlers, expressions: Handlers, suspending: Handlers) -> None:
         """What nodes mean in an episode: statements that take no time, expressions, statements in which time passes."""
-        self._inside["statements"] = self.session.statements | statements
-        self._inside["expressions"] = self.session.expressions | expressions
+        handlers = self.mode.handlers
+        handlers = replace(
+            handlers, statements=handlers.statements | statements, expressions=handlers.expressions | expressions
+        )
+        self.mode = replace(self.mode, handlers=handlers)
         self.suspending = suspending
 
     @property
@@ -126,10 +139,8 @@ class Episode:
     @contextmanager
     def playing(self) -> Iterator[None]:
         """Inside, the program means this episode."""
-        outside = dict(vars(self.session))
         loaded = [(each, each.properties, each.attributes) for each in self.objects]
         with self._belongings.lent():
-            vars(self.session).update(self._inside)
             for each, _, _ in loaded:
                 each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
             self.active = True
@@ -137,16 +148,15 @@ class Episode:
                 yield
             finally:
                 self.active = False
-                self._inside = {name: vars(self.session)[name] for name in self._inside}
-                vars(self.session).update(outside)
                 for each, properties, attributes in loaded:
                     each.properties, each.attributes = properties, attributes
 
     def rested(self) -> None:
         """Give what runs next its own patience; most of what was made before counts as forgotten."""
-        fresh = Patience(self.session.budget.limits)
-        fresh.memory = int(self.session.budget.memory * FORGETTING)
-        self.session.budget = fresh
+        budget = self.mode.budget
+        assert isinstance(budget, Patience)
+        budget.steps = budget.rounds = budget.calls = budget.scenes = 0
+        budget.memory = int(budget.memory * FORGETTING)
 
     def refresh(self, table: np.ndarray, facts: np.ndarray, first: bool) -> None:
         """Take in the world [O, F] and the facts [G] of this step, inside `playing`.
@@ -186,8 +196,9 @@ class Episode:
         self._properties[id(instance)] = instance.properties
         self._attributes[id(instance)] = instance.attributes
 
-    def _draw(self, column: ThetaColumn) -> ThetaColumn:
-        """Give a draw its value at once."""
+    def _draw(self, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
+        """A draw with its value at once."""
+        column = ThetaColumn(kind, place, offset, span)
         self.row[column] = column.offset + column.span * self.draws.uniform()
         return column
 

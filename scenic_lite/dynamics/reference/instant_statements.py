@@ -10,7 +10,8 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.bindings import Bindings
-from scenic_lite.core.scope import Scope, Watched
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, describe_kind
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
@@ -39,7 +40,7 @@ def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
         if episode.scenario.running:
             episode.scenario.add_temporal(watched)
         else:
-            scope.session.temporal.append(watched)
+            scope.state.temporal.append(watched)
         return
     probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
@@ -58,7 +59,7 @@ def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) 
     if episode.scenario.running:
         episode.scenario.add_monitor(value)
     else:
-        scope.session.monitors.append(value)
+        scope.state.monitors.append(value)
 
 
 def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
@@ -73,7 +74,7 @@ def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:
             raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
-        values[name] = checked(name, value, scope.session.dialect)
+        values[name] = checked(name, value, scope.state.dialect)
     episode.scenario.override(target, values)
 
 

@@ -56,7 +56,7 @@ class Reference:
         self.episode = Episode(program, theta, world, seed)
         self.episode.install(
             statements_of(self.episode),
-            {nodes.New: making_objects(self.episode, program.session.expressions[nodes.New])},
+            {nodes.New: making_objects(self.episode, program.mode.handlers.expressions[nodes.New])},
             SUSPENDING,
         )
         self.records: dict[str, Any] = {}

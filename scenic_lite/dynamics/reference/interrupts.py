@@ -93,7 +93,7 @@ def watched(thread: Thread, body: Steps, handlers: list[Handler], running: list[
             if at is None:
                 return
             running[at] = None
-            thread.episode.session.budget.round()
+            thread.episode.mode.budget.round()
             continue
         if at is not None:
             running[at] = block

@@ -65,7 +65,7 @@ def has_global(tree: ast.AST) -> bool:
 
 def containers(program: Program) -> list[Any]:
     """The lists, dictionaries and sets that behaviors, monitors and conditions can reach."""
-    pending: list[Value] = [*program.read_in_episodes, *program.instances, program.session.params]
+    pending: list[Value] = [*program.read_in_episodes, *program.instances, program.mode.state.params]
     if program.main_frame is not None:
         pending += program.main_frame.locals.values()
     found: list[Any] = []

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from scenic_lite.core.scope import Watched
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, describe_kind
 from scenic_lite.dynamics.reference.agents import Agents
 from scenic_lite.dynamics.reference.composing import ComposeThread
@@ -41,7 +41,7 @@ class Scenario:
     def __init__(self, episode: Episode, agents: Agents, call: BehaviorCall | None, parent: Scenario | None) -> None:
         self.episode, self.agents, self.parent = episode, agents, parent
         self.compose: ComposeThread | None = None if call is None else ComposeThread(episode, call, None, self)
-        self.ego = episode.session.ego
+        self.ego = episode.state.ego
         self.objects: list[Instance] = []
         self.subs: list[Scenario] = []
         self.running = False
@@ -60,22 +60,19 @@ class Scenario:
         self.kept = {name: list(vars(program)[name]) for name in KEPT}
         self.objects = list(self.episode.objects)
         if self.compose is not None and program.main_frame is not None:
-            self.compose.use(program.main_frame)
+            self.compose.use(self.episode.scope(program.main_frame))
 
     def set_up(self) -> None:
         """Check the guards and execute the setup, inside the parent."""
         assert self.compose is not None
-        session = self.episode.session
-        outside = {name: vars(session)[name] for name in KEPT}
-        vars(session).update(self.kept)
-        before = len(session.objects)
-        try:
-            with self.current():
-                self.compose.check_guards()
-                self.compose.scope.run(self.compose.call.behavior.scenario.setup)
-        finally:
-            vars(session).update(outside)
-        self.objects = session.objects[before:]
+        state = self.episode.state
+        state.forget_watched()
+        before = len(state.objects)
+        with self.current():
+            self.compose.check_guards()
+            self.compose.scope.run(self.compose.call.behavior.scenario.setup)
+        self.kept = {name: getattr(state, name) for name in KEPT}
+        self.objects = state.objects[before:]
         for each in self.objects:
             each.properties = {name: settled(value, self.episode.row) for name, value in each.properties.items()}
             self.episode.admit(each)
@@ -128,7 +125,7 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
-                duration = watched.scope.value(tree.duration)
+                duration = self.episode.scope(watched.scope).value(tree.duration)
                 if not is_number(duration):
                     message = f"a duration is a number, not {describe_kind(duration)}"
                     raise watched.scope.error("type", message, tree.duration)
@@ -138,13 +135,13 @@ class Scenario:
     @contextmanager
     def current(self) -> Iterator[None]:
         """Inside, `ego` is that of this scenario."""
-        session = self.episode.session
-        before, session.ego = session.ego, self.ego
+        state = self.episode.state
+        before, state.ego = state.ego, self.ego
         outer, self.episode.scenario = self.episode.scenario, self
         try:
             yield
         finally:
-            self.ego, session.ego, self.episode.scenario = session.ego, before, outer
+            self.ego, state.ego, self.episode.scenario = state.ego, before, outer
             self._share_ego()
 
     def _share_ego(self) -> None:
@@ -153,7 +150,7 @@ class Scenario:
         while at is not None and at.ego is None and self.ego is not None:
             at.ego = self.ego
             if self.episode.scenario is at:
-                self.episode.session.ego = self.ego
+                self.episode.state.ego = self.ego
             at = at.parent
 
     # ------------------------------------------------------------ a step
@@ -165,8 +162,8 @@ class Scenario:
 
     def _step(self) -> str | End | None:
         for watched, watch in self._temporal:
-            with watched.bindings.restored():
-                known = watch.step(watched.scope.truth)
+            with watched.bindings.restored(self.episode.state):
+                known = watch.step(self.episode.scope(watched.scope).truth)
             if known is Truth.FALSE:
                 raise Rejected(watched.label)
         if self._limit is not None and self._elapsed >= self._limit:
@@ -179,7 +176,7 @@ class Scenario:
             if self.compose.ended:
                 return self.stop("finished compose block")
         for watched in self._conditions("scenario"):
-            if watched.scope.truth(watched.tree.condition):
+            if self.episode.scope(watched.scope).truth(watched.tree.condition):
                 return self.stop(watched.label)
         return None
 
@@ -212,7 +209,7 @@ class Scenario:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             for watched in self._conditions("simulation"):
-                if watched.scope.truth(watched.tree.condition):
+                if self.episode.scope(watched.scope).truth(watched.tree.condition):
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
@@ -248,7 +245,10 @@ class Scenario:
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
-                    yield watched.label, settled(watched.scope.value(watched.tree.value), self.episode.row)
+                    yield (
+                        watched.label,
+                        settled(self.episode.scope(watched.scope).value(watched.tree.value), self.episode.row),
+                    )
         for sub in self._running():
             yield from sub.records(when)
 

@@ -49,7 +49,7 @@ def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
     while thread.scope.truth(node.test):
         if not (yield from one_round(thread, node.body)):
             return
-        thread.scope.session.budget.round()
+        thread.scope.mode.budget.round()
     yield from thread.block(node.orelse)
 
 
@@ -106,7 +106,7 @@ def excepting(thread: Thread, node: ast.Try | nodes.TryInterrupt, body: Iterator
 
 def handling(thread: Thread, error: ScenicError, block: Iterator[Step]) -> Iterator[Step]:
     """The block of an `except`, in which `raise` alone raises the error again."""
-    handled = thread.scope.session.handled
+    handled = thread.scope.state.handled
     while True:
         handled.append(error)
         try:

@@ -59,7 +59,8 @@ class Thread:
     def _frame(self) -> Scope:
         """The names of the body: the arguments, `self`, and its variables, which hide those outside from the start."""
         behavior = self.call.behavior
-        scope = behavior.scope.inner({**self.call.arguments, "self": self.agent})
+        names = {**self.call.arguments, "self": self.agent}
+        scope = Scope.inside(self.episode.mode, behavior.scope, names)
         scope.assigned = behavior.assigned
         return scope
 

@@ -274,7 +274,7 @@ ego = new Bag with behavior Add(log)
 
 def test_the_program_is_as_it_was_loaded_outside_of_episodes():
     program = load(COUNTING, dialect=3)
-    session, (ego,) = program.session, program.instances
+    session, (ego,) = program.mode.state, program.instances
     before = dict(vars(session))
     run(first_table(program, np.zeros(0)), Reference(program, np.zeros(0), toy_world()), 4, 1.0)
     assert vars(session) == before
@@ -319,10 +319,10 @@ def test_behaviors_that_call_each_other_for_ever():
 
 def test_a_fault_leaves_the_program_as_it_was():
     program = load("behavior B():\n    take 1 / 0\nego = new Object with behavior B()", dialect=3)
-    before = dict(vars(program.session))
+    before = dict(vars(program.mode.state))
     with pytest.raises(ScenicError):
         run(first_table(program, np.zeros(0)), Reference(program, np.zeros(0), toy_world()), 4)
-    assert vars(program.session) == before
+    assert vars(program.mode.state) == before
 
 
 def test_one_behavior_for_two_objects():

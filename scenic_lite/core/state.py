@@ -1,0 +1,176 @@
+"""What loading a program collects, what nodes mean, and the mode in which they are evaluated.
+
+Nothing here is exchanged while a program runs: an episode, the compiler and each single scene have a `Mode` of their
+own, which the scopes carry. Read next: `core.scope`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from scenic_lite.core.budget import Budget, exceeded
+from scenic_lite.core.checks import RuntimeChecks
+from scenic_lite.core.domain import Domain
+from scenic_lite.core.environment import Environment, Source
+from scenic_lite.core.paths import Path as RandomPath
+from scenic_lite.core.types import Behavior, BehaviorCall, Instance, Namespace
+from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
+from scenic_lite.values.regions import Region
+
+LOAD, SAMPLE, EPISODE, COMPILE = "load", "sample", "episode", "compile"  # phases of a Mode
+
+
+@dataclass
+class Requirement:
+    """One `require`: its condition over the samples."""
+
+    label: str
+    place: SourceSpan
+    condition: Value
+    probability: float = 1.0
+
+
+class DrawnPoint(NamedTuple):
+    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's.
+
+    `whole` is the region that the program names, where only a part of it is drawn from.
+    """
+
+    region: Region
+    columns: tuple[ThetaColumn, ...]
+    point: Vector
+    whole: Region | None = None
+
+
+class Sight(NamedTuple):
+    """What an object's specifier demands: that `viewer` sees it, or that it does not."""
+
+    viewer: Instance
+    wanted: bool
+
+
+class Watched(NamedTuple):
+    """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
+
+    tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
+    place: SourceSpan
+    scope: Environment
+    label: str = ""  # its name, or its text
+    bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
+
+
+@dataclass(eq=False)
+class LoadState:
+    """Everything that the statements of one program have made so far."""
+
+    domain: Domain | None
+    dialect: int
+    budget: Budget = field(default_factory=Budget)
+    objects: list[Instance] = field(default_factory=list)
+    params: dict[str, Value] = field(default_factory=dict)
+    requirements: list[Requirement] = field(default_factory=list)
+    sights: list[tuple[Instance, Sight]] = field(default_factory=list)
+    conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
+    columns: list[ThetaColumn] = field(default_factory=list)
+    points: list[DrawnPoint] = field(default_factory=list)
+    behaviors: dict[str, Behavior] = field(default_factory=dict)
+    monitors: list[BehaviorCall] = field(default_factory=list)
+    terminations: list[Watched] = field(default_factory=list)
+    records: list[Watched] = field(default_factory=list)
+    temporal: list[Watched] = field(default_factory=list)
+    scenarios: list[Behavior] = field(default_factory=list)
+    main: BehaviorCall | None = None  # the modular scenario that the program is
+    main_frame: Environment | None = None
+    library_params: set[str] = field(default_factory=set)
+    param_places: dict[str, SourceSpan] = field(default_factory=dict)
+    sources: dict[str, Source] = field(default_factory=dict)
+    modules: dict[str, Namespace] = field(default_factory=dict)
+    importing: list[str] = field(default_factory=list)
+    root: Path | None = None  # the program's folder
+    model: str | None = None  # the world model that the caller wants instead of the program's
+    fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
+    handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
+    warnings: list[ScenicError] = field(default_factory=list)
+    doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
+    declared: set[SourceSpan] = field(default_factory=set)  # `with` specifiers of properties that the class declares
+    watching: RuntimeChecks = field(default_factory=RuntimeChecks)
+    ego: Instance | None = None
+    workspace: Value = None
+
+    def column(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
+        """Draw a new random value: one more column of θ."""
+        if len(self.columns) >= self.budget.limits.draws:
+            raise exceeded(f"more than {self.budget.limits.draws:,} random values are drawn")
+        self.columns.append(ThetaColumn(kind, place, offset, span))
+        return self.columns[-1]
+
+    def forget_watched(self) -> None:
+        """Begin new lists of what is watched in episodes: what follows belongs to another scenario."""
+        self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
+
+    @contextmanager
+    def own_ego(self) -> Iterator[None]:
+        """Inside, a module has no ego yet; the one that it sets is the program's where that has none (dialect 3)."""
+        before, self.ego = self.ego, None
+        try:
+            yield
+        finally:
+            self.ego = before if before is not None or self.dialect == 2 else self.ego
+
+
+@dataclass(frozen=True)
+class Handlers:
+    """What each type of node means, and what names mean that no program defines."""
+
+    expressions: dict[type, Callable[..., Value]]  # (scope, node) -> value
+    statements: dict[type, Callable[..., Any]]  # (scope, node)
+    builtins: dict[str, Value]
+    call: Callable[..., Value]  # (scope, function, arguments, keywords, node) -> value
+    unpack: Callable[..., None]  # (scope, target, value)
+
+
+@dataclass(frozen=True, eq=False)
+class Mode:
+    """How nodes are evaluated: while a program is loaded, in one sample of it, in an episode, for the compiler.
+
+    Attributes:
+        phase: one of these four.
+        state: where statements put what they make.
+        budget: of which every step is paid.
+        draw: gives a new random value (kind, place, offset, span).
+        symbolic: comparisons and `and`, `or`, `not` of random values are values, not errors.
+        row: in one sample, what each random node is there.
+        path: where a function branches on random values, the branches that are taken.
+        owner: the object and the property whose specifier is evaluated, which names the draws.
+        in_model: a `model` statement is executed, whose params are only defaults.
+    """
+
+    phase: str
+    state: LoadState
+    handlers: Handlers
+    budget: Budget
+    draw: Callable[[str, SourceSpan, float, float], ThetaColumn]
+    symbolic: bool = False
+    row: dict[RandomExpr, Value] | None = None
+    path: RandomPath | None = None
+    owner: tuple[Instance, str] | None = None
+    in_model: bool = False
+
+    def requiring(self) -> Mode:
+        """The mode inside a requirement, where comparisons are symbolic and nothing can be drawn."""
+        return self if self.symbolic else replace(self, symbolic=True, draw=refuse_draw)
+
+    def in_sample(self, row: dict[RandomExpr, Value], budget: Budget) -> Mode:
+        """The mode inside a requirement in one sample."""
+        return replace(self.requiring(), phase=SAMPLE, row=row, budget=budget)
+
+
+def refuse_draw(*_: Any) -> ThetaColumn:
+    hint = "draw it before the requirement and give it a name"
+    raise ScenicError("type", "a requirement cannot draw a random value", hint=hint)
