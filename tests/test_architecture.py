@@ -54,11 +54,6 @@ KNOWN_UPWARD: set[str] = {
     "envs.football.state -> envs.football.control.control_modes",
 }
 KNOWN_RINGED: set[str] = {
-    "scenic_lite.core.domain",
-    "scenic_lite.core.paths",
-    "scenic_lite.core.scope",
-    "scenic_lite.core.types",
-    "scenic_lite.core.world",
     "scenic_lite.dynamics.compiler.attributes",
     "scenic_lite.dynamics.compiler.behaviors",
     "scenic_lite.dynamics.compiler.changing",
@@ -93,7 +88,6 @@ KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/syntax/strings.py: parser_specifiers",
 }
 KNOWN_LONG_FILES: set[str] = {
-    "scenic_lite/core/scope.py",
     "scenic_lite/dynamics/compiler/statements.py",
 }
 

@@ -8,10 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from scenic_lite.core.world import World
+from scenic_lite.core.world import World
 
 
 @dataclass(frozen=True)

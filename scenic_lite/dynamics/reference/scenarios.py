@@ -71,7 +71,7 @@ class Scenario:
         with self.current():
             self.compose.check_guards()
             self.compose.scope.run(self.compose.call.behavior.scenario.setup)
-        self.kept = {name: getattr(state, name) for name in KEPT}
+        self.kept = {name: vars(state)[name] for name in KEPT}
         self.objects = state.objects[before:]
         for each in self.objects:
             each.properties = {name: settled(value, self.episode.row) for name, value in each.properties.items()}
