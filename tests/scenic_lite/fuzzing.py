@@ -15,8 +15,7 @@ from scenic_lite import Program, ScenicError, load
 
 SECONDS = 2  # for one load
 TESTS = Path(__file__).parents[1]
-OPEN = TESTS.parents[1] / "shared" / "language" / "oracle" / "open"
-FOLDERS = (TESTS / "programs", TESTS / "oracle" / "programs", TESTS.parent / "minigames", OPEN)
+FOLDERS = (TESTS / "programs", TESTS / "oracle" / "programs", TESTS / "oracle" / "open", TESTS.parent / "minigames")
 SIGNS = (
     "( ) [ ] { } , : ; = == @ + - * ** / // % . ... -> := ' \" ''' f\"{ } \\ # \t \n \x00 é 1e 0x 3deg 0 1 -1 2.5 1e308"
 )

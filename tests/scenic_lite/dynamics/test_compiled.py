@@ -25,7 +25,7 @@ from tests.scenic_lite.dynamics.generated_scenarios import program as generated_
 
 BASE = FOOTBALL_WORLD.actions or 0
 REPOSITORY = Path(__file__).resolve().parents[3]
-OPEN = Path(__file__).parents[4] / "shared/language/oracle/open"
+OPEN = REPOSITORY / "tests/oracle/open"
 FOOTBALL_PROGRAMS = sorted(
     path
     for folder in ("tests/programs", "minigames", "experiments/programs")
@@ -89,7 +89,6 @@ def test_more_generated_scenarios_give_the_same_commands(seed):
     assert found == [], text
 
 
-@pytest.mark.skipif(not OPEN.exists(), reason="the open oracle programs are not here")
 @pytest.mark.parametrize("path", sorted(OPEN.glob("dyn_*.scenic")), ids=lambda path: path.stem)
 def test_open_oracle_programs_give_the_same_commands(path):
     text = path.read_text()
