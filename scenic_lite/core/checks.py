@@ -16,22 +16,9 @@ import numpy as np
 
 from scenic_lite.core.exceptions import from_python
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.values.graph import (
-    DIVIDE,
-    FLOOR_DIVIDE,
-    MODULO,
-    POWER,
-    SQUARE_ROOT,
-    Operation,
-    RandomExpr,
-    Tape,
-    Value,
-)
+from scenic_lite.values.graph import RandomExpr, Tape, Value
+from scenic_lite.values.operations import Operation, row_of
 
-DIVISIONS = (DIVIDE.array, FLOOR_DIVIDE.array, MODULO.array)
-FAILING: dict[Callable[..., Any], Callable[..., Any]] = {  # on arrays -> on numbers, where Python raises
-    operation.array: operation.scalar for operation in (DIVIDE, FLOOR_DIVIDE, MODULO, POWER, SQUARE_ROOT)
-}
 PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
 
 
@@ -110,13 +97,8 @@ class RuntimeChecks:
 
 
 def can_fail(operation: Callable[..., Any] | None) -> bool:
-    return isinstance(operation, FallibleOperation) or (operation in FAILING)
-
-
-def failing(operation: Operation) -> Operation:
-    """The same operation, among those that are watched."""
-    FAILING[operation.array] = operation.scalar
-    return operation
+    row = row_of(operation)
+    return isinstance(operation, FallibleOperation) or (row is not None and row.fails is not None)
 
 
 class Faults:
@@ -152,14 +134,12 @@ class Faults:
     def _mask(self, watch: Check, registers: list[Any]) -> Any:
         inputs = self._inputs(watch, registers)
         operation = watch.node.operation
+        row = row_of(operation)
         if isinstance(operation, FallibleOperation):
             mask = operation.fails(*inputs)
-        elif operation in DIVISIONS:
-            mask = np.asarray(inputs[1]) == 0
         else:
-            mask = is_infinite(self._of(watch.node, registers))
-            for each in inputs:
-                mask = mask & ~is_infinite(each)
+            assert row is not None and row.fails is not None
+            mask = row.fails(self._of(watch.node, registers), *inputs)
         for condition, wanted in watch.guards if np.any(mask) else ():
             mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == wanted)
         return mask
@@ -169,8 +149,10 @@ class Faults:
         if isinstance(operation, FallibleOperation):
             error = operation.error(row)
         else:
+            table_row = row_of(operation)
+            assert table_row is not None
             inputs = [np.atleast_1d(each) for each in self._inputs(watch, registers)]
-            error = error_of(operation, [each[min(row, len(each) - 1)].item() for each in inputs])
+            error = error_of(table_row, [each[min(row, len(each) - 1)].item() for each in inputs])
         if error.place is None:
             error.place, error.source_line = watch.place, watch.line
         return error
@@ -211,16 +193,10 @@ def reaches(tape: Tape, watch: Check) -> bool:
     return all(tape.find(each) is not None for each in needed)
 
 
-def is_infinite(values: Any) -> Any:
-    """Where numbers are infinite or none; False for what is no number."""
-    array = np.asarray(values)
-    return ~np.isfinite(array) if array.dtype.kind == "f" else np.zeros(array.shape, dtype=bool)
-
-
-def error_of(operation: Any, numbers: list[Any]) -> ScenicError:
-    """What Python says of an operation on these numbers."""
+def error_of(operation: Operation, numbers: list[Any]) -> ScenicError:
+    """Return what Python says of an operation on these numbers."""
     try:
-        result = FAILING[operation](*numbers)
+        result = operation.scalar(*numbers)
     except (ArithmeticError, ValueError, TypeError) as fault:
         error = from_python(fault)
     else:

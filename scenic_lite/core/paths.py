@@ -10,7 +10,8 @@ import math
 from collections.abc import Callable
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import WHERE, Value, apply
+from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.operations import WHERE
 
 MOST_BRANCHES, MOST_WALKS = 24, 64
 

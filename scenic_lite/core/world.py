@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 from scenic_lite.core.types import Instance, Namespace
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import ADD, MULTIPLY, Value, apply
+from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.operations import ADD, MULTIPLY
 
 
 @dataclass(frozen=True)

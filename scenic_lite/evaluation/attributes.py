@@ -41,7 +41,8 @@ from scenic_lite.language.region_members import (
     REGION_METHODS,
 )
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between
-from scenic_lite.values.graph import ABSOLUTE, MAXIMUM, RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import ABSOLUTE, MAXIMUM
 from scenic_lite.values.regions import Region, VectorField
 
 

@@ -36,10 +36,10 @@ from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.containers import dictionary_of, sorted_list
 from scenic_lite.evaluation.math_builtins import NUMBERS
 from scenic_lite.evaluation.strings import represented, text_of
-from scenic_lite.values.graph import AND, OR, Operation, RandomExpr, Value, apply, kind_of
+from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
+from scenic_lite.values.operations import AND, OR, TRUTH, Operation
 
 CALLABLE = (Function, Bound, Builtin, ScenicClass, ExceptionClass, Behavior)
-TRUE_OR_FALSE = Operation(bool, lambda array: np.asarray(array) != 0)
 NOTHING = object()  # no default was given
 
 
@@ -67,7 +67,7 @@ def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, sta
 def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
     """`bool(value)`."""
     if scope.mode.symbolic and isinstance(value, RandomExpr):
-        return apply(TRUE_OR_FALSE, value, kind="truth")
+        return apply(TRUTH, value, kind="truth")
     return scope.certain_truth(value, node)
 
 

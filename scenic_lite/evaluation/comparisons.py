@@ -15,7 +15,8 @@ from scenic_lite.core.types import RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object, outline
 from scenic_lite.values.geometry import Vector, as_vector
-from scenic_lite.values.graph import (
+from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
+from scenic_lite.values.operations import (
     AND,
     EQUAL,
     GREATER,
@@ -26,10 +27,6 @@ from scenic_lite.values.graph import (
     NOT_EQUAL,
     OR,
     Operation,
-    RandomExpr,
-    Value,
-    apply,
-    kind_of,
 )
 from scenic_lite.values.regions import Region
 

@@ -26,19 +26,9 @@ from scenic_lite.language.region_members import item_of as element_of
 from scenic_lite.language.scenic_operators import OPERATORS, ego_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector, as_vector
-from scenic_lite.values.graph import (
-    AND,
-    NOT,
-    OR,
-    WHERE,
-    RandomExpr,
-    Value,
-    apply,
-    is_number,
-    kind_of,
-    real_power,
-)
+from scenic_lite.values.graph import RandomExpr, Value, apply, is_number, kind_of
 from scenic_lite.values.lines import PolylineRegion
+from scenic_lite.values.operations import AND, NOT, OR, WHERE, real_power
 from scenic_lite.values.regions import Region, VectorField
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {

@@ -17,8 +17,9 @@ from scenic_lite.evaluation.random_module import RANDOM
 from scenic_lite.language import distributions as draw
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT
 from scenic_lite.language.region_functions import REGIONS, number
-from scenic_lite.values.geometry import NORMALISE, Vector
-from scenic_lite.values.graph import ARC_TANGENT, COSINE, SINE, SQUARE_ROOT, Value, is_number
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import Value, is_number
+from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, NORMALISE, SINE, SQUARE_ROOT
 
 
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
@@ -73,7 +74,7 @@ SCENIC: dict[str, Value] = {
     "cos": plain("cos", of_one(COSINE)),
     "hypot": MATH["hypot"],
     "sqrt": plain("sqrt", of_one(SQUARE_ROOT)),
-    "atan2": plain("atan2", of_two(ARC_TANGENT)),
+    "atan2": plain("atan2", of_two(ARC_TANGENT_2)),
     "normalizeAngle": plain("normalizeAngle", of_one(NORMALISE)),
     "simulation": needs_context("simulation", outside_behavior),
 }

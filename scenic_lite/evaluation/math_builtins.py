@@ -14,26 +14,23 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.checks import failing
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import TURN
-from scenic_lite.values.graph import (
+from scenic_lite.values.formulas import TURN
+from scenic_lite.values.graph import RandomExpr, Value, apply, as_number, kind_of
+from scenic_lite.values.operations import (
     ABSOLUTE,
     FLOAT,
     HYPOTENUSE,
     INTEGER,
+    LOGARITHM,
     MAXIMUM,
     MINIMUM,
     MULTIPLY,
+    OPERATIONS,
     ROUND,
     Operation,
-    RandomExpr,
-    Value,
-    apply,
-    as_number,
-    kind_of,
     real_power,
     to_integers,
 )
@@ -246,30 +243,7 @@ def combinations(n: Value, k: Value) -> int:
     return math.comb(n, k)
 
 
-LOGARITHM = failing(Operation(math.log, np.log))
 TRUNCATION = Operation(math.trunc, to_integers)
-OF_ONE: tuple[tuple[Callable[[float], Any], Callable[[Any], Any]], ...] = (
-    (math.sin, np.sin), (math.cos, np.cos), (math.tan, np.tan),
-    (math.asin, np.arcsin), (math.acos, np.arccos), (math.atan, np.arctan),
-    (math.sinh, np.sinh), (math.cosh, np.cosh), (math.tanh, np.tanh),
-    (math.asinh, np.arcsinh), (math.acosh, np.arccosh), (math.atanh, np.arctanh),
-    (math.sqrt, np.sqrt), (math.cbrt, np.cbrt), (math.exp, np.exp), (math.exp2, np.exp2), (math.expm1, np.expm1),
-    (math.log2, np.log2), (math.log10, np.log10), (math.log1p, np.log1p), (math.fabs, np.abs),
-    (math.floor, lambda x: to_integers(np.floor(x))), (math.ceil, lambda x: to_integers(np.ceil(x))),
-    (math.radians, np.radians), (math.degrees, np.degrees),
-)  # fmt: skip
-NEVER_FAILING = ("sin", "cos", "tan", "atan", "tanh", "asinh", "fabs", "radians", "degrees", "atan2", "copysign")
-TESTS: tuple[tuple[Callable[[float], bool], Callable[[Any], Any]], ...] = (
-    (math.isnan, np.isnan), (math.isinf, np.isinf), (math.isfinite, np.isfinite),
-)  # fmt: skip
-OF_TWO: tuple[tuple[Callable[[float, float], Any], Callable[[Any, Any], Any]], ...] = (
-    (math.atan2, np.arctan2), (math.copysign, np.copysign), (math.fmod, np.fmod), (math.pow, np.float_power),
-    (math.remainder, lambda x, y: x - y * np.rint(x / y)),
-)  # fmt: skip
-_PAIRS: tuple[tuple[Callable[..., Any], Callable[..., Any]], ...] = (*OF_ONE, *OF_TWO)
-for _scalar, _array in _PAIRS:
-    if _scalar.__name__ not in NEVER_FAILING:
-        failing(Operation(_scalar, _array))
 INTEGERS_ONLY = (math.gcd, math.lcm, math.isqrt)
 
 
@@ -285,14 +259,15 @@ def fixed_integers(function: Callable[..., int]) -> Callable[..., int]:
     return computed
 
 
-def truth_of_one(operation: Operation) -> Callable[[Value], Value]:
-    return lambda x: apply(operation, x, kind="truth")
+def of_table(operation: Operation) -> Builtin:
+    """Return the function of the module `math` that a row of the table of operations is."""
+    if operation.kind == "truth":
+        return Builtin(operation.name, lambda x: apply(operation, x))
+    return Builtin(operation.name, of_one(operation) if operation.arity == 1 else of_two(operation))
 
 
 MATH: dict[str, Value] = {
-    **{scalar.__name__: Builtin(scalar.__name__, of_one(Operation(scalar, array))) for scalar, array in OF_ONE},
-    **{scalar.__name__: Builtin(scalar.__name__, of_two(Operation(scalar, array))) for scalar, array in OF_TWO},
-    **{scalar.__name__: Builtin(scalar.__name__, truth_of_one(Operation(scalar, array))) for scalar, array in TESTS},
+    **{row.name: of_table(row) for row in OPERATIONS if getattr(math, row.name, None) is row.scalar},
     **{function.__name__: Builtin(function.__name__, fixed_integers(function)) for function in INTEGERS_ONLY},
     "trunc": Builtin("trunc", of_one(TRUNCATION)),
     "log": Builtin("log", logarithm),

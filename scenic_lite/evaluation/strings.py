@@ -18,7 +18,8 @@ from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import Builtin, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import INTEGER, TEXT, RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import INTEGER, TEXT
 
 DIRECTIVE = re.compile(
     r"%(?:\((?P<key>[^()]*)\))?(?P<flags>[#0\- +]*)(?P<width>\*|\d+)?(?:\.(?P<digits>\*|\d+))?(.)", re.S

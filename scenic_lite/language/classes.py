@@ -9,9 +9,10 @@ import math
 
 from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, sector_meets_rectangle
-from scenic_lite.values.graph import OR, RandomExpr, Value, apply, is_number
-from scenic_lite.values.regions import SectorRegion, truth_of
+from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar
+from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
+from scenic_lite.values.operations import OR, SECTOR_MEETS
+from scenic_lite.values.regions import SectorRegion
 
 
 def constants(**values: Value) -> dict[str, Default]:
@@ -193,8 +194,4 @@ def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
             found = apply(OR, found, view.contains(corner), kind="truth")
         return found
     sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
-    return truth_of(sector_and_rectangle, *sector, *rectangle_of(seen))
-
-
-def sector_and_rectangle(*numbers: Value) -> Value:
-    return sector_meets_rectangle(numbers[:5], numbers[5:])
+    return apply(SECTOR_MEETS, *sector, *rectangle_of(seen))

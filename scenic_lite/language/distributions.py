@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,11 +17,9 @@ from scenic_lite.core.state import EPISODE, DrawnPoint, Requirement
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector, is_scalar
-from scenic_lite.values.graph import LESS_EQUAL, Operation, RandomExpr, ThetaColumn, Value, apply, is_number
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, is_number
+from scenic_lite.values.operations import CLIP, LESS_EQUAL, NORMAL_CDF, NORMAL_QUANTILE, Operation
 from scenic_lite.values.regions import Filtered, Region
-
-# A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
-LEAST_PROBABILITY = 2.0**-52
 
 
 def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
@@ -159,7 +156,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
         raise ScenicError("value", f"the standard deviation {spread} is negative")
     column = scope.draw("normal", scope.place(node))
     column.low, column.high = -math.inf, math.inf
-    column.shown = mean + spread * RandomExpr(normal_quantile, (column,))
+    column.shown = mean + spread * apply(NORMAL_QUANTILE, column)
     return column.shown
 
 
@@ -172,9 +169,9 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
         raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
     column = scope.draw("normal", scope.place(node))
     column.low, column.high = float(low), float(high)
-    start, end = apply(NORMAL_SHARE, (low - mean) / spread), apply(NORMAL_SHARE, (high - mean) / spread)
-    raw = mean + spread * RandomExpr(normal_quantile, (start + (end - start) * column,))
-    column.shown = RandomExpr(np.clip, (raw, float(low), float(high)))
+    start, end = apply(NORMAL_CDF, (low - mean) / spread), apply(NORMAL_CDF, (high - mean) / spread)
+    raw = mean + spread * apply(NORMAL_QUANTILE, start + (end - start) * column)
+    column.shown = apply(CLIP, raw, float(low), float(high))
     return column.shown
 
 
@@ -255,54 +252,3 @@ def check_numbers(name: str, *values: Value) -> None:
     for value in values:
         if not is_scalar(value):
             raise ScenicError("type", f"{name} takes numbers, not {describe_kind(value)}")
-
-
-def normal_share(z: Any) -> Any:
-    """Φ(z), the share of a standard normal below z."""
-    return 0.5 * np.array([math.erfc(-each / math.sqrt(2)) for each in z])
-
-
-NORMAL_SHARE = Operation(lambda z: 0.5 * math.erfc(-z / math.sqrt(2)), normal_share)
-
-
-def normal_quantile(uniform: Any) -> Any:
-    """Φ⁻¹ elementwise, by Wichura's algorithm AS 241 (Applied Statistics 37, 1988), accurate to 1e-15."""
-    uniform = np.clip(uniform, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
-    centred = uniform - 0.5
-    inner = centred * rational(0.180625 - centred * centred, CENTRE)
-    tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
-    outer = np.where(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
-    return np.where(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
-
-
-def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
-    """A quotient of two polynomials, highest power first."""
-    top, bottom = coefficients
-    return horner(x, top) / horner(x, bottom)
-
-
-def horner(x: Any, coefficients: Sequence[float]) -> Any:
-    total = coefficients[0] * np.ones_like(x)
-    for coefficient in coefficients[1:]:
-        total = total * x + coefficient
-    return total
-
-
-CENTRE = (
-    (2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
-     13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608),
-    (5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,
-     5394.1960214247511077, 687.1870074920579083, 42.313330701600911252, 1.0),
-)  # fmt: skip
-MIDDLE = (
-    (7.7454501427834140764e-4, 0.0227238449892691845833, 0.24178072517745061177, 1.27045825245236838258,
-     3.64784832476320460504, 5.7694972214606914055, 4.6303378461565452959, 1.42343711074968357734),
-    (1.05075007164441684324e-9, 5.475938084995344946e-4, 0.0151986665636164571966, 0.14810397642748007459,
-     0.68976733498510000455, 1.6763848301838038494, 2.05319162663775882187, 1.0),
-)  # fmt: skip
-FAR = (
-    (2.01033439929228813265e-7, 2.71155556874348757815e-5, 0.0012426609473880784386, 0.026532189526576123093,
-     0.29656057182850489123, 1.7848265399172913358, 5.4637849111641143699, 6.6579046435011037772),
-    (2.04426310338993978564e-15, 1.4215117583164458887e-7, 1.8463183175100546818e-5, 7.868691311456132591e-4,
-     0.0148753612908506148525, 0.13692988092273580531, 0.59983220655588793769, 1.0),
-)  # fmt: skip

@@ -18,7 +18,8 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.field_rows import heading_by_row
 from scenic_lite.values.geometry import Vector, is_scalar
-from scenic_lite.values.graph import WHERE, RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
+from scenic_lite.values.operations import WHERE
 from scenic_lite.values.regions import Region, VectorField
 
 MOST_STEPS = 1000

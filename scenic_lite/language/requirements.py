@@ -17,9 +17,9 @@ from scenic_lite.core.state import LoadState, Requirement, Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
-from scenic_lite.language.distributions import normal_quantile
 from scenic_lite.language.temporal import formula_of, is_temporal, possible
 from scenic_lite.syntax import nodes
+from scenic_lite.values.formulas import normal_quantile
 from scenic_lite.values.geometry import Vector, normalised
 from scenic_lite.values.graph import RandomExpr, Value, columns_of, is_number
 

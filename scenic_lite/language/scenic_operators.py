@@ -25,16 +25,10 @@ from scenic_lite.language.classes import (
 )
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifier_rules import ego_of, vector_of, viewer_of
-from scenic_lite.values.geometry import (
-    angle_between,
-    as_vector,
-    distance_between,
-    is_scalar,
-    normalised,
-    rectangles_meet,
-)
-from scenic_lite.values.graph import RandomExpr, Value
-from scenic_lite.values.regions import Region, VectorField, truth_of
+from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import RECTANGLES_MEET
+from scenic_lite.values.regions import Region, VectorField
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
 
@@ -175,7 +169,7 @@ def objects_intersect(x: Value, y: Value) -> Value:
     if not (is_object(x) and is_object(y)):
         raise ScenicError("unsupported", "`intersects` is supported between objects only")
     numbers = [part for each in (x, y) for part in rectangle_of(each)]
-    return truth_of(rectangles_meet, *numbers)
+    return apply(RECTANGLES_MEET, *numbers)
 
 
 def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:

@@ -19,7 +19,8 @@ from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifiers import FIRM, LOOSE, ResolvedSpecifier
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalised
-from scenic_lite.values.graph import NOT, Value, apply
+from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.operations import NOT
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, VectorField
 
 POSITION = {"position": FIRM}

@@ -22,7 +22,8 @@ from functools import reduce
 from typing import Any
 
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import AND, NOT, OR, Value, apply
+from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.operations import AND, NOT, OR
 
 OPERATORS = frozenset({"always", "eventually", "next", "until", "implies"})
 Step = Callable[[ast.expr], bool]  # the truth of an expression in the present step

@@ -16,9 +16,10 @@ from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
-from scenic_lite.values.geometry import CLOSENESS, rectangles_meet
-from scenic_lite.values.graph import NOT, OR, RandomExpr, Value, apply
-from scenic_lite.values.regions import Everywhere, RectangularRegion, Region, truth_of
+from scenic_lite.values.formulas import CLOSENESS, rectangles_meet
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import NOT, OR, RECTANGLES_MEET
+from scenic_lite.values.regions import Everywhere, RectangularRegion, Region
 
 BLOCK = 8192  # numbers in one array while rules are tested
 
@@ -197,7 +198,7 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
         for a in objects[:j]:
             allowed = [each.properties["allowCollisions"] for each in (a, b)]
             if any(isinstance(each, RandomExpr) for each in allowed) and True not in allowed:
-                meets = truth_of(rectangles_meet, *rectangle_of(a), *rectangle_of(b))
+                meets = apply(RECTANGLES_MEET, *rectangle_of(a), *rectangle_of(b))
                 excused = apply(OR, *allowed, kind="truth")
                 rule = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
                 yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")

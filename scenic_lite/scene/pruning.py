@@ -18,7 +18,8 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.distributions import show_coordinates, span_between
 from scenic_lite.scene.bounds import bounds_of
 from scenic_lite.scene.constraints import containers
-from scenic_lite.values.geometry import ARC_SEGMENTS, CLOSENESS, TURN, Vector
+from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
+from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.polygons import PolygonalRegion
 from scenic_lite.values.regions import RectangularRegion, Region, SectorRegion

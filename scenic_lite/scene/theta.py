@@ -17,7 +17,8 @@ from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, randoms
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.naming import Draw
 from scenic_lite.scene.scenes import Planner, Scenes
-from scenic_lite.values.geometry import TURN, Vector
+from scenic_lite.values.formulas import TURN
+from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number, kind_of
 
 CLOSE = 1e-6  # relative, from 1 on: two values that agree so far are the same

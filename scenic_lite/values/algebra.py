@@ -17,8 +17,9 @@ import shapely
 from scenic_lite.errors import ScenicError
 from scenic_lite.values import shapes
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import NOT, OR, Operation, RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.lines import GridRegion, PointSetRegion, PolylineRegion
+from scenic_lite.values.operations import NOT, OR, Operation
 from scenic_lite.values.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion
 from scenic_lite.values.regions import (
     Everywhere,

@@ -8,25 +8,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any
 
-import numpy as np
-
-from scenic_lite.values.graph import (
-    ARC_TANGENT,
-    COSINE,
-    HYPOTENUSE,
-    SINE,
-    Operation,
-    RandomExpr,
-    Value,
-    apply,
-    is_number,
-)
-
-TURN = 2 * math.pi
-ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
-CLOSENESS = 1e-9  # a point this near a boundary belongs to it
+from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
+from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, HYPOTENUSE, NORMALISE, SINE
 
 
 class Vector:
@@ -132,11 +116,6 @@ def cosine(angle: Value) -> Value:
     return apply(COSINE, angle)
 
 
-NORMALISE = Operation(
-    lambda angle: angle - TURN * round(angle / TURN), lambda angle: angle - TURN * np.rint(angle / TURN)
-)
-
-
 def normalised(angle: Value) -> Value:
     """The same angle in [-π, π]; both ends stay as they are."""
     return apply(NORMALISE, angle)
@@ -149,91 +128,10 @@ def distance_between(start: Vector, end: Vector) -> Value:
 def angle_between(start: Vector, end: Vector) -> Value:
     """Heading of the ray from `start` to `end`."""
     ray = end - start
-    return normalised(apply(ARC_TANGENT, ray.y, ray.x) - math.pi / 2)
+    return normalised(apply(ARC_TANGENT_2, ray.y, ray.x) - math.pi / 2)
 
 
 def corners(position: Vector, heading: Value, width: Value, length: Value) -> list[Vector]:
     """The corners of an oriented rectangle, anticlockwise from the front right."""
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
     return [position + Vector(width * x, length * y).rotated(heading) for x, y in signs]
-
-
-def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
-    """Whether points at (delta_x, delta_y) from the apex lie in a sector; arrays [N] or scalars."""
-    bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading
-    turn = np.abs(bearing - TURN * np.rint(bearing / TURN))
-    at_apex = (delta_x == 0) & (delta_y == 0)
-    return (np.hypot(delta_x, delta_y) <= radius) & ((turn <= np.asarray(angle) / 2) | at_apex)
-
-
-def sector_meets_rectangle(sector: tuple[Any, ...], rectangle: tuple[Any, ...]) -> Any:
-    """Whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length).
-
-    They meet if the apex lies in the rectangle, a corner in the sector, or an edge crosses the arc or one of the two
-    straight sides. Arrays [N] or scalars; returns [N].
-    """
-    x, y, radius, heading, angle = sector
-    cx, cy, turn, width, length = rectangle
-    c, s = np.cos(turn), np.sin(turn)
-    local_x, local_y = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
-    meets = (np.abs(local_x) <= width / 2) & (np.abs(local_y) <= length / 2)
-    points = []  # corners relative to the apex
-    for sign_x, sign_y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
-        dx, dy = sign_x * width / 2, sign_y * length / 2
-        points.append((cx - x + dx * c - dy * s, cy - y + dx * s + dy * c))
-    for (px, py), (qx, qy) in zip(points, points[1:] + points[:1], strict=True):
-        meets = meets | in_sector(px, py, radius, heading, angle)
-        meets = meets | _edge_meets_arc((px, py, qx, qy), radius, heading, angle)
-        for side in (heading - np.asarray(angle) / 2, heading + np.asarray(angle) / 2):
-            meets = meets | _edge_meets_ray((px, py, qx, qy), -np.sin(side), np.cos(side), radius)
-    return meets
-
-
-def _edge_meets_arc(edge: tuple[Any, ...], radius: Any, heading: Any, angle: Any) -> Any:
-    """Whether a segment crosses the circle of `radius` round the origin within the sector's angle."""
-    px, py, qx, qy = edge
-    dx, dy = qx - px, qy - py
-    a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
-    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    meets = np.zeros(np.shape(root), dtype=bool)
-    for t in ((-b - root) / np.maximum(a, 1e-300), (-b + root) / np.maximum(a, 1e-300)):
-        within = in_sector(px + t * dx, py + t * dy, radius * (1 + 1e-9), heading, angle)
-        meets = meets | ((b * b >= a * c) & (t >= 0) & (t <= 1) & within)
-    return meets
-
-
-def _edge_meets_ray(edge: tuple[Any, ...], ray_x: Any, ray_y: Any, radius: Any) -> Any:
-    """Whether a segment crosses the segment of length `radius` from the origin along (ray_x, ray_y)."""
-    px, py, qx, qy = edge
-    side_p, side_q = ray_x * py - ray_y * px, ray_x * qy - ray_y * qx
-    along_p, along_q = ray_x * px + ray_y * py, ray_x * qx + ray_y * qy
-    gap = np.where(side_p == side_q, 1.0, side_p - side_q)
-    along = along_p + (along_q - along_p) * side_p / gap
-    return (side_p * side_q <= 0) & (side_p != side_q) & (along >= 0) & (along <= radius)
-
-
-def rectangles_meet(*numbers: Any) -> Any:
-    """Whether two rectangles, each (x, y, heading, width, length), have a common point; touching counts.
-
-    They are apart exactly if they are apart along one of their four axes. Arrays of any one shape, or scalars.
-    """
-    ax, ay, turn_a, width_a, length_a, bx, by, turn_b, width_b, length_b = numbers
-    ca, sa, cb, sb = np.cos(turn_a), np.sin(turn_a), np.cos(turn_b), np.sin(turn_b)
-    c, s = np.abs(ca * cb + sa * sb), np.abs(sa * cb - ca * sb)  # of the angle between them
-    dx, dy = bx - ax, by - ay
-    half_a, half_b = (width_a / 2, length_a / 2), (width_b / 2, length_b / 2)
-    meets = np.abs(dx * ca + dy * sa) <= half_a[0] + half_b[0] * c + half_b[1] * s
-    meets = meets & (np.abs(dy * ca - dx * sa) <= half_a[1] + half_b[0] * s + half_b[1] * c)
-    meets = meets & (np.abs(dx * cb + dy * sb) <= half_b[0] + half_a[0] * c + half_a[1] * s)
-    return meets & (np.abs(dy * cb - dx * sb) <= half_b[1] + half_a[0] * s + half_a[1] * c)
-
-
-def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
-    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
-    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
-    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
-    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
-    whole = angle >= TURN
-    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
-    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
-    return np.stack([xs, ys], axis=-1)

@@ -7,23 +7,28 @@ then holds the nodes in topological order, so that N scenes cost one array opera
 
 from __future__ import annotations
 
-import math
-import operator
 from collections.abc import Callable, Iterable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.values.operations import (
+    ABSOLUTE,
+    ADD,
+    DIVIDE,
+    FLOOR_DIVIDE,
+    MODULO,
+    MULTIPLY,
+    NEGATE,
+    POWER,
+    SELECT,
+    SUBTRACT,
+    Operation,
+    to_integers,
+)
 
 Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
-
-
-class Operation(NamedTuple):
-    """One operation in its two readings: on Python numbers (raises like Python), on arrays [N] (gives nan instead)."""
-
-    scalar: Callable[..., Any]
-    array: Callable[..., Any]
 
 
 class RandomExpr:
@@ -122,10 +127,13 @@ def is_number(value: Value) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def apply(operation: Operation, *operands: Value, kind: str = "number") -> Value:
-    """`operation` on numbers at once, or as a new node if an operand is random."""
+def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
+    """Do `operation` to numbers at once, or make a new node of it if an operand is random.
+
+    `kind` is what comes out, where the table of operations does not say it.
+    """
     if any(isinstance(operand, RandomExpr) for operand in operands):
-        return RandomExpr(operation.array, operands, kind)
+        return RandomExpr(operation.array, operands, kind or operation.kind)
     return operation.scalar(*operands)
 
 
@@ -160,71 +168,6 @@ def scaled(value: RandomExpr, factor: float) -> Value:
     return 0.0 if factor == 0 and value.kind == "number" else arithmetic(MULTIPLY, value, factor)
 
 
-def array_power(base: Any, exponent: Any) -> Any:
-    """Powers of integers with a fixed exponent stay integers; all others are fractions, whatever the row."""
-    if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
-        return np.power(base, exponent)
-    return np.float_power(base, exponent)
-
-
-def real_power(base: Any, exponent: Any) -> Any:
-    """`base ** exponent`. Raises ValueError where that is no real number, as of -2 ** 0.5."""
-    result = base**exponent
-    if isinstance(result, complex):
-        raise ValueError(f"({base:g}) ** {exponent:g} is no real number")
-    return result
-
-
-def plain_round(value: Any, digits: Any = None) -> Any:
-    """Python's `round` on an array: to integers without `digits`."""
-    if digits is None:
-        return to_integers(np.rint(value))
-    return np.round(value, digits)
-
-
-def to_integers(value: Any) -> Any:
-    """Truncate to int64; what is no finite number becomes the least of them."""
-    return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
-
-
-def each_text(value: Any) -> Any:
-    """`str` of each element, as Python writes it."""
-    texts = [str(element.item() if hasattr(element, "item") else element) for element in value]
-    return np.array(texts + [None], dtype=object)[:-1]
-
-
-ADD = Operation(operator.add, np.add)
-SUBTRACT = Operation(operator.sub, np.subtract)
-MULTIPLY = Operation(operator.mul, np.multiply)
-DIVIDE = Operation(operator.truediv, np.true_divide)
-FLOOR_DIVIDE = Operation(operator.floordiv, np.floor_divide)
-MODULO = Operation(operator.mod, np.mod)
-POWER = Operation(real_power, array_power)
-NEGATE = Operation(operator.neg, np.negative)
-ABSOLUTE = Operation(abs, np.absolute)
-LESS = Operation(operator.lt, np.less)
-LESS_EQUAL = Operation(operator.le, np.less_equal)
-GREATER = Operation(operator.gt, np.greater)
-GREATER_EQUAL = Operation(operator.ge, np.greater_equal)
-EQUAL = Operation(operator.eq, np.equal)
-NOT_EQUAL = Operation(operator.ne, np.not_equal)
-AND = Operation(lambda a, b: bool(a) and bool(b), np.logical_and)
-OR = Operation(lambda a, b: bool(a) or bool(b), np.logical_or)
-NOT = Operation(operator.not_, np.logical_not)
-WHERE = Operation(lambda c, a, b: a if c else b, np.where)
-MINIMUM = Operation(min, np.minimum)
-MAXIMUM = Operation(max, np.maximum)
-SINE = Operation(math.sin, np.sin)
-COSINE = Operation(math.cos, np.cos)
-SQUARE_ROOT = Operation(math.sqrt, np.sqrt)
-HYPOTENUSE = Operation(math.hypot, np.hypot)
-ARC_TANGENT = Operation(math.atan2, np.arctan2)
-INTEGER = Operation(int, to_integers)
-FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float))
-ROUND = Operation(round, plain_round)
-TEXT = Operation(str, each_text)
-
-
 class Table:
     """Look up constants by a random index: the options of `Uniform(1, 5, 9)`."""
 
@@ -237,18 +180,12 @@ class Table:
         return self.options[index]
 
 
-def pick(index: Any, *options: Any) -> Any:
-    """options[index] row by row; index [N], each option a scalar or [N]."""
-    stacked = np.stack([np.broadcast_to(option, index.shape) for option in options])  # [K, N]
-    return stacked[index, np.arange(len(index))]
-
-
 def select(index: RandomExpr, options: tuple) -> RandomExpr:
     """The random choice among numbers or texts, themselves random or not."""
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
     if any(isinstance(option, RandomExpr) for option in options):
-        return RandomExpr(pick, (index, *options), kind)
+        return RandomExpr(SELECT.array, (index, *options), kind)
     return RandomExpr(Table(options), (index,), kind)
 
 

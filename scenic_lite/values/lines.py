@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import NORMALISE, Vector
-from scenic_lite.values.graph import AND, RandomExpr, Value, apply
-from scenic_lite.values.regions import Point2, Region, VectorField, in_frame, numbers_of, truth_of
+from scenic_lite.values.formulas import in_frame
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import AND, NORMALISE
+from scenic_lite.values.regions import Point2, Region, VectorField, numbers_of, truth_of
 
 NEAR = 1e-6  # a point so near a polyline or a point lies on it
 

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import CLOSENESS, Vector
-from scenic_lite.values.graph import AND, RandomExpr, Value, apply
+from scenic_lite.values.formulas import CLOSENESS
+from scenic_lite.values.geometry import Vector
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import AND
 from scenic_lite.values.regions import Point2, Region, VectorField, truth_of
 from scenic_lite.values.slabs import Slabs
 

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.geometry import CLOSENESS, TURN, Vector, corners, cosine, in_sector, sector_rings, sine
-from scenic_lite.values.graph import AND, MAXIMUM, WHERE, Operation, Value, apply, is_number
+from scenic_lite.values.formulas import CLOSENESS, TURN, in_frame, sector_rings
+from scenic_lite.values.geometry import Vector, corners, cosine, sine
+from scenic_lite.values.graph import Value, apply, is_number
+from scenic_lite.values.operations import AND, IN_RECTANGLE, IN_SECTOR, MAXIMUM, SQUARE_ROOT, WHERE, Operation, quietly
 
 Point2 = tuple[float, float]
 
@@ -120,7 +122,7 @@ class RectangularRegion(Region):
         return self.position + offset.rotated(self.heading)
 
     def contains(self, point: Vector) -> Value:
-        return truth_of(in_rectangle, point.x, point.y, *self.parameters())
+        return apply(IN_RECTANGLE, point.x, point.y, *self.parameters())
 
     def distance(self, point: Vector) -> Value:
         return numbers_of(from_rectangle, point.x, point.y, *self.parameters())
@@ -152,13 +154,13 @@ class SectorRegion(Region):
 
     def point(self, u: Value, v: Value) -> Vector:
         turn = self.heading + (v - 0.5) * self.angle
-        reach = self.radius * apply(ROOT, u)
+        reach = self.radius * apply(SQUARE_ROOT, u)
         return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
 
     def contains(self, point: Vector) -> Value:
         delta = point - self.center
         reach = self.radius + CLOSENESS
-        return truth_of(in_sector, delta.x, delta.y, reach, self.heading, self.angle)
+        return apply(IN_SECTOR, delta.x, delta.y, reach, self.heading, self.angle)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         """Exact, also where the sector is more than half a disc and so not convex."""
@@ -235,9 +237,6 @@ class Filtered(Region):
         return self.region.outlines()
 
 
-ROOT = Operation(math.sqrt, np.sqrt)
-
-
 def title(region: Region) -> str:
     """A region in a message."""
     return type(region).__name__
@@ -253,32 +252,10 @@ def numbers_of(function: Callable[..., Any], *operands: Value) -> Value:
     return apply(Operation(quietly(function, float), function), *operands)
 
 
-def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callable[..., Any]:
-    """The same function on numbers; what is infinite is in no region, and no reason for a warning."""
-
-    def of_numbers(*numbers: Value) -> Any:
-        with np.errstate(all="ignore"):
-            return kind(function(*numbers))
-
-    return of_numbers
-
-
-def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
-    """Whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
-    across, along = in_frame(x - cx, y - cy, heading)
-    return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
-
-
 def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
     """The distance of points from an oriented rectangle, 0 inside."""
     across, along = in_frame(x - cx, y - cy, heading)
     return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
-
-
-def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
-    """A displacement as seen in a frame turned by `heading`."""
-    c, s = np.cos(heading), np.sin(heading)
-    return dx * c + dy * s, dy * c - dx * s
 
 
 def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:

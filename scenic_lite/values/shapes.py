@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from scenic_lite.values.geometry import ARC_SEGMENTS, CLOSENESS, sector_rings
-from scenic_lite.values.graph import Operation
+from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, sector_rings
+from scenic_lite.values.operations import Operation
 
 COARSE = 64  # segments of a circle that differs from scene to scene
 EMPTY = shapely.Polygon()

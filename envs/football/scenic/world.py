@@ -11,7 +11,8 @@ from scenic_lite.core.types import Instance, Namespace, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import EQUAL, NOT_EQUAL, RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import EQUAL, NOT_EQUAL
 
 FIELDS = (
     "x",

@@ -29,7 +29,8 @@ from scenic_lite.dynamics.compiler.types import RegisterList, varies
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT, Value, apply, as_number
+from scenic_lite.values.graph import Value, apply, as_number
+from scenic_lite.values.operations import ADD, GREATER, GREATER_EQUAL, MAXIMUM, MINIMUM, SUBTRACT
 
 Changed = tuple[Value, Value]  # the list as it is now, what the method returns
 

@@ -24,7 +24,8 @@ from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.expressions import combined, item_of, signed
 from scenic_lite.evaluation.strings import text_of
 from scenic_lite.language.scenic_operators import OPERATORS
-from scenic_lite.values.graph import EQUAL, NOT_EQUAL, RandomExpr, ThetaColumn, Value, apply
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
+from scenic_lite.values.operations import EQUAL, NOT_EQUAL
 
 MADE = Callable[[Value], Value]
 

@@ -21,7 +21,8 @@ from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import compared
-from scenic_lite.values.graph import AND, NOT, NOT_EQUAL, OR, RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.operations import AND, NOT, NOT_EQUAL, OR
 
 
 def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: bool) -> None:

@@ -16,77 +16,32 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation import math_builtins
-from scenic_lite.evaluation.builtins import TRUE_OR_FALSE
 from scenic_lite.language import distributions
-from scenic_lite.language.classes import sector_and_rectangle
-from scenic_lite.values import geometry, graph, regions
+from scenic_lite.values import operations
 from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value
+from scenic_lite.values.operations import (
+    ALWAYS,
+    AND,
+    KEPT,
+    MODULO,
+    MULTIPLY,
+    NEGATE,
+    NOT,
+    OR,
+    SELECT,
+    Operation,
+    row_of,
+)
 from scenic_lite.values.polygons import Holds
 
-SIMPLE: dict[Any, int] = {  # operands in their order
-    graph.ADD.array: op.ADD,
-    graph.SUBTRACT.array: op.SUBTRACT,
-    graph.MULTIPLY.array: op.MULTIPLY,
-    graph.DIVIDE.array: op.DIVIDE,
-    graph.FLOOR_DIVIDE.array: op.FLOOR_DIVIDE,
-    graph.MODULO.array: op.MODULO,
-    graph.POWER.array: op.POWER,
-    graph.NEGATE.array: op.NEGATE,
-    graph.ABSOLUTE.array: op.ABSOLUTE,
-    graph.LESS.array: op.LESS,
-    graph.LESS_EQUAL.array: op.LESS_EQUAL,
-    graph.EQUAL.array: op.EQUAL,
-    graph.NOT_EQUAL.array: op.NOT_EQUAL,
-    graph.AND.array: op.AND,
-    graph.OR.array: op.OR,
-    graph.NOT.array: op.NOT,
-    graph.MINIMUM.array: op.MINIMUM,
-    graph.MAXIMUM.array: op.MAXIMUM,
-    graph.HYPOTENUSE.array: op.HYPOTENUSE,
-    graph.INTEGER.array: op.TRUNCATE,
-    graph.ROUND.array: op.ROUND,
-    graph.FLOAT.array: op.COPY,
-    geometry.NORMALISE.array: op.NORMALISE,
-    distributions.normal_quantile: op.QUANTILE,
-}
-BY_NAME: dict[str, int] = {
-    "sin": op.SINE,
-    "cos": op.COSINE,
-    "tan": op.TANGENT,
-    "asin": op.ARC_SINE,
-    "acos": op.ARC_COSINE,
-    "atan": op.ARC_TANGENT,
-    "sqrt": op.SQUARE_ROOT,
-    "exp": op.EXPONENTIAL,
-    "log": op.LOGARITHM,
-    "log2": op.LOGARITHM_2,
-    "log10": op.LOGARITHM_10,
-    "floor": op.FLOOR,
-    "ceil": op.CEILING,
-    "fabs": op.ABSOLUTE,
-    "atan2": op.ARC_TANGENT_2,
-    "copysign": op.COPY_SIGN,
-    "fmod": op.REMAINDER,
-    "pow": op.POWER,
-}
-TABLES = (*math_builtins.OF_ONE, *math_builtins.OF_TWO, graph.Operation(math.log, np.log))
-SIMPLE |= {array: BY_NAME[scalar.__name__] for scalar, array in TABLES if scalar.__name__ in BY_NAME}
-SWAPPED: dict[Any, int] = {graph.GREATER.array: op.LESS, graph.GREATER_EQUAL.array: op.LESS_EQUAL}
-LISTED: dict[Any, int] = {
-    geometry.in_sector: op.IN_SECTOR,
-    regions.in_rectangle: op.IN_RECTANGLE,
-    geometry.rectangles_meet: op.RECTANGLES_MEET,
-    sector_and_rectangle: op.SECTOR_MEETS,
-}
-WHOLE = (op.ADD, op.SUBTRACT, op.MULTIPLY, op.FLOOR_DIVIDE, op.MODULO, op.NEGATE, op.ABSOLUTE, op.MINIMUM, op.MAXIMUM)
-SIGNED_ZEROS = (op.MULTIPLY, op.MODULO, op.NEGATE)
-QUOTIENTS = (op.DIVIDE, op.FLOOR_DIVIDE, op.MODULO, op.REMAINDER)
-LOGARITHMS = (op.LOGARITHM, op.LOGARITHM_2, op.LOGARITHM_10)
-RISKS = (*QUOTIENTS, *LOGARITHMS, op.POWER, op.SQUARE_ROOT, op.ARC_SINE, op.ARC_COSINE)
-ALWAYS_WHOLE = (op.TRUNCATE, op.ROUND, op.FLOOR, op.CEILING)
+MINUS_ZEROS = (MULTIPLY, MODULO, NEGATE)  # which give -0.0 of registers, but 0 of Python's integers
+
+
+def opcode_of(row: Operation) -> int:
+    return getattr(op, row.opcode)
 
 
 class Unsupported(ScenicError):
@@ -145,52 +100,60 @@ def is_live(value: Value) -> bool:
 
 
 def can_fail(node: RandomExpr) -> bool:
-    """Whether arithmetic of which all operands are computed has a step that some numbers cannot take."""
+    """Return whether arithmetic of which all operands are computed has a step that some numbers cannot take."""
     pending: list[Value] = [node]
     seen = set()
     while pending:
-        each = pending.pop()
-        if not isinstance(each, RandomExpr) or id(each) in seen or not _hashable(each.operation):
+        value = pending.pop()
+        if not isinstance(value, RandomExpr) or id(value) in seen:
             continue
-        seen.add(id(each))
-        opcode = SIMPLE.get(each.operation)
-        if opcode in RISKS and not _harmless(opcode, each.inputs[-1]):
+        seen.add(id(value))
+        row = table_row(value.operation)
+        if row is None or not row.opcode or is_test(row):
+            continue
+        if row.fails is not None and not _harmless(row, value.inputs[-1]):
             return True
-        if opcode is not None and opcode not in (op.AND, op.OR):
-            pending.extend(each.inputs)
+        if row not in (AND, OR):
+            pending.extend(value.inputs)
     return False
 
 
-def _harmless(opcode: int, operand: Value) -> bool:
-    """Whether a division by this, or a power of this exponent, is always a number."""
+def _harmless(row: Operation, operand: Value) -> bool:
+    """Return whether a division by this, or a power of this exponent, is always a number."""
     if isinstance(operand, RandomExpr):
         return False
-    return operand >= 0 and operand == int(operand) if opcode is op.POWER else operand != 0
+    return operand >= 0 and operand == int(operand) if row.opcode == "POWER" else operand != 0
+
+
+def table_row(operation: Any) -> Operation | None:
+    """Return the row of an operation in the table, if it is one of those and not one with a shape of its own."""
+    return row_of(operation) if type(operation).__hash__ is not None else None
+
+
+def is_test(row: Operation) -> bool:
+    """Return whether the opcode takes a list of operands."""
+    return OPCODES[opcode_of(row)].operands.endswith("l")
 
 
 def compute(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Rows for one operation, operands first."""
-    operation = node.operation
-    if _hashable(operation) and operation in SIMPLE:
-        opcode = SIMPLE[operation]
-        first, *others = [register_of(code, each) for each in node.inputs]
-        code.row(opcode, out, first, others[0] if others else 0)
-        if opcode in SIGNED_ZEROS and is_whole(node):  # Python's integers have no -0
-            code.row(op.ADD, out, out, code.constant(0))
-    elif _hashable(operation) and operation in SWAPPED:
-        left, right = (register_of(code, each) for each in node.inputs)
-        code.row(SWAPPED[operation], out, right, left)
-    elif _hashable(operation) and operation in LISTED:
-        code.row(LISTED[operation], out, 0, Operands(tuple(register_of(code, each) for each in node.inputs)))
-    else:
-        special = next((write for kind, write in SPECIAL if _is(operation, kind)), None)
+    """Write the rows for one operation, operands first."""
+    row = table_row(node.operation)
+    if row is None or not row.opcode:
+        special = next((write for kind, write in SPECIAL if _is(node.operation, kind)), None)
         if special is None:
-            raise Unsupported(f"`{describe(operation)}` cannot be computed")
+            raise Unsupported(f"`{describe(node.operation)}` cannot be computed")
         special(code, node, out)
-
-
-def _hashable(operation: Any) -> bool:
-    return type(operation).__hash__ is not None
+        return
+    registers = tuple(register_of(code, operand) for operand in node.inputs)
+    if is_test(row):
+        code.row(opcode_of(row), out, 0, Operands(registers))
+        return
+    first, second = registers if len(registers) == 2 else (registers[0], 0)
+    if row.swapped:
+        first, second = second, first
+    code.row(opcode_of(row), out, first, second)
+    if row in MINUS_ZEROS and is_whole(node):
+        code.row(op.ADD, out, out, code.constant(0))
 
 
 def _is(operation: Any, kind: Any) -> bool:
@@ -207,19 +170,19 @@ def choose_constant(code: Assembler, node: RandomExpr, out: int) -> None:
     """One of some constants, by a live index."""
     assert isinstance(node.operation, Table)
     options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
-    pick(code, out, node.inputs[0], options)
+    select(code, out, node.inputs[0], options)
 
 
 def choose_value(code: Assembler, node: RandomExpr, out: int) -> None:
-    pick(code, out, node.inputs[0], list(node.inputs[1:]))
+    select(code, out, node.inputs[0], list(node.inputs[1:]))
 
 
-def pick(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
+def select(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
     registers = tuple(register_of(code, each) for each in options)
     code.row(op.SELECT, out, register_of(code, index), Operands(registers))
 
 
-def cut(code: Assembler, node: RandomExpr, out: int) -> None:
+def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
     assert isinstance(node.operation, distributions.Cut)
     bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
     code.row(op.BUCKETIZE, out, register_of(code, node.inputs[0]), Operands(bounds))
@@ -247,7 +210,7 @@ def as_truth(code: Assembler, node: RandomExpr, out: int) -> None:
 
 def where(code: Assembler, node: RandomExpr, out: int) -> None:
     test, yes, no = node.inputs
-    pick(code, out, test, [no, yes])
+    select(code, out, test, [no, yes])
 
 
 def as_radians(code: Assembler, node: RandomExpr, out: int) -> None:
@@ -276,14 +239,14 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
 
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], None]], ...] = (
     (Table, choose_constant),
-    (graph.pick, choose_value),
-    (distributions.Cut, cut),
+    (SELECT.array, choose_value),
+    (distributions.Cut, bucketize),
     (distributions.Integers, integers),
-    (np.clip, clip),
-    (graph.WHERE.array, where),
-    (TRUE_OR_FALSE.array, as_truth),
-    (np.radians, as_radians),
-    (np.degrees, as_degrees),
+    (operations.CLIP.array, clip),
+    (operations.WHERE.array, where),
+    (operations.TRUTH.array, as_truth),
+    (operations.RADIANS.array, as_radians),
+    (operations.DEGREES.array, as_degrees),
     (Holds, in_shape),
 )
 
@@ -299,25 +262,23 @@ def is_whole(value: Value) -> bool:
     operation = value.operation
     if isinstance(operation, Table):
         return operation.options.dtype.kind == "i"
-    if operation is graph.pick:
-        return all(is_whole(each) for each in value.inputs[1:])
+    if operation is SELECT.array:
+        return all(map(is_whole, value.inputs[1:]))
     if isinstance(operation, distributions.Cut | distributions.Integers):
         return True
-    opcode = SIMPLE.get(operation) if _hashable(operation) else None
-    if opcode in ALWAYS_WHOLE:
-        return True
-    return opcode in WHOLE and all(is_whole(each) for each in value.inputs)
+    row = table_row(operation)
+    if row is None or row.integers != KEPT:
+        return row is not None and row.integers == ALWAYS
+    return all(map(is_whole, value.inputs))
 
 
 # ------------------------------------------------------------ jumps
 
-JUMPS: dict[Any, tuple[int, int, bool]] = {  # if it holds, if it does not, operands swapped
-    graph.LESS.array: (op.JUMP_LESS, op.JUMP_NOT_LESS, False),
-    graph.GREATER.array: (op.JUMP_LESS, op.JUMP_NOT_LESS, True),
-    graph.LESS_EQUAL.array: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL, False),
-    graph.GREATER_EQUAL.array: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL, True),
-    graph.EQUAL.array: (op.JUMP_EQUAL, op.JUMP_NOT_EQUAL, False),
-    graph.NOT_EQUAL.array: (op.JUMP_NOT_EQUAL, op.JUMP_EQUAL, False),
+JUMPS: dict[int, tuple[int, int]] = {  # by what is computed otherwise: if it holds, if it does not
+    op.LESS: (op.JUMP_LESS, op.JUMP_NOT_LESS),
+    op.LESS_EQUAL: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL),
+    op.EQUAL: (op.JUMP_EQUAL, op.JUMP_NOT_EQUAL),
+    op.NOT_EQUAL: (op.JUMP_NOT_EQUAL, op.JUMP_EQUAL),
 }
 
 
@@ -327,13 +288,13 @@ def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
         if bool(test) == when:
             code.row(op.JUMP, c=target)
         return
-    operation = test.operation
-    if operation is graph.NOT.array:
+    row = table_row(test.operation)
+    if row is NOT:
         jump(code, test.inputs[0], target, not when)
-    elif _hashable(operation) and operation in JUMPS and is_live(test) and id(test) not in code.known:
-        holds, fails, swapped = JUMPS[operation]
-        left, right = (register_of(code, each) for each in test.inputs)
-        left, right = (right, left) if swapped else (left, right)
+    elif row is not None and row.opcode and opcode_of(row) in JUMPS and is_live(test) and id(test) not in code.known:
+        holds, fails = JUMPS[opcode_of(row)]
+        left, right = (register_of(code, operand) for operand in test.inputs)
+        left, right = (right, left) if row.swapped else (left, right)
         code.row(holds if when else fails, left, right, target)
     else:
         code.row(op.JUMP_IF if when else op.JUMP_UNLESS, register_of(code, test), c=target)

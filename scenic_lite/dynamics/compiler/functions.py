@@ -31,7 +31,8 @@ from scenic_lite.dynamics.compiler.types import CAPACITY, RegisterList, loaded, 
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT, RandomExpr, Value, apply, kind_of
+from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
+from scenic_lite.values.operations import ADD, AND, LESS, MINIMUM, NEGATE, OR, SUBTRACT
 
 Own = Callable[[Compilation, Scope, ast.AST, list, dict[str, Value]], Value]
 

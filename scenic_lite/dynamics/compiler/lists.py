@@ -22,7 +22,8 @@ from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.comparisons import membership
 from scenic_lite.evaluation.expressions import item_of
-from scenic_lite.values.graph import ADD, EQUAL, LESS, OR, RandomExpr, Value, apply, as_number
+from scenic_lite.values.graph import RandomExpr, Value, apply, as_number
+from scenic_lite.values.operations import ADD, EQUAL, LESS, OR
 from scenic_lite.values.regions import Region
 
 MANY = 8  # objects: a loop over so many has the same rows for all of them

@@ -19,7 +19,8 @@ from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.strings import FormatEach
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, Table, Value, kind_of, pick
+from scenic_lite.values.graph import RandomExpr, Table, Value, kind_of
+from scenic_lite.values.operations import SELECT
 from scenic_lite.values.regions import Region
 
 MOST_OPTIONS = 256
@@ -144,7 +145,7 @@ def builds_text(value: Value) -> bool:
     """Whether a text is made of parts in the match, so that it has no number."""
     if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
         return False
-    if value.operation is pick:
+    if value.operation is SELECT.array:
         return any(map(builds_text, value.inputs[1:]))
     return bool(value.inputs) and not isinstance(value.operation, Table)
 

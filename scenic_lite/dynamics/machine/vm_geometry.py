@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from scenic_lite.kernels.jit import kernel
-from scenic_lite.language.distributions import CENTRE, FAR, LEAST_PROBABILITY, MIDDLE
+from scenic_lite.values.formulas import CENTRE, FAR, LEAST_PROBABILITY, MIDDLE
 
 TURN = 2 * math.pi
 CLOSENESS = 1e-9  # as far outside its edge a point still belongs to a region

@@ -1,0 +1,172 @@
+"""Formulas of the plane and of the normal distribution, on arrays [N] or single numbers.
+
+Those that have no early way out are written once and serve twice: arrays call them as they stand, and the machine
+compiles the same source for single numbers (`dynamics.machine.vm_geometry`). Read next: `values.operations`, which
+makes operations of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+TURN = 2 * math.pi
+ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
+CLOSENESS = 1e-9  # a point this near a boundary belongs to it
+# A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
+LEAST_PROBABILITY = 2.0**-52
+
+# ------------------------------------------------------------ the plane
+
+
+def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
+    """Return a displacement as seen in a frame turned by `heading`."""
+    c, s = np.cos(heading), np.sin(heading)
+    return dx * c + dy * s, dy * c - dx * s
+
+
+def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
+    """Return whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
+    across, along = in_frame(x - cx, y - cy, heading)
+    return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
+
+
+def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
+    """Return whether points at (delta_x, delta_y) from the apex lie in a sector; arrays [N] or scalars."""
+    bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading
+    turn = np.abs(bearing - TURN * np.rint(bearing / TURN))
+    at_apex = (delta_x == 0) & (delta_y == 0)
+    return (np.hypot(delta_x, delta_y) <= radius) & ((turn <= np.asarray(angle) / 2) | at_apex)
+
+
+def sector_meets_rectangle(*numbers: Any) -> Any:
+    """Return whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length).
+
+    They meet if the apex lies in the rectangle, a corner in the sector, or an edge crosses the arc or one of the two
+    straight sides. Arrays [N] or scalars; returns [N].
+    """
+    x, y, radius, heading, angle, cx, cy, turn, width, length = numbers
+    c, s = np.cos(turn), np.sin(turn)
+    local_x, local_y = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
+    meets = (np.abs(local_x) <= width / 2) & (np.abs(local_y) <= length / 2)
+    points = []  # corners relative to the apex
+    for sign_x, sign_y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
+        dx, dy = sign_x * width / 2, sign_y * length / 2
+        points.append((cx - x + dx * c - dy * s, cy - y + dx * s + dy * c))
+    for (px, py), (qx, qy) in zip(points, points[1:] + points[:1], strict=True):
+        meets = meets | in_sector(px, py, radius, heading, angle)
+        meets = meets | _edge_meets_arc((px, py, qx, qy), radius, heading, angle)
+        for side in (heading - np.asarray(angle) / 2, heading + np.asarray(angle) / 2):
+            meets = meets | _edge_meets_ray((px, py, qx, qy), -np.sin(side), np.cos(side), radius)
+    return meets
+
+
+def _edge_meets_arc(edge: tuple[Any, ...], radius: Any, heading: Any, angle: Any) -> Any:
+    """Return whether a segment crosses the circle of `radius` round the origin within the sector's angle."""
+    px, py, qx, qy = edge
+    dx, dy = qx - px, qy - py
+    a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
+    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+    meets = np.zeros(np.shape(root), dtype=bool)
+    for t in ((-b - root) / np.maximum(a, 1e-300), (-b + root) / np.maximum(a, 1e-300)):
+        within = in_sector(px + t * dx, py + t * dy, radius * (1 + 1e-9), heading, angle)
+        meets = meets | ((b * b >= a * c) & (t >= 0) & (t <= 1) & within)
+    return meets
+
+
+def _edge_meets_ray(edge: tuple[Any, ...], ray_x: Any, ray_y: Any, radius: Any) -> Any:
+    """Return whether a segment crosses the segment of length `radius` from the origin along (ray_x, ray_y)."""
+    px, py, qx, qy = edge
+    side_p, side_q = ray_x * py - ray_y * px, ray_x * qy - ray_y * qx
+    along_p, along_q = ray_x * px + ray_y * py, ray_x * qx + ray_y * qy
+    gap = np.where(side_p == side_q, 1.0, side_p - side_q)
+    along = along_p + (along_q - along_p) * side_p / gap
+    return (side_p * side_q <= 0) & (side_p != side_q) & (along >= 0) & (along <= radius)
+
+
+def rectangles_meet(
+    ax: Any, ay: Any, turn_a: Any, width_a: Any, length_a: Any,
+    bx: Any, by: Any, turn_b: Any, width_b: Any, length_b: Any,
+) -> Any:  # fmt: skip
+    """Return whether two rectangles, each (x, y, heading, width, length), have a common point; touching counts.
+
+    They are apart exactly if they are apart along one of their four axes. Arrays of any one shape, or scalars.
+    """
+    ca, sa, cb, sb = np.cos(turn_a), np.sin(turn_a), np.cos(turn_b), np.sin(turn_b)
+    c, s = np.abs(ca * cb + sa * sb), np.abs(sa * cb - ca * sb)  # of the angle between them
+    dx, dy = bx - ax, by - ay
+    half_a, half_b = (width_a / 2, length_a / 2), (width_b / 2, length_b / 2)
+    meets = np.abs(dx * ca + dy * sa) <= half_a[0] + half_b[0] * c + half_b[1] * s
+    meets = meets & (np.abs(dy * ca - dx * sa) <= half_a[1] + half_b[0] * s + half_b[1] * c)
+    meets = meets & (np.abs(dx * cb + dy * sb) <= half_b[0] + half_a[0] * c + half_a[1] * s)
+    return meets & (np.abs(dy * cb - dx * sb) <= half_b[1] + half_a[0] * s + half_a[1] * c)
+
+
+def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
+    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
+    turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
+    rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
+    whole = angle >= TURN
+    first_x, first_y = np.where(whole, rim_x[:, 0], x), np.where(whole, rim_y[:, 0], y)  # a sector starts at its apex
+    xs, ys = np.column_stack([first_x, rim_x, first_x]), np.column_stack([first_y, rim_y, first_y])
+    return np.stack([xs, ys], axis=-1)
+
+
+# ------------------------------------------------------------ the normal distribution
+
+
+def normal_cdf(z: float) -> float:
+    """Return Φ(z), the share of a standard normal below z."""
+    return 0.5 * math.erfc(-z / math.sqrt(2))
+
+
+def normal_cdfs(z: Any) -> Any:
+    """Return Φ of each element."""
+    return 0.5 * np.array([math.erfc(-each / math.sqrt(2)) for each in z])
+
+
+def normal_quantile(uniform: Any) -> Any:
+    """Return Φ⁻¹ elementwise, by Wichura's algorithm AS 241 (Applied Statistics 37, 1988), accurate to 1e-15."""
+    uniform = np.minimum(np.maximum(uniform, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
+    centred = uniform - 0.5
+    inner = centred * rational(0.180625 - centred * centred, CENTRE)
+    tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
+    outer = np.where(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
+    return np.where(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+
+
+def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
+    """Return a quotient of two polynomials, highest power first."""
+    top, bottom = coefficients
+    return horner(x, top) / horner(x, bottom)
+
+
+def horner(x: Any, coefficients: Sequence[float]) -> Any:
+    total = coefficients[0] * np.ones_like(x)
+    for coefficient in coefficients[1:]:
+        total = total * x + coefficient
+    return total
+
+
+CENTRE = (
+    (2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
+     13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608),
+    (5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,
+     5394.1960214247511077, 687.1870074920579083, 42.313330701600911252, 1.0),
+)  # fmt: skip
+MIDDLE = (
+    (7.7454501427834140764e-4, 0.0227238449892691845833, 0.24178072517745061177, 1.27045825245236838258,
+     3.64784832476320460504, 5.7694972214606914055, 4.6303378461565452959, 1.42343711074968357734),
+    (1.05075007164441684324e-9, 5.475938084995344946e-4, 0.0151986665636164571966, 0.14810397642748007459,
+     0.68976733498510000455, 1.6763848301838038494, 2.05319162663775882187, 1.0),
+)  # fmt: skip
+FAR = (
+    (2.01033439929228813265e-7, 2.71155556874348757815e-5, 0.0012426609473880784386, 0.026532189526576123093,
+     0.29656057182850489123, 1.7848265399172913358, 5.4637849111641143699, 6.6579046435011037772),
+    (2.04426310338993978564e-15, 1.4215117583164458887e-7, 1.8463183175100546818e-5, 7.868691311456132591e-4,
+     0.0148753612908506148525, 0.13692988092273580531, 0.59983220655588793769, 1.0),
+)  # fmt: skip
