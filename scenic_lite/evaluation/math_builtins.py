@@ -267,7 +267,7 @@ def of_table(operation: Operation) -> Builtin:
 
 
 MATH: dict[str, Value] = {
-    **{row.name: of_table(row) for row in OPERATIONS if getattr(math, row.name, None) is row.scalar},
+    **{row.name: of_table(row) for row in OPERATIONS if vars(math).get(row.name) is row.scalar},
     **{function.__name__: Builtin(function.__name__, fixed_integers(function)) for function in INTEGERS_ONLY},
     "trunc": Builtin("trunc", of_one(TRUNCATION)),
     "log": Builtin("log", logarithm),

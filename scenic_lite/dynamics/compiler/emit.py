@@ -16,7 +16,7 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.dynamics.machine.opcodes import OPCODES
+from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import distributions
@@ -41,7 +41,7 @@ MINUS_ZEROS = (MULTIPLY, MODULO, NEGATE)  # which give -0.0 of registers, but 0 
 
 
 def opcode_of(row: Operation) -> int:
-    return getattr(op, row.opcode)
+    return NUMBERS[row.opcode]
 
 
 class Unsupported(ScenicError):

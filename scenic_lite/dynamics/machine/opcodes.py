@@ -126,3 +126,5 @@ LOOP_BACK = opcode(
     "LOOP_BACK", "..t", "a loop goes round: go on at the target; a fault if it is the 10,001st time in this step"
 )
 COPY_MANY = opcode("COPY_MANY", "abk", "the k registers from a = those from b")
+
+NUMBERS = {row.name: number for number, row in enumerate(OPCODES)}
