@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo results test test-quick lint format benchmark clean
+.PHONY: setup demo results test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -29,6 +29,12 @@ test: lint
 test-quick: lint
 	$(BIN)/pytest --numprocesses auto -m 'not slow'
 
+# Long tests, about ten minutes: matches that are not to break, programs that nobody would write. Other seeds: SEED=7.
+SEED ?= 0
+torture: $(READY)
+	$(BIN)/python -m tests.envs.torture 1024 3000 $(SEED)
+	$(BIN)/python -m tests.scenic_lite.fuzzing 20000 $(SEED)
+
 lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -41,5 +47,7 @@ format: $(READY)
 benchmark: $(READY)
 	$(BIN)/regista benchmark
 
+# All that running, testing and installing leaves in the checkout. Compiled kernels lie in the cache of the user.
 clean:
-	rm -rf $(VENV) build demo *.egg-info
+	rm -rf $(VENV) build dist demo runs *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

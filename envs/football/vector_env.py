@@ -149,9 +149,10 @@ class FootballVectorEnv(UPOMDP):
 
     def _checked(self, actions: Any) -> np.ndarray:
         """Actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
-        array, wanted = np.asarray(actions), self.action_space.shape
-        if array.shape != wanted or array.dtype.kind not in "iu":
-            size = " x ".join(map(str, wanted))
+        array, shape = np.asarray(actions), self.action_space.shape
+        assert shape is not None
+        if array.shape != shape or array.dtype.kind not in "iu":
+            size = " x ".join(map(str, shape))
             raise ValueError(f"actions must be {size} whole numbers, got shape {array.shape} of {array.dtype}")
         if array.min() < 0 or array.max() >= NUM_ACTIONS:
             wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]

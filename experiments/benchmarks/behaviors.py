@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from envs.football.constants import NUM_ACTIONS
 from experiments.benchmarks.timing import Measurement, rate
 from experiments.run.config import TrainConfig
 
@@ -32,7 +33,7 @@ def measure(name: str, seconds: float) -> Measurement:
     from experiments.run.build import load_program, make_upomdp
 
     env = make_upomdp(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
-    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, NUM_ENVS))
+    actions = np.random.default_rng(0).integers(0, NUM_ACTIONS, (64, NUM_ENVS))
 
     def step(count: int) -> None:
         for t in range(count):

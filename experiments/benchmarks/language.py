@@ -72,10 +72,10 @@ def measure(name: str, seconds: float) -> LanguageMeasurement:
         for _ in range(count):
             loaded(text, domain, dialect)
 
-    rates = [scenes_per_second(program, n, seconds) for n in (LARGE, SMALL)]
+    large, small = (scenes_per_second(program, n, seconds) for n in (LARGE, SMALL))
     load_ms = 1e3 / rate(load, seconds / STRETCHES, clock=time.process_time)
     valid = program.report(DRAWS, np.random.default_rng(0)).accepted / DRAWS
-    return LanguageMeasurement(name, len(program.objects), program.dim, valid, *rates, load_ms, *original)
+    return LanguageMeasurement(name, len(program.objects), program.dim, valid, large, small, load_ms, *original)
 
 
 def football_domain() -> Domain:

@@ -126,7 +126,7 @@ def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
             continue
         crossing = y + (side * GOAL_X - x) / dx * dy
         if abs(crossing) < SHOT_WIDE:
-            last = step
+            last = int(step)
             found.append((team, float(crossing)))
     return found
 

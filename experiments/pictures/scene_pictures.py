@@ -99,6 +99,7 @@ def legend(figure: Any, view: SceneView) -> None:
     from matplotlib.patches import Patch
 
     handles = [
-        Patch(color=np.array(colour) / 255, label=name) for name, colour in zip(view.classes, view.colours, strict=True)
+        Patch(color=(red / 255, green / 255, blue / 255), label=name)
+        for name, (red, green, blue) in zip(view.classes, view.colours, strict=True)
     ]
     figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles) or 1), bbox_to_anchor=(0.5, 0.0))

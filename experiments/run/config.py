@@ -90,7 +90,10 @@ def _settings_of_methods() -> list[tuple[str, type, Any]]:
     ]
 
 
-class TrainConfig(dataclasses.make_dataclass("Settings", _settings_of_methods(), bases=(RunConfig,), frozen=True)):
+Settings: Any = dataclasses.make_dataclass("Settings", _settings_of_methods(), bases=(RunConfig,), frozen=True)
+
+
+class TrainConfig(Settings):
     """One training run. Two runs with equal configurations on one machine give equal numbers."""
 
 

@@ -20,13 +20,18 @@ LABELLED = 12  # objects at most: more labels than that would hide the scene
 class SceneStage(Protocol):
     """What does not change from scene to scene: see `experiments.pictures.scene_view`."""
 
-    bounds: tuple[float, float, float, float]
-    ground: list[np.ndarray]
-    areas: list[np.ndarray]
-    classes: tuple[str, ...]
-    kinds: np.ndarray
-    labels: tuple[str, ...]
-
+    @property
+    def bounds(self) -> tuple[float, float, float, float]: ...
+    @property
+    def ground(self) -> list[np.ndarray]: ...
+    @property
+    def areas(self) -> list[np.ndarray]: ...
+    @property
+    def classes(self) -> tuple[str, ...]: ...
+    @property
+    def kinds(self) -> np.ndarray: ...
+    @property
+    def labels(self) -> tuple[str, ...]: ...
     @property
     def colours(self) -> list[tuple[int, int, int]]:
         """Give one colour for each class."""

@@ -91,7 +91,8 @@ class Observer:
 
     def room(self, count: int) -> View:
         """Fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
-        vectors, planes = (0,), (0, 0, 0)
+        vectors: tuple[int, ...] = (0,)
+        planes: tuple[int, ...] = (0, 0, 0)
         if self.kind in (FEATURES, SIMPLE115):
             vectors = self._shape
         elif self.kind != RAW:

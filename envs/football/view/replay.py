@@ -90,7 +90,7 @@ class Recorder:
         assert shape is not None
         actions = np.array(self._actions, np.int64).reshape(len(self._actions), *shape)
         program = self.env.program
-        folder = program.session.root  # of a program that was read from a file: its modules lie there
+        folder = program.mode.state.root  # of a program that was read from a file: its modules lie there
         file = "" if folder is None else str((folder / program.file).resolve())
         return Record(program.source, file, self.env.config, self._state, actions, np.asarray(self.env.matches))
 
@@ -103,7 +103,7 @@ def save_record(record: Record, path: str | Path) -> None:
     """Write a record. Raises ValueError for a file name that does not end in .npz."""
     if Path(path).suffix != ".npz":
         raise ValueError(f"{path}: a record ends in .npz")
-    texts = {
+    texts: dict[str, Any] = {
         "format": FORMAT,
         "program": record.program,
         "program_file": record.file,
