@@ -22,6 +22,7 @@ from scenic_lite.evaluation.modular import set_up_main
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.evaluation.statements import STATEMENTS
 from scenic_lite.language.requirements import settle
+from scenic_lite.scene.build import build_program
 from scenic_lite.scene.program import Program
 from scenic_lite.scene.pruning import prune
 from scenic_lite.syntax.dialect import dialect_of
@@ -61,7 +62,7 @@ def load(
     if state.ego is None and needs_ego(state):
         raise no_ego(state, own)
     prune(state)
-    return Program(mode, own, text, warnings_of(state))
+    return build_program(mode, own, text, warnings_of(state))
 
 
 def override(state: LoadState, file: str, params: Mapping[str, object], model: str | None) -> None:

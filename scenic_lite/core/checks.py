@@ -1,7 +1,7 @@
 """Faults of arithmetic that arrays pass over in silence: where a program may divide by zero, and in which scenes.
 
 The walk notes every random value whose operation can fail (`note`), with its place and the conditions under which the
-program gets there; `Faults` finds the scenes of a batch in which one does. Read next: `scene.program`.
+program gets there; `SceneChecks` finds the scenes of a batch in which one does. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def can_fail(operation: Callable[..., Any] | None) -> bool:
     return isinstance(operation, FallibleOperation) or (row is not None and row.fails is not None)
 
 
-class Faults:
+class SceneChecks:
     """The watches of one program that its scenes depend on, over the registers of its tape."""
 
     def __init__(self, watches: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
@@ -110,7 +110,7 @@ class Faults:
         self._tape = tape
         self._rules = rules
 
-    def found(self, registers: list[Any], failed: np.ndarray) -> Found:
+    def results(self, registers: list[Any], failed: np.ndarray) -> CheckResults:
         """What fails in the scenes of a batch; a rule [R, N] whose condition does counts as failed there."""
         masks = []
         for watch in self.watches:
@@ -119,7 +119,7 @@ class Faults:
             if rule is not None and mask.any():
                 failed[rule] |= mask
             masks.append(mask)
-        return Found(self, registers, masks)
+        return CheckResults(self, registers, masks)
 
     def rule(self, watch: Check) -> int | None:
         return None if watch.requirement is None else self._rules[watch.requirement]
@@ -158,10 +158,10 @@ class Faults:
         return error
 
 
-class Found:
+class CheckResults:
     """What fails in one batch of scenes."""
 
-    def __init__(self, faults: Faults, registers: list[Any], masks: list[np.ndarray]) -> None:
+    def __init__(self, faults: SceneChecks, registers: list[Any], masks: list[np.ndarray]) -> None:
         self.faults, self.registers, self.masks = faults, registers, masks
         self.any = any(mask.any() for mask in masks)
 

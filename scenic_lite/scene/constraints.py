@@ -1,7 +1,7 @@
-"""The rules every scene must pass: objects apart, inside their containers, seen where they must be; the program's own.
+"""The constraints of every scene: objects apart, inside their containers, seen where they must be; the program's own.
 
-Spec section 9, step 2. Overlaps and rectangular containers are tested for all objects at once, since they are tested
-for every scene; the rest are nodes of the graph. Read next: `scene.program`.
+Overlaps and rectangular containers are tested for all objects at once, since they are tested for every scene; the rest
+are nodes of the graph. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
 from scenic_lite.values.formulas import CLOSENESS, rectangles_meet
-from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.graph import RandomExpr, Tape, Value, apply
 from scenic_lite.values.operations import NOT, OR, RECTANGLES_MEET
 from scenic_lite.values.regions import Everywhere, RectangularRegion, Region
 
-BLOCK = 8192  # numbers in one array while rules are tested
+BLOCK = 8192  # numbers in one array while constraints are tested
 
 
 class Constraint(NamedTuple):
@@ -37,7 +37,7 @@ class Constraint(NamedTuple):
 class Outlines:
     """The rectangles of all objects in N scenes, arrays [O, N], or [O, 1] where they never vary.
 
-    Objects come first so that what belongs to one of them, or to one rule, is contiguous.
+    Objects come first so that what belongs to one of them, or to one constraint, is contiguous.
     """
 
     x: Any
@@ -59,17 +59,17 @@ class Overlaps:
         pairs = [(i, j) for j in strict for i in strict if i < j]
         self.first = np.array([i for i, _ in pairs], dtype=int)
         self.second = np.array([j for _, j in pairs], dtype=int)
-        self.rules = [
+        self.constraints = [
             Constraint(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap")
             for i, j in pairs
         ]
 
     def members(self) -> list[tuple[int, ...]]:
-        """The objects that each rule is about."""
+        """Return the objects that each constraint is about."""
         return list(zip(self.first.tolist(), self.second.tolist(), strict=True))
 
     def fails(self, outlines: Outlines) -> Any:
-        """[pairs, N]: whether the two meet."""
+        """Return whether the two meet: [pairs, N]."""
         upright = outlines.heading.shape[1] == 1 and not outlines.heading.any()
         test = upright_meet if upright else turned_meet
         parts = [
@@ -86,13 +86,13 @@ def blocks(count: int, outlines: Outlines) -> list[slice]:
 
 
 def upright_meet(*numbers: Any) -> Any:
-    """As `rectangles_meet` for headings that are all 0, the usual case."""
+    """Return as `rectangles_meet` does for headings that are all 0, the usual case."""
     ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
     return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
 
 
 def turned_meet(*numbers: Any) -> Any:
-    """As `rectangles_meet`, which is asked only about those whose circumscribed circles meet: few, as a rule."""
+    """Return as `rectangles_meet` does, which is asked only about those whose circumscribed circles meet."""
     ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
     dx, dy = ax - bx, ay - by
     reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
@@ -109,18 +109,18 @@ class Containment:
     def __init__(self, region: RectangularRegion, objects: list[Instance], where: list[int], label: str) -> None:
         self.region = region
         self.where = np.array(where, dtype=int)
-        self.rules = [
+        self.constraints = [
             Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment") for i in where
         ]
         self.half = (region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS)
         self.axis = (float(np.cos(region.heading)), float(np.sin(region.heading)))
 
     def members(self) -> list[tuple[int, ...]]:
-        """The objects that each rule is about."""
+        """Return the objects that each constraint is about."""
         return [(i,) for i in self.where.tolist()]
 
     def fails(self, outlines: Outlines) -> Any:
-        """[objects, N]: whether a rectangle sticks out, by its extent along the container's axes."""
+        """Return whether a rectangle sticks out, by its extent along the container's axes: [objects, N]."""
         parts = [self._sticks_out(*outlines.of(self.where[block])) for block in blocks(len(self.where), outlines)]
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
@@ -133,52 +133,76 @@ class Containment:
         return ~(inside & (np.abs(dy * c - dx * s) + along <= self.half[1]))
 
 
-class Checks(NamedTuple):
-    """All rules of a program in the order of their columns: arrays first, then nodes of the graph."""
+class Constraints:
+    """All R constraints of a program: those of arrays first, then those that are nodes of the graph."""
 
-    batched: tuple[Overlaps | Containment, ...]
-    nodes: tuple[tuple[Constraint, Value], ...]  # the node is true where the rule holds
+    def __init__(self, batched: list[Overlaps | Containment], nodes: list[tuple[Constraint, Value]]) -> None:
+        """A node is true where its constraint holds."""
+        self.batched, self.nodes = batched, nodes
+        self.all = (*(each for test in batched for each in test.constraints), *(each for each, _ in nodes))
+        hard = [i for i, each in enumerate(self.all) if each.probability == 1]
+        self._hard = None if len(hard) == len(self.all) else np.array(hard, dtype=int)
+        self._slots: list[bool | int] = []
 
-    @property
-    def rules(self) -> tuple[Constraint, ...]:
-        return (*(rule for each in self.batched for rule in each.rules), *(rule for rule, _ in self.nodes))
+    def read_from(self, tape: Tape) -> None:
+        """Find the nodes' registers on a tape."""
+        self._slots = [tape.slot(value) if isinstance(value, RandomExpr) else bool(value) for _, value in self.nodes]
+
+    def failed(self, registers: list[Any], outlines: Outlines, count: int) -> np.ndarray:
+        """Return which constraints do not hold: [R, N]."""
+        failed = np.empty((len(self.all), count), dtype=bool)
+        at = 0
+        for test in self.batched:
+            failed[at : at + len(test.constraints)] = test.fails(outlines)
+            at += len(test.constraints)
+        for i, slot in enumerate(self._slots):
+            failed[at + i] = (not slot) if isinstance(slot, bool) else np.logical_not(registers[slot])
+        return failed
+
+    def hard_of(self, failed: np.ndarray) -> np.ndarray:
+        """Return the rows of failed [R, N] whose constraints are in force in every scene."""
+        return failed if self._hard is None else failed[self._hard]
+
+    def members(self) -> Iterator[tuple[Constraint, tuple[int, ...]]]:
+        """Yield the objects that each constraint of arrays is about."""
+        for test in self.batched:
+            yield from zip(test.constraints, test.members(), strict=True)
 
 
-def checks_of(state: LoadState, objects: list[Instance]) -> Checks:
-    """Every rule that the objects and requirements of a program imply."""
+def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
+    """Return every constraint that the objects and requirements of a program imply."""
     batched: list[Overlaps | Containment] = []
     nodes: list[tuple[Constraint, Value]] = []
     overlaps = Overlaps(objects)
-    if overlaps.rules:
+    if overlaps.constraints:
         batched.append(overlaps)
     for region, (where, label) in containers(state, objects).items():
         if isinstance(region, RectangularRegion) and region.fixed():
             batched.append(Containment(region, objects, where, label))
             continue
         for i in where:
-            rule = Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
-            nodes.append((rule, region.contains_corners(outline(objects[i]))))
+            constraint = Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
+            nodes.append((constraint, region.contains_corners(outline(objects[i]))))
     nodes += [*sometimes_apart(objects), *visibility(state, objects), *sights(state, objects)]
     for requirement in state.requirements:
-        if requirement.condition is True:
-            continue
-        rule = Constraint(requirement.label, requirement.place, "require", requirement.probability)
-        nodes.append((rule, requirement.condition))
-    return Checks(tuple(batched), tuple(nodes))
+        if requirement.condition is not True:
+            constraint = Constraint(requirement.label, requirement.place, "require", requirement.probability)
+            nodes.append((constraint, requirement.condition))
+    return Constraints(batched, nodes)
 
 
-def rules_of_requirements(state: LoadState, checks: Checks) -> list[int | None]:
-    """Which rule each requirement is; None for one that holds in every scene."""
-    at = len(checks.rules) - sum(each.condition is not True for each in state.requirements)
-    places: list[int | None] = []
+def constraint_of_requirement(state: LoadState, constraints: Constraints) -> list[int | None]:
+    """Return which constraint each requirement is; None for one that holds in every scene."""
+    at = len(constraints.all) - sum(each.condition is not True for each in state.requirements)
+    numbers: list[int | None] = []
     for each in state.requirements:
-        places.append(None if each.condition is True else at)
+        numbers.append(None if each.condition is True else at)
         at += each.condition is not True
-    return places
+    return numbers
 
 
 def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
-    """The objects that each container must hold: its own region if it has one, else the workspace."""
+    """Return the objects that each container must hold: its own region if it has one, else the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
     for i, instance in enumerate(objects):
         own = instance.properties["regionContainedIn"]
@@ -193,41 +217,40 @@ def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[lis
 
 
 def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """Overlap rules for pairs of which one allows collisions in some scenes only."""
+    """Yield the overlap constraints of pairs of which one allows collisions in some scenes only."""
     for j, b in enumerate(objects):
         for a in objects[:j]:
             allowed = [each.properties["allowCollisions"] for each in (a, b)]
             if any(isinstance(each, RandomExpr) for each in allowed) and True not in allowed:
                 meets = apply(RECTANGLES_MEET, *rectangle_of(a), *rectangle_of(b))
                 excused = apply(OR, *allowed, kind="truth")
-                rule = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
-                yield rule, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
+                constraint = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
+                yield constraint, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
 
 
-def visibility(state: LoadState, objects: list[Instance]) -> list[tuple[Constraint, Value]]:
-    """What the ego must see, unless `requireVisible` is switched off."""
-    nodes = []
+def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
+    """Yield what the ego must see, unless `requireVisible` is switched off."""
+    ego = state.ego
     for instance in objects:
-        wanted = instance.properties["requireVisible"]
-        if wanted is False or instance is state.ego or state.ego is None:
+        required = instance.properties["requireVisible"]
+        if required is False or ego is None or instance is ego:
             continue
-        seen = can_see(state.ego, instance, state.dialect)
-        if isinstance(wanted, RandomExpr):
-            seen = apply(OR, seen, apply(NOT, wanted, kind="truth"), kind="truth")
-        rule = Constraint(f"{instance.title()} is not visible from {state.ego.title()}", instance.place, "visibility")
+        seen = can_see(ego, instance, state.dialect)
+        if isinstance(required, RandomExpr):
+            seen = apply(OR, seen, apply(NOT, required, kind="truth"), kind="truth")
         if seen is not True:
-            nodes.append((rule, seen))
-    return nodes
+            label = f"{instance.title()} is not visible from {ego.title()}"
+            yield Constraint(label, instance.place, "visibility"), seen
 
 
 def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """What the specifiers `visible` and `not visible` of dialect 3 demand, of objects that came to be."""
+    """Yield what the specifiers `visible` and `not visible` of dialect 3 demand of objects that came to be."""
     made = {id(each) for each in objects}
-    for instance, (viewer, wanted) in state.sights:
+    for instance, (viewer, visible) in state.sights:
         if id(instance) not in made:
             continue
         seen = can_see(viewer, instance, state.dialect)
-        label = f"{instance.title()} is {'not ' if wanted else ''}visible from {viewer.title()}"
-        holds = seen if wanted else apply(NOT, seen, kind="truth")
+        label = f"{instance.title()} is {'not ' if visible else ''}visible from {viewer.title()}"
+        holds = seen if visible else apply(NOT, seen, kind="truth")
         if holds is not True:
             yield Constraint(label, instance.place, "visibility"), holds

@@ -1,4 +1,4 @@
-"""Readable and unique names: of objects for the rules, of the columns of θ for everybody.
+"""The columns of θ and their readable, unique names; the names by which constraints speak of objects.
 
 Read next: `scene.program`.
 """
@@ -6,12 +6,14 @@ Read next: `scene.program`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector
-from scenic_lite.values.graph import ThetaColumn, Value, columns_of
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 
 class Draw(NamedTuple):
@@ -28,6 +30,41 @@ class Draw(NamedTuple):
     place: SourceSpan
 
 
+class ThetaLayout:
+    """The D columns of θ: `columns` are the leaves of the graph, `draws` what is known of them."""
+
+    def __init__(self, file: str, columns: list[ThetaColumn], draws: tuple[Draw, ...]) -> None:
+        self.file, self.columns, self.draws = file, columns, draws
+        self.offset = np.array([column.offset for column in columns])[:, None]  # [D, 1]
+        self.span = np.array([column.span for column in columns])[:, None]  # [D, 1]
+
+    def checked(self, theta: Any) -> np.ndarray:
+        """Return theta as an array [N, D]. Raises ValueError if it is none."""
+        expected = f"theta must be an array of numbers of the shape [N, {len(self.columns)}] for {self.file}"
+        try:
+            array = np.asarray(theta)
+            if array.dtype.kind not in "biuf":
+                raise TypeError(f"an array of {array.dtype}")
+        except (TypeError, ValueError) as fault:
+            raise ValueError(f"{expected}: {fault}") from None
+        if array.ndim != 2 or array.shape[1] != len(self.columns):
+            raise ValueError(f"{expected}, not {list(array.shape)}")
+        return array.astype(float, copy=False)
+
+    def scaled(self, theta: np.ndarray) -> np.ndarray:
+        """Return columns [D, N], each contiguous: from [-1, 1] to offset + [0, 1] · span."""
+        unit = np.minimum(np.maximum(theta.T, -1.0), 1.0, order="C")
+        unit += 1.0
+        unit *= 0.5 * self.span
+        unit += self.offset
+        return unit
+
+    def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
+        """Return the values that one row theta [D] gives to the columns."""
+        scaled = self.scaled(self.checked(np.asarray(theta, dtype=float)[None]))
+        return {column: float(value) for column, value in zip(self.columns, scaled[:, 0], strict=True)}
+
+
 def unique(names: Iterable[str]) -> list[str]:
     """The same names, repeated ones numbered from 2."""
     taken: set[str] = set()
@@ -42,10 +79,11 @@ def unique(names: Iterable[str]) -> list[str]:
     return result
 
 
-def name_objects(objects: list[Instance]) -> None:
-    """Give every object the label by which rules and columns speak of it."""
+def name_objects(objects: list[Instance]) -> list[Instance]:
+    """Give every object the label by which constraints and columns speak of it."""
     for instance, label in zip(objects, unique(instance.title() for instance in objects), strict=True):
         instance.label = label
+    return objects
 
 
 def title_of(value: Value) -> str:

@@ -1,4 +1,4 @@
-"""What a program's own rules do to uniform draws: the report of an impossible or wasteful program.
+"""What a program's own constraints do to uniform draws: the report of an impossible or wasteful program.
 
 Read next: `scene.program`.
 """
@@ -9,20 +9,20 @@ from dataclasses import dataclass
 
 from scenic_lite.scene.constraints import Constraint
 
-SHOWN = 8  # rules, the worst first
+SHOWN = 8  # constraints, the worst first
 
 
 @dataclass(frozen=True)
 class RejectionReport:
-    """How many of some uniform draws of θ were valid, and what share each rule rejected by itself.
+    """How many of some uniform draws of θ were valid, and what share each constraint rejected by itself.
 
-    A draw may break several rules, so the shares need not add up.
+    A draw may violate several, so the shares need not add up.
     """
 
     file: str
     draws: int
     accepted: int
-    rejected: tuple[tuple[Constraint, float], ...]  # only rules that rejected something, the worst first
+    rejected: tuple[tuple[Constraint, float], ...]  # only those that rejected something, the worst first
 
     @property
     def acceptance(self) -> float:
@@ -34,15 +34,15 @@ class RejectionReport:
             head = f"{self.file}: {100 * self.acceptance:.1f} % of {self.draws} draws are valid"
         else:
             head = f"{self.file}: no valid scene in {self.draws} draws"
-        return "\n".join([head, *self.rules()])
+        return "\n".join([head, *self.lines()])
 
-    def rules(self) -> list[str]:
-        """One line for each rule that rejected something."""
-        rows = [(f"    line {rule.place.line}: {rule.label}", share) for rule, share in self.rejected[:SHOWN]]
+    def lines(self) -> list[str]:
+        """Return one line for each constraint that rejected something."""
+        rows = [(f"    line {each.place.line}: {each.label}", share) for each, share in self.rejected[:SHOWN]]
         width = max((len(text) for text, _ in rows), default=0) + 6
         lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
         if len(self.rejected) > SHOWN:
             lines.append(f"    and {len(self.rejected) - SHOWN} rules more")
-        if any(rule.probability < 1 for rule, _ in self.rejected):
+        if any(each.probability < 1 for each, _ in self.rejected):
             lines.append("    (a soft requirement rejects in its share of the scenes only, and makes no draw invalid)")
         return lines

@@ -1,19 +1,20 @@
 """Scenes: what N samples of a program look like as arrays, and the plan by which a tape's registers become them.
 
-Read next: `scene.program`, which owns the plan.
+Read next: `scene.program`, which owns the plan; `scene.constraints`, which tests what it gives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
+from scenic_lite.core.state import DrawnPoint
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of, randoms_in
-from scenic_lite.errors import SourceSpan
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
@@ -48,7 +49,7 @@ class Scenes:
     params: the program's parameters, in the same form.
     behavior_arguments: for each object a dict name -> value in the same form, or None without a behavior; objects of
         the program appear as their index in `Program.objects`.
-    ok: [N], whether every rule holds; failed: [N, R], which rules (`Program.requirements`) do not.
+    ok: [N], whether every constraint holds; failed: [N, R], which (of `Program.requirements`) do not.
     """
 
     positions: np.ndarray
@@ -164,6 +165,54 @@ def row_of(value: Any, row: int) -> Any:
     return value
 
 
+class ScenePlan:
+    """Reads scenes from the registers of a tape; what never varies is there before."""
+
+    def __init__(self, tape: Tape, objects: list[Instance], params: dict[str, Value]) -> None:
+        self._planner = planner = Planner(tape, objects)
+        self._count = len(objects)
+        self.arrangement = Arrangement(planner, objects)
+        plans = {name: planner.plan(value) for name, value in params.items()}
+        self.params = {name: planner.fixed(params[name]) for name, plan in plans.items() if plan is None}
+        self._param_plans = {name: plan for name, plan in plans.items() if plan is not None}
+        self._properties: dict[str, list[Any]] = {}
+        self._property_plans: list[tuple[str, int, Plan]] = []
+        self._arguments: list[dict[str, Any] | None] = [None] * len(objects)
+        self._argument_plans: list[tuple[int, Plan]] = []
+        for i, instance in enumerate(objects):
+            self._plan_instance(i, instance)
+
+    def _plan_instance(self, i: int, instance: Instance) -> None:
+        for name, value in instance.properties.items():
+            if name in ("position", "heading"):
+                continue
+            column = self._properties.setdefault(name, [None] * self._count)
+            plan = self._planner.plan(value)
+            if plan is None:
+                column[i] = self._planner.fixed(value)
+            else:
+                self._property_plans.append((name, i, plan))
+        behavior = instance.properties["behavior"]
+        if isinstance(behavior, BehaviorCall):
+            self._arguments[i] = self._planner.fixed(behavior.arguments)
+            plan = self._planner.plan(behavior.arguments)
+            if plan is not None:
+                self._argument_plans.append((i, plan))
+
+    def read(self, registers: list[Any], count: int) -> tuple[dict[str, list[Any]], dict[str, Any], list[Any]]:
+        """Return the properties, parameters and behavior arguments of N = count scenes, in the form of Scenes."""
+        properties = self._properties
+        if self._property_plans:
+            properties = {name: list(column) for name, column in properties.items()}
+            for name, i, plan in self._property_plans:
+                properties[name][i] = plan(registers, count)
+        arguments = list(self._arguments)
+        for i, plan in self._argument_plans:
+            arguments[i] = plan(registers, count)
+        params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
+        return properties, params, arguments
+
+
 class Arrangement:
     """Where everyone stands: writes positions, headings and outlines from the registers."""
 
@@ -206,3 +255,37 @@ def part_of(instance: Instance, part: str) -> Value:
         position = instance.properties["position"]
         return position.x if part == "x" else position.y
     return instance.properties[part]
+
+
+def info_of(instance: Instance) -> ObjectInfo:
+    """Return what is known of an object before any scene is drawn."""
+    behavior = instance.properties["behavior"]
+    attached = (None, None) if behavior is None else (behavior.behavior.name, behavior.place)
+    classes = tuple(cls.name for cls in instance.cls.lineage())
+    return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, *attached)
+
+
+# ------------------------------------------------------------ for pictures
+
+
+class Area(NamedTuple):
+    """A region as lines: `strips`, each [n, 2] in the program's units; `what` is "workspace" or "drawn"."""
+
+    what: str
+    strips: list[np.ndarray]
+
+
+def areas_of(workspace: Region | None, points: Iterable[DrawnPoint]) -> tuple[Area, ...]:
+    """Return the workspace, and the regions from which points are drawn, as named; not random or endless ones."""
+    areas = [Area("workspace", strips_of(workspace))] if workspace is not None else []
+    regions = {id(region): region for region in (each.whole or each.region for each in points)}
+    areas += [Area("drawn", strips_of(region)) for region in regions.values() if region is not workspace]
+    return tuple(area for area in areas if area.strips)
+
+
+def strips_of(region: Region) -> list[np.ndarray]:
+    """Return the boundary of a region; nothing where it is random or endless."""
+    try:
+        return region.outlines()
+    except ScenicError:
+        return []

@@ -15,7 +15,7 @@ import numpy as np
 from scenic_lite.core.environment import near
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.scene.naming import Draw
+from scenic_lite.scene.naming import Draw, ThetaLayout
 from scenic_lite.scene.scenes import Planner, Scenes
 from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
@@ -36,8 +36,7 @@ class Subject(NamedTuple):
     objects: Sequence[Instance]
     params: Mapping[str, Value]
     param_places: Mapping[str, SourceSpan]
-    draws: Sequence[Draw]
-    columns: Sequence[ThetaColumn]
+    layout: ThetaLayout
 
 
 class Target(NamedTuple):
@@ -64,16 +63,16 @@ def theta_of(subject: Subject, scenes: Scenes | Mapping[Any, Any], default: np.n
     if default is not None and len(default) not in (1, count):
         raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
     targets = [each._replace(asked=np.broadcast_to(each.asked, count)) for each in targets]
-    groups = groups_of(targets, subject.columns)
+    groups = groups_of(targets, subject.layout.columns)
     decided = {d for _, columns in groups for d in columns}
-    free = [d for d, column in enumerate(subject.columns) if d not in decided and column.span != 0]
+    free = [d for d, column in enumerate(subject.layout.columns) if d not in decided and column.span != 0]
     if default is None and free:
-        raise undetermined([subject.draws[d] for d in free])
-    unit = np.full((count, len(subject.columns)), 0.5)  # [N, D], in [0, 1]
+        raise undetermined([subject.layout.draws[d] for d in free])
+    unit = np.full((count, len(subject.layout.columns)), 0.5)  # [N, D], in [0, 1]
     if default is not None:
         unit[:] = (default + 1) / 2
     for group, columns in groups:
-        system = System(group, [subject.columns[d] for d in columns], subject.objects)
+        system = System(group, [subject.layout.columns[d] for d in columns], subject.objects)
         unit[:, columns] = system.solve(unit[:, columns])
     return 2 * unit - 1
 
@@ -119,8 +118,8 @@ def targets_of_scenes(subject: Subject, scenes: Scenes) -> Iterator[Target]:
 
 def targets_of(subject: Subject, description: Mapping[Any, Any]) -> Iterator[Target]:
     """What a person asks of objects, parameters and draws. Raises ScenicError for a name that is none of them."""
-    draws = {draw.name: column.shown for draw, column in zip(subject.draws, subject.columns, strict=True)}
-    places = {draw.name: draw.place for draw in subject.draws} | dict(subject.param_places)
+    draws = {draw.name: column.shown for draw, column in zip(subject.layout.draws, subject.layout.columns, strict=True)}
+    places = {draw.name: draw.place for draw in subject.layout.draws} | dict(subject.param_places)
     names = draws | dict(subject.params)
     for key, asked in description.items():
         at = object_named(subject, key, names)

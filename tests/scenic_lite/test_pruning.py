@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from scenic_lite import ScenicError, load, loader
+from scenic_lite import Program, ScenicError, load, loader
 
 SCENES = 4000
 CLOSE = 2.2 * np.sqrt(2 / SCENES)  # of two samples' distribution functions
@@ -185,7 +185,7 @@ def test_regions_of_any_size_are_no_crash(size):
 
 def test_upright_rectangles_stay_cheap():
     program = load(FIELD + "ego = new Object in field", dialect=3)
-    assert not program._tape.steps
+    assert not program.tape.steps
     code = f"import sys, scenic_lite; scenic_lite.load({FIELD + 'ego = new Object in field'!r}, dialect=3)"
     subprocess.run([sys.executable, "-c", code + "; assert 'shapely' not in sys.modules"], check=True)
 
@@ -193,7 +193,7 @@ def test_upright_rectangles_stay_cheap():
 def test_small_batches_draw_what_the_acceptance_calls_for(monkeypatch):
     program = load("ego = new Object at Range(0, 10) @ 0\nrequire ego.x > 5", dialect=3)
     rows = []
-    count = program._scenes
-    monkeypatch.setattr(program, "_scenes", lambda theta: rows.append(len(theta)) or count(theta))
+    count = Program._evaluate
+    monkeypatch.setattr(Program, "_evaluate", lambda self, theta: rows.append(len(theta)) or count(self, theta))
     program.sample(256, np.random.default_rng(0))
     assert sum(rows) < 256 * 5

@@ -32,7 +32,7 @@ FIXED = [*AREAS, "PolylineRegion([0@0, 10@0, 10@10])", "PointSetRegion('p', [(1,
 
 def region(text, dialect=3):
     """The region that an expression makes."""
-    return things(f"spot = new Thing in {text}", dialect)._points[0].region
+    return things(f"spot = new Thing in {text}", dialect).mode.state.points[0].region
 
 
 def drawn(text, n=POINTS, seed=3):

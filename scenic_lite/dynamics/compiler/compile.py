@@ -353,7 +353,9 @@ def has_guards(call: BehaviorCall) -> bool:
 def show_world(c: Compilation) -> None:
     """Give the objects their live properties and `simulation()` its meaning."""
     world, program, code = c.world, c.program, c.code
-    c.remembering = any("lastActions" in line for source in program._sources.values() for line in source.lines)
+    c.remembering = any(
+        "lastActions" in line for source in program.mode.state.sources.values() for line in source.lines
+    )
     c.world_base = code.fixed.take(len(program.instances) * len(world.fields))
     c.fact_base = code.fixed.take(len(world.facts))
     facts = {name: RegisterValue(c.fact_base + i, whole=name == "time") for i, name in enumerate(world.facts)}

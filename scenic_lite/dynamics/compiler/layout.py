@@ -26,7 +26,9 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     code, program = c.code, c.program
     rows = placed(shortened(code.rows))
     layout = Layout(code)
-    tape = Tape([node for _, node in code.inputs.values()], program._columns, program.mode.budget.limits.operations)
+    tape = Tape(
+        [node for _, node in code.inputs.values()], program.layout.columns, program.mode.budget.limits.operations
+    )
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
     relocate([*c.commands, tuple(each.value for each in c.records)], layout)
@@ -105,7 +107,7 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
 
 
 def line_of(program: Program, place: SourceSpan) -> str:
-    source = program._sources.get(place.file)
+    source = program.mode.state.sources.get(place.file)
     return "" if source is None else source.line(place.line)
 
 

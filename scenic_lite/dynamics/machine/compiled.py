@@ -85,11 +85,11 @@ class Compiled:
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
         """The registers at the start of matches with theta [N, D]: [N, R] float64."""
-        theta = self.program._checked(theta)
+        theta = self.program.layout.checked(theta)
         rows = np.tile(self.start, (len(theta), 1))
         if self.inputs:
             with np.errstate(all="ignore"):
-                found = self.tape.run(self.program._scaled(theta))
+                found = self.tape.run(self.program.layout.scaled(theta))
             for register, slot, text in self.inputs:
                 values = found[slot]
                 rows[:, register] = [self.text(each) for each in values] if text else values
