@@ -31,18 +31,22 @@ FLOORS = {
     "envs.football": (
         "constants",
         "config",
-        "state",
-        "physics",
-        "rules",
-        "ai",
-        "control",
-        "observation",
-        "scenic",
-        "simulator",
-        "batch",
+        "state",  # the record of a match
+        "physics",  # bodies and ball
+        "rules",  # the laws of the game: restarts, fouls, offside
+        "skills",  # what players do to the ball and to each other
+        "control",  # agents, keys, reward, the end of an episode
+        "ai",  # the built-in players
+        "kick_off",  # matches about to begin
+        "frames",  # the ten frames of a step
+        "scenic",  # football as programs see it
+        "simulator",  # a step
+        "observation",  # what agents see
+        "batch",  # N matches, parallel
+        "view",  # pictures
         "vector_env",
         "gym_env",
-        "view",
+        "replay",
     ),
     "ued": (
         "seeding",

@@ -5,7 +5,7 @@ import pytest
 
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
 from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Casting
+from envs.football.scenic.lineup import Lineup
 from envs.football.vector_env import FootballVectorEnv
 from minigames import MINIGAMES
 from scenic_lite import load
@@ -52,11 +52,11 @@ def test_nearly_every_draw_is_valid(name):
 @pytest.mark.parametrize("name", MINIGAMES)
 def test_every_program_is_the_same_match_of_400_steps(name):
     game = MINIGAMES[name]
-    castings = [Casting(program_of(path)) for path in (game.program, *(path for _, path in game.tests))]
-    for casting in castings:
-        assert casting.config == castings[0].config
-        assert casting.config.game_duration == 400 and casting.config.end_episode_on_possession_change
-        assert (np.asarray(casting.lineup.roles) == np.asarray(castings[0].lineup.roles)).all()
+    lineups = [Lineup(program_of(path)) for path in (game.program, *(path for _, path in game.tests))]
+    for lineup in lineups:
+        assert lineup.config == lineups[0].config
+        assert lineup.config.game_duration == 400 and lineup.config.end_episode_on_possession_change
+        assert (np.asarray(lineup.roster.roles) == np.asarray(lineups[0].roster.roles)).all()
 
 
 @pytest.mark.parametrize("name", MINIGAMES)
@@ -85,7 +85,7 @@ def courses_of(label, steps=40, count=32):
     path = next(path for name, path in MINIGAMES["3v2FourBehaviors"].tests if name.startswith(label))
     env = FootballVectorEnv(path, count)
     env.reset(seed=0)
-    defender = env.casting.cast[[info.name for info in env.program.objects].index("defender")]
+    defender = env.lineup.object_to_player[[info.name for info in env.program.objects].index("defender")]
     over = np.zeros(count, bool)
     places, balls, pressed = [], [], []
     for _ in range(steps):

@@ -14,8 +14,8 @@ from numba import prange
 from envs.football.constants import NO_FAULT
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
-from envs.football.observation.observer import note_places, observe
-from envs.football.scenic.step import step_scripted
+from envs.football.observation.observer import observe, remember_minimap
+from envs.football.scenic.scripted_step import Script
 from envs.football.simulator import step_match
 from envs.football.state import MATCH
 from scenic_lite.kernels.jit import kernel
@@ -29,8 +29,8 @@ class Batch(NamedTuple):
     registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
     start_registers: np.ndarray  # [N, R] float64
     commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
-    places: np.ndarray  # [N, 4, P + 1, 2] float64, of the last steps, for observations that need them: see `smm`
-    place_agents: np.ndarray  # [N, 4, A] int64, the same of the agents' players
+    minimap_places: np.ndarray  # [N, 4, P + 1, 2] float64, of the last steps, for observations that need them: `smm`
+    minimap_agents: np.ndarray  # [N, 4, A] int64, the same of the agents' players
     idle: np.ndarray  # [N] bool, matches that nobody plays and that stand still
 
 
@@ -45,7 +45,7 @@ class Outcome(NamedTuple):
     faults: np.ndarray  # [N] int64
 
 
-class Rules(NamedTuple):
+class BatchSettings(NamedTuple):
     """What is the same for all matches."""
 
     checkpoints: bool  # checkpoints count
@@ -53,15 +53,15 @@ class Rules(NamedTuple):
     restart: bool  # an ended match starts again at once; if not, the caller sees to it
     observation: int  # what agents see: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; one without costs nothing
-    cast: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
+    object_to_player: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
 
 
-def empty_batch(count: int, registers: int, objects: int, tracks: tuple[np.ndarray, np.ndarray]) -> Batch:
+def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple[np.ndarray, np.ndarray]) -> Batch:
     """Room for `count` matches; records whose fields are attributes even when not compiled."""
     matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
     commands = np.zeros((count, objects))
-    return Batch(matches, starts, memory, start_memory, commands, *tracks, np.zeros(count, np.bool_))
+    return Batch(matches, starts, memory, start_memory, commands, *minimap_history, np.zeros(count, np.bool_))
 
 
 def empty_outcome(count: int, agents: int) -> Outcome:
@@ -77,7 +77,7 @@ def empty_outcome(count: int, agents: int) -> Outcome:
 
 
 @kernel(parallel=True)
-def step_batch(batch, actions, outcome, seen, final, rules, code):
+def step_batch(batch, actions, outcome, seen, final, settings, code):
     """Step N matches of a program with actions `[N, A]`; an ended one starts again from its row of `batch.starts`.
 
     What the agents see goes into the View `seen`, what they saw last of an episode that ended into the View `final`.
@@ -85,58 +85,59 @@ def step_batch(batch, actions, outcome, seen, final, rules, code):
     for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
-        _step_row(batch, actions, outcome, seen, final, rules, code, np.int64(index))  # prange counts unsigned
+        _step_row(batch, actions, outcome, seen, final, settings, code, np.int64(index))  # prange counts unsigned
 
 
 @kernel
-def _step_row(batch, actions, outcome, seen, final, rules, code, index):
+def _step_row(batch, actions, outcome, seen, final, settings, code, index):
     """Step, reward, observe and if need be restart one match."""
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
         return
     match = batch.matches[index]
-    if rules.scripted:
-        step_scripted(match, actions[index], code, rules.cast, batch.registers[index], batch.commands[index])
+    if settings.scripted:
+        script = Script(code, settings.object_to_player, batch.registers[index], batch.commands[index])
+        step_match(match, actions[index], script)
     else:
-        step_match(match, actions[index])
-    outcome.rewards[index] = team_reward(match, rules.checkpoints)
+        step_match(match, actions[index], None)
+    outcome.rewards[index] = team_reward(match, settings.checkpoints)
     for agent in range(num_agents(match)):
-        outcome.agent_rewards[index, agent] = agent_reward(match, agent, rules.checkpoints)
+        outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.ended[index] = match.ended
     outcome.faults[index] = match.fault
-    note_places(batch, index, rules.observation)
+    remember_minimap(batch, index, settings.observation)
     if match.terminated or match.truncated:
-        observe(batch, index, final, rules.observation)
-        if rules.restart and match.fault == NO_FAULT:  # a fault is reported first
-            restart(batch, rules, index)
-    observe(batch, index, seen, rules.observation)
+        observe(batch, index, final, settings.observation)
+        if settings.restart and match.fault == NO_FAULT:  # a fault is reported first
+            restart(batch, settings, index)
+    observe(batch, index, seen, settings.observation)
 
 
 @kernel
-def restart(batch, rules, index):
+def restart(batch, settings, index):
     """Start the next episode on the same level; its random stream goes on where the last one stopped."""
     stream = batch.matches[index].random
     batch.matches[index] = batch.starts[index]
     batch.registers[index] = batch.start_registers[index]
-    if not rules.deterministic:
+    if not settings.deterministic:
         batch.matches[index].random = stream
-    note_places(batch, index, rules.observation)
+    remember_minimap(batch, index, settings.observation)
 
 
 @kernel
-def begin(batch, where, rules):
+def begin(batch, where, settings):
     """Put the matches `where` (indices `[k]`) at their start."""
     for index in where:
         batch.matches[index] = batch.starts[index]
         batch.registers[index] = batch.start_registers[index]
-        note_places(batch, index, rules.observation)
+        remember_minimap(batch, index, settings.observation)
 
 
 @kernel
-def observe_batch(batch, seen, rules):
+def observe_batch(batch, seen, settings):
     """Write what the agents of all matches see into the View `seen`."""
     for index in range(len(batch.matches)):
-        observe(batch, index, seen, rules.observation)
+        observe(batch, index, seen, settings.observation)

@@ -1,88 +1,83 @@
-"""One step of a match as a recipe.
+"""One step of a match as a recipe: ten stages of a game of football, and around them who decides for its players.
 
-Each stage stands in the file of that name. Read next: `state` for the record, then the stages in their order.
+A step is a decision of 0.1 s. Each stage stands in the file that it is imported from, and everything that it changes
+stands in the record MATCH. Read next: `state` for the record, then the stages in their order.
 """
 
 from __future__ import annotations
 
-from envs.football.ai.decide import read_game, think
-from envs.football.ai.keeper import hurry
-from envs.football.constants import BUILTIN_AI, NOBODY, RUNNING, STAND
+from envs.football.ai.decide import choose_command, read_game
+from envs.football.ai.keeper import kick_out_if_overdue
+from envs.football.ai.set_pieces import wait_for_restart
+from envs.football.constants import BUILTIN_AI, RUNNING, STAND
 from envs.football.control.agents import assign_actions, choose_controlled
-from envs.football.control.keys import obey, release_keys
-from envs.football.control.reward import pay_checkpoints
-from envs.football.physics.dribble import lead_ball
-from envs.football.physics.frames import play_frames
-from envs.football.physics.kicks import swing_legs
+from envs.football.control.episode import end_episode
+from envs.football.control.keys import apply_action, release_keys
+from envs.football.control.reward import clear_rewards, pay_checkpoints
+from envs.football.frames import play_frames
+from envs.football.physics.dribble import dribble
 from envs.football.physics.motion import plan_motion
-from envs.football.physics.possession import find_chasers, tick
+from envs.football.physics.possession import advance_timers, find_chasers
 from envs.football.rules.offside import mark_offside
-from envs.football.rules.referee import apply_rules, begin_step
-from envs.football.rules.restarts import wait_for_restart
+from envs.football.rules.referee import apply_rules, forget_events
+from envs.football.scenic.scripted_step import command_players, run_program_behaviors, run_program_monitors
+from envs.football.skills.kicks import swing_legs
 from scenic_lite.kernels.jit import kernel
 
 
 @kernel
-def step_match(match, actions):
+def step_match(match, actions, script):
     """Move a match on by one step of 0.1 s in which the agents' players take `actions` [A] (0..18).
 
-    A match that has ended stays as it is and pays nothing.
+    `script` is the Script of its program, None without one. A match that has ended stays as it is.
     """
-    begin_step(match)
-    if match.ended != RUNNING:
+    if not begin_step(match) or not run_program_behaviors(match, script):
         return
     assign_actions(match, actions)
+    command_players(match, script)
     play(match)
+    run_program_monitors(match, script)
 
 
 @kernel
 def play(match):
     """Move a match on in which every player has his action."""
-    if match.taker != NOBODY:
-        wait_for_restart(match)
-    if match.taker == NOBODY:
-        find_chasers(match)
-        read_game(match)
-        decide(match)
-        plan_motions(match)
-        swing_legs(match)
-        if lead_ball(match):
-            mark_offside(match, match.carrier)
+    if not wait_for_restart(match):
+        play_on(match)
     play_frames(match)
-    tick(match)
+    advance_timers(match)
     apply_rules(match)
+    end_episode(match)
     choose_controlled(match)
     pay_checkpoints(match)
 
 
 @kernel
+def play_on(match):
+    """Let everybody see, decide, and answer with body and ball."""
+    find_chasers(match)
+    read_game(match)
+    decide(match)
+    plan_motions(match)
+    swing_legs(match)
+    if dribble(match):
+        mark_offside(match, match.carrier)
+
+
+@kernel
 def decide(match):
-    """Turn every player's action into a wanted velocity and perhaps a kick."""
+    """Turn every player's action into a desired velocity and perhaps a kick."""
     for i in range(match.num_players):
         player = match.players[i]
         if player.action == BUILTIN_AI:
             release_keys(match, i)
-            think(match, i)
+            choose_command(match, i)
         elif player.action == STAND:
             release_keys(match, i)
-            player.want_x, player.want_y = 0.0, 0.0
+            player.desired_vx, player.desired_vy = 0.0, 0.0
         else:
-            obey(match, i, player.action)
-            hurry(match, i)
-
-
-@kernel
-def step_teams(match, actions):
-    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND.
-
-    A match that has ended stays as it is.
-    """
-    begin_step(match)
-    if match.ended != RUNNING:
-        return
-    for i in range(match.num_players):
-        match.players[i].action = actions[i]
-    play(match)
+            apply_action(match, i, player.action)
+            kick_out_if_overdue(match, i)
 
 
 @kernel
@@ -93,7 +88,15 @@ def plan_motions(match):
 
 
 @kernel
+def begin_step(match):
+    """Forget what the step before brought; return whether the match goes on."""
+    forget_events(match)
+    clear_rewards(match)
+    return match.ended == RUNNING
+
+
+@kernel
 def step_matches(matches, actions):
-    """Move matches MATCH [N] on by one step each, with actions [N, A]; bare, one after the other (see `batch`)."""
+    """Move matches MATCH [N] without programs on by one step each, with actions [N, A], one after the other."""
     for e in range(len(matches)):
-        step_match(matches[e], actions[e])
+        step_match(matches[e], actions[e], None)

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
-from envs.football.batch import Rules, begin, empty_batch, empty_outcome, observe_batch, restart, step_batch
+from envs.football.batch import BatchSettings, begin, empty_batch, empty_outcome, observe_batch, restart, step_batch
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
-from envs.football.control.control_modes import dismiss
+from envs.football.control.control_modes import release_agents
 from envs.football.observation.observer import RAW, Observer
-from envs.football.scenic.behaviors import Staging
+from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Casting
+from envs.football.scenic.lineup import Lineup
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta
 
@@ -43,7 +43,7 @@ class FootballVectorEnv(UPOMDP):
     the program has recorded in the step is in `info["records"]` by name: `[N]`, vectors `[N, 2]`, NaN (None, of what is
     no number) where nothing was.
 
-    Raises `scenic_lite.ScenicError` for a broken program, `casting.CastingError` for one that is no match; `step`
+    Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
     played their step. A UserWarning names each line that would fail so whenever a match came to it.
     """
@@ -57,27 +57,27 @@ class FootballVectorEnv(UPOMDP):
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
-        self.casting = Casting(self.program, str(config.control), str(config.right_control))
-        self.staging = Staging(self.program)
-        for warning in self.staging.compiled.warnings:
+        self.lineup = Lineup(self.program, str(config.control), str(config.right_control))
+        self.behaviors = CompiledBehaviors(self.program)
+        for warning in self.behaviors.compiled.warnings:
             warnings.warn(warning, stacklevel=2)
-        self.num_players = self.casting.num_players
-        self.num_agents = sum(self.casting.num_agents)
-        self._observer = Observer(config.representation, self.casting)
+        self.num_players = self.lineup.num_players
+        self.num_agents = sum(self.lineup.num_agents)
+        self._observer = Observer(config.representation, self.lineup)
         several = MultiDiscrete([NUM_ACTIONS] * self.num_agents)
         actions = Discrete(NUM_ACTIONS) if self.num_agents == 1 else several
         super().__init__(num_envs, self._observer.space, actions, self.program.draws)
-        self._rules = Rules(
+        self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
-            bool(self.casting.config.deterministic),
-            self._observer.kind != RAW and not self.staging.records,
+            bool(self.lineup.config.deterministic),
+            self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
-            self.staging.live,
-            self.casting.cast,
+            self.behaviors.is_live,
+            self.lineup.object_to_player,
         )
         self._outcome = empty_outcome(num_envs, self.num_agents)
-        tracks = self._observer.tracks(num_envs)
-        self._batch = empty_batch(num_envs, self.staging.num_registers, len(self.program.objects), tracks)
+        history = self._observer.minimap_history(num_envs)
+        self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
         self._started = False
         self._scripted = False  # agents move nobody: the program plays their players, too
         self.ended_matches: np.ndarray | None = None  # see `keep_endings`
@@ -92,7 +92,7 @@ class FootballVectorEnv(UPOMDP):
 
         What ended has started again in `matches`; whoever draws a match wants to see the goal.
         """
-        self._rules = self._rules._replace(restart=False)
+        self._settings = self._settings._replace(restart=False)
 
     def valid(self, theta: Any) -> np.ndarray:
         return self.program.valid(check_theta(theta, self.theta_dim))
@@ -106,12 +106,12 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch = self._batch
-        starts = self.casting.starts(levels["theta"], levels["seed"])
+        starts = self.lineup.starts(levels["theta"], levels["seed"])
         if self._scripted:
-            dismiss(starts)
+            release_agents(starts)
         batch.starts[where] = starts
-        batch.start_registers[where] = self.staging.registers(levels["theta"])
-        begin(batch, where, self._rules)
+        batch.start_registers[where] = self.behaviors.registers(levels["theta"])
+        begin(batch, where, self._settings)
         self._started = True
         return self.observe()
 
@@ -120,32 +120,32 @@ class FootballVectorEnv(UPOMDP):
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
-        step_batch(self._batch, self._checked(actions), out, seen, final, self._rules, self.staging.code)
+        step_batch(self._batch, self._checked(actions), out, seen, final, self._settings, self.behaviors.code)
         if out.faults.any():
             self._report_faults()
         ended = out.terminated | out.truncated
         last = self._observer.read(final, self._batch.matches)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
         info["agent_rewards"] = out.agent_rewards.copy()
-        if self.staging.records:
-            info["records"] = self.staging.recorded(self._batch.registers)
-        if not self._rules.restart and ended.any():
+        if self.behaviors.has_records:
+            info["records"] = self.behaviors.recorded(self._batch.registers)
+        if not self._settings.restart and ended.any():
             self.ended_matches = self.matches
             self._restart(ended)
-            observe_batch(self._batch, seen, self._rules)
+            observe_batch(self._batch, seen, self._settings)
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
     def observe(self) -> Any:
         """The present observations, in arrays of their own."""
         seen = self._observer.room(self.num_envs)
-        observe_batch(self._batch, seen, self._rules)
+        observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
 
     def _restart(self, ended: np.ndarray) -> None:
         """Do what the kernel does otherwise: of `raw` the last observation and of records the last are taken before."""
         for index in np.flatnonzero(ended):
-            restart(self._batch, self._rules, index)
+            restart(self._batch, self._settings, index)
 
     def _checked(self, actions: Any) -> np.ndarray:
         """Actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
@@ -162,7 +162,10 @@ class FootballVectorEnv(UPOMDP):
     def _report_faults(self) -> None:
         """Put the matches that cannot go on back to their start, and raise the error of the first of them."""
         faulted = self._outcome.faults != NO_FAULT
-        error = self.staging.error(self._batch, int(np.flatnonzero(faulted)[0]), self.levels)
+        index, batch = int(np.flatnonzero(faulted)[0]), self._batch
+        match, level = batch.matches[index], self.levels[index]
+        where = f"match {index} of {self.num_envs}, step {match['step']}; its level: {level}"
+        error = self.behaviors.error(match, batch.registers[index], where)
         self._restart(faulted)
         raise error
 
@@ -173,8 +176,8 @@ class FootballVectorEnv(UPOMDP):
             "starts": np.asarray(batch.starts).copy(),
             "registers": batch.registers.copy(),
             "start_registers": batch.start_registers.copy(),
-            "places": batch.places.copy(),
-            "place_agents": batch.place_agents.copy(),
+            "minimap_places": batch.minimap_places.copy(),
+            "minimap_agents": batch.minimap_agents.copy(),
             "levels": self.levels.copy(),
             "np_random": self.np_random.bit_generator.state,
         }
@@ -190,8 +193,8 @@ class FootballVectorEnv(UPOMDP):
             "starts": batch.starts,
             "registers": batch.registers,
             "start_registers": batch.start_registers,
-            "places": batch.places,
-            "place_agents": batch.place_agents,
+            "minimap_places": batch.minimap_places,
+            "minimap_agents": batch.minimap_agents,
             "levels": self.levels,
         }
         check_state(state, pairs)

@@ -41,7 +41,7 @@ def measure(name: str, seconds: float) -> Measurement:
 
     step(8)
     speed = NUM_ENVS * rate(step, seconds, clock=time.process_time)
-    note = f"code: {len(env.staging.code.rows)} rows, compiled in {compile_ms(env, seconds):.0f} ms"
+    note = f"code: {len(env.behaviors.code.rows)} rows, compiled in {compile_ms(env, seconds):.0f} ms"
     return Measurement(CASES[name], speed, note)
 
 

@@ -169,14 +169,14 @@ def render_scenes(program: Program, theta: np.ndarray) -> str:
 
 def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
-    from envs.football.scenic.lineup import CastingError
+    from envs.football.scenic.lineup import NotAMatchError
     from experiments.pictures.scene_pictures import draw_matches, draw_pictures
     from experiments.pictures.scene_view import view_of
 
     if football:
         try:
             return draw_matches(build.make_painter(program), theta, path)
-        except CastingError:  # football without a ball, or with something else on the pitch
+        except NotAMatchError:  # football without a ball, or with something else on the pitch
             pass
     view = view_of(program, probes(program, theta), football)
     draw_pictures(view, program.instantiate(theta), path)

@@ -52,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
     check_film_of(config.video)
     from envs.football.config import FootballConfig
     from envs.football.gym_env import ENDINGS
-    from envs.football.view.replay import Recorder, after_step
+    from envs.football.replay import Recorder, after_step
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
     settings = FootballConfig(representation="raw", control=config.control)

@@ -3,7 +3,7 @@
     regista replay match.npz
     regista replay match.npz --video match.gif
 
-Read next: `envs.football.view.replay`, what a record is.
+Read next: `envs.football.replay`, what a record is.
 """
 
 from __future__ import annotations
@@ -25,9 +25,7 @@ DESCRIPTION = "Play a recorded match again, and check that it comes out as it di
 class ReplayConfig:
     """What is typed after `regista replay`."""
 
-    record: str = positional(
-        "a record: a .npz file of regista play, or of envs.football.view.replay.Recorder", default=""
-    )
+    record: str = positional("a record: a .npz file of regista play, or of envs.football.replay.Recorder", default="")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life")
 
@@ -41,7 +39,7 @@ def main(argv: Sequence[str]) -> int:
     if not config.record:
         raise UsageError("replay needs a record: a .npz file")
     check_film_of(config.video)
-    from envs.football.view.replay import RecordError, load_record, replay
+    from envs.football.replay import RecordError, load_record, replay
 
     try:
         record = load_record(config.record)

@@ -14,8 +14,8 @@ import numpy as np
 
 from envs.football.constants import FRAMES
 from envs.football.physics.ball import advance_ball
-from envs.football.physics.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
-from envs.football.physics.shots import SHOT_SPIN
+from envs.football.skills.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
+from envs.football.skills.shots import SHOT_SPIN
 from envs.football.state import MATCH
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data

@@ -34,8 +34,8 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
+from envs.football.kick_off import MatchConfig, Roster
 from envs.football.physics.ball import advance_ball
-from envs.football.state import Lineup, MatchConfig
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance, by_share
@@ -53,9 +53,9 @@ SHOTS_X, SHOTS_Y = (0.70, 0.75, 0.80, 0.85), (-0.12, -0.06, 0.0, 0.06, 0.12)
 AFTERWARDS = 70  # steps in which the ball is goal, held, or loose
 SLOWEST = 3.0  # s to the line, of what is still a shot
 KICKED = 8.0  # m/s, from here on the ball has left the foot
-DUEL = Lineup([LEFT, LEFT, RIGHT], [CF, GK, GK])
+DUEL = Roster([LEFT, LEFT, RIGHT], [CF, GK, GK])
 FAR = (-1.0, 0.0)  # the strikers' own keeper
-SQUAD = Lineup([LEFT] * 4 + [RIGHT] * 5, [CF, GK, CM, CM, GK, CB, CB, CM, CM])  # with mates, some way behind
+SQUAD = Roster([LEFT] * 4 + [RIGHT] * 5, [CF, GK, CM, CM, GK, CB, CB, CM, CM])  # with mates, some way behind
 SQUAD_PLACES = (FAR, (0.3, 0.2), (0.3, -0.2), (1.0, 0.0), (0.5, -0.25), (0.5, 0.25), (0.1, -0.1), (0.0, 0.1))
 
 
@@ -89,27 +89,27 @@ def random_shots(n: int, seed: int = 0) -> Shots:
 
 
 def shoot(
-    strikers: np.ndarray, keys: np.ndarray, lineup: Lineup, others: tuple, difficulty: float = 0.6, seed: int = 0
+    strikers: np.ndarray, keys: np.ndarray, roster: Roster, others: tuple, difficulty: float = 0.6, seed: int = 0
 ) -> Shots:
     """Let strikers at `[N, 2]` press `keys` `[T, N]`, then nothing, against the built-in keeper; watch for 7 s."""
     n = len(strikers)
     places = np.concatenate([strikers[:, None], np.broadcast_to(others, (n, *np.shape(others)))], axis=1)
     config = MatchConfig(**{**vars(OPEN_END), "right_team_difficulty": difficulty})
-    stage = Stage(places, strikers + (0.01, 0.0), lineup, config, n, seed)
+    stage = Stage(places, strikers + (0.01, 0.0), roster, config, n, seed)
     stage.matches["end_episode_on_score"] = stage.matches["end_episode_on_out_of_play"] = True
     actions = np.full((len(keys) + AFTERWARDS, n, places.shape[1]), AI)
     actions[:, :, 0] = IDLE
     actions[: len(keys), :, 0] = keys
-    return judge(stage.play(actions), len(keys), lineup)
+    return judge(stage.play(actions), len(keys), roster)
 
 
-def judge(trace: Trace, pressed: int, lineup: Lineup) -> Shots:
+def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
     """Find in a trace when the ball left the foot, where it would have crossed the line, and how it ended."""
     speed = np.linalg.norm(trace.ball_velocity[:, :, :2], axis=-1)
     launch = np.maximum(np.argmax(speed > KICKED, axis=0), 1)
     each = np.arange(len(launch))
     ball, velocity = trace.ball[launch, each], trace.ball_velocity[launch, each]
-    gk = int(np.flatnonzero((np.asarray(lineup.teams) == RIGHT) & (np.asarray(lineup.roles) == GK))[0])
+    gk = int(np.flatnonzero((np.asarray(roster.teams) == RIGHT) & (np.asarray(roster.roles) == GK))[0])
     keeper = trace.places[launch, each, gk]
     crossing = cross_line(ball, velocity)
     to_line = np.column_stack([HALF_LENGTH - ball[:, 0], crossing[:, 0] - ball[:, 1]])
@@ -120,7 +120,7 @@ def judge(trace: Trace, pressed: int, lineup: Lineup) -> Shots:
     owners = np.where(later, trace.owner, -1)
     out = ((trace.mode != NORMAL) & later).any(axis=0) & ~goal
     first = np.argmax(owners >= 0, axis=0)
-    team = np.where((owners >= 0).any(axis=0), np.asarray(lineup.teams)[owners[first, each]], -1)
+    team = np.where((owners >= 0).any(axis=0), np.asarray(roster.teams)[owners[first, each]], -1)
     on_target = (np.abs(crossing[:, 0]) < GOAL_HALF_WIDTH) & (crossing[:, 1] < GOAL_HEIGHT)
     on_target &= crossing[:, 2] < SLOWEST
     distance = np.linalg.norm(ball[:, :2] - (HALF_LENGTH, 0.0), axis=1)
@@ -130,7 +130,7 @@ def judge(trace: Trace, pressed: int, lineup: Lineup) -> Shots:
 
 def cross_line(ball: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Where and when `[N, 3]` (y in m, height in m, s) free balls cross the right goal line, 9 s if they do not."""
-    stage = Stage([(0.0, 0.0)], (0.0, 0.0), Lineup([LEFT], [CF]), n=len(ball))
+    stage = Stage([(0.0, 0.0)], (0.0, 0.0), Roster([LEFT], [CF]), n=len(ball))
     for axis, name in enumerate("xyz"):
         stage.matches["ball"][name], stage.matches["ball"]["v" + name] = ball[:, axis], velocity[:, axis]
     result = np.zeros((len(ball), 3))

@@ -35,7 +35,7 @@ from envs.football.constants import (
     STAND,
     TOP_SPEEDS,
 )
-from envs.football.state import Lineup
+from envs.football.kick_off import Roster
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance, by_share
@@ -89,7 +89,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
     """One left player who stands at (-0.4, 0.1), the ball at his feet, or far away at a mate's."""
     places = [(-0.4, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
-    stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Lineup([0, 0, 0, 1], [CB, GK, CF, GK]))
+    stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Roster([0, 0, 0, 1], [CB, GK, CF, GK]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[shirt]
     return stage
 
@@ -239,7 +239,7 @@ def slide_rows() -> list[Row]:
 def slide_speeds(mode: str) -> np.ndarray:
     """Speed [T] over each step from four steps before the slide key; without the ball."""
     run = [] if mode == "stand" else [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, 30)]
-    stage = Stage([(-0.4, 0.1), (0.9, -0.35)], (0.895, -0.35), Lineup([0, 1], [CB, CF]))
+    stage = Stage([(-0.4, 0.1), (0.9, -0.35)], (0.895, -0.35), Roster([0, 1], [CB, CF]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[1]
     trace = stage.play(keys((IDLE, 10), *run, (SLIDING, 3), (IDLE, 40), others=(STAND,)))
     return np.hypot(*velocities(trace, 10 - 4 + sum(steps for _, steps in run)).T)
@@ -274,7 +274,7 @@ def tired_rows() -> list[Row]:
         for _ in range(steps // 50):
             stage.matches["players"]["x"][:, 0] = -METRES_X
             stage.play(keys((DIRECTION_RIGHT, 50), others=(STAND,) * 3))
-        ours = float(stage.matches["players"]["tired"][0, 0])
+        ours = float(stage.matches["players"]["tiredness"][0, 0])
         name = f"tired after {steps} steps of {target['keys']}"
         rows.append(by_share("motion", name, ours, float(target["tired"]), "", TOLERANCE))
     return rows

@@ -26,7 +26,7 @@ from envs.football.constants import (
     SHORT_PASS,
     STAND,
 )
-from envs.football.state import Lineup
+from envs.football.kick_off import Roster
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance, by_share
@@ -94,7 +94,7 @@ def straight_pass(kind: str, distance: float, repeats: int) -> Trace:
     """Let a standing player pass along +x to a mate who stands `distance` m ahead; the press is step 2."""
     x = -0.5 * PLACED_X
     places = [(x, 0.0), (x + distance / METRES_X, 0.0), *KEEPERS]
-    stage = Stage(places, (-0.49, 0.0), Lineup([0, 0, 0, 1], [CM, CM, GK, GK]), n=repeats)
+    stage = Stage(places, (-0.49, 0.0), Roster([0, 0, 0, 1], [CM, CM, GK, GK]), n=repeats)
     return stage.play(keys((IDLE, 1), (KICKS[kind], 1), (IDLE, WATCHED), others=(STAND,) * 3))
 
 
@@ -116,7 +116,7 @@ def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
 def choice(kind: str, direction: str, repeats: int) -> tuple[np.ndarray, float]:
     """Numbers [N] of the mates among MATES for whom passes are meant (-1 another player), and the mean delay."""
     places = [(0.0, 0.0), *((x / METRES_X, y / METRES_Y) for x, y in MATES), *KEEPERS]
-    stage = Stage(places, (0.01, 0.0), Lineup([0] * 8 + [1], [CM] * 7 + [GK] * 2), n=repeats)
+    stage = Stage(places, (0.01, 0.0), Roster([0] * 8 + [1], [CM] * 7 + [GK] * 2), n=repeats)
     pressed = ((IDLE, 1), (DIRECTIONS[direction], 2), (KICKS[kind], 1))
     stage.play(keys(*pressed, others=(STAND,) * 8))
     chosen, delay = np.full(repeats, -1), np.zeros(repeats)

@@ -81,7 +81,7 @@ class Policy:
 
     def _watch_pass(self, matches: np.ndarray) -> None:
         """Go on when a mate of the passer has the ball."""
-        owner = matches["owner"]
+        owner = matches["reported_owner"]
         ours = (owner >= 0) & (matches["players"]["team"][np.arange(len(owner)), np.maximum(owner, 0)] == LEFT)
         self.running |= ours & (owner != self.passer)
 
@@ -89,7 +89,7 @@ class Policy:
         """Finish when the run is over, and where it matters the ball is the player's own."""
         there = me["x"] > self.run_to * METRES_X
         if self.must_own:
-            there &= matches["owner"] == matches["agents"][:, 0]
+            there &= matches["reported_owner"] == matches["agents"][:, 0]
         self.finishing |= self.running & there
 
     def _run(self, me: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
-from envs.football.state import Lineup, MatchConfig
+from envs.football.kick_off import MatchConfig, Roster
 from experiments.grf.stage import Stage
 
 Players = tuple[tuple[int, float, float], ...]  # role, x, y
@@ -75,7 +75,7 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
     """Set up n matches of a scene, under these settings but for the scene's own duration."""
     scene = SCENES[name]
     players = (*scene.left, *scene.right)
-    lineup = Lineup([0] * len(scene.left) + [1] * len(scene.right), [role for role, _, _ in players])
+    roster = Roster([0] * len(scene.left) + [1] * len(scene.right), [role for role, _, _ in players])
     places = np.array([(x, y) for _, x, y in players]) * STRETCH
     settings = replace(config, game_duration=scene.duration)
-    return Stage(places, scene.ball, lineup, settings, n, seed, mirrored=True)
+    return Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from envs.football.constants import CF, GK, HALF_LENGTH, IDLE, SHOT, STAND
-from envs.football.state import Lineup
+from envs.football.kick_off import Roster
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.passes import DIRECTIONS, PLACED_X, PLACED_Y
 from experiments.grf.report import read_data
@@ -70,7 +70,7 @@ def conditions(effort: float) -> list[tuple[str, dict[str, str], Shots]]:
 def shoot(place: tuple[float, float], direction: str, before: int, presses: int, repeats: int) -> Shots:
     """Let a striker at `place` with the ball before him hold keys for `before` steps, then press shot, then wait."""
     players = [(place[0] * PLACED_X, place[1] * PLACED_Y), (1.011, -0.4268)]
-    stage = Stage(players, (place[0] + 0.01, place[1]), Lineup([0, 1], [CF, GK]), n=repeats)
+    stage = Stage(players, (place[0] + 0.01, place[1]), Roster([0, 1], [CF, GK]), n=repeats)
     stage.matches["players"]["shirt"][:, 0] = SHIRT
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEED
     trace = stage.play(keys((IDLE, 1), (DIRECTIONS[direction], before), (SHOT, presses), (IDLE, 14), others=(STAND,)))

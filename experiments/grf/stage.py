@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from envs.football.simulator import step_teams
-from envs.football.state import Lineup, MatchConfig, kick_off
+from envs.football.control.agents import set_actions
+from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.simulator import begin_step, play
 from scenic_lite.kernels.jit import kernel
 
 METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
@@ -56,7 +57,7 @@ class Stage:
     """N matches that begin alike, up to their random numbers, each player with keys of his own.
 
     Args:
-        positions: `[P, 2]` or `[N, P, 2]`, in the original's units; left players first, as `lineup` says.
+        positions: `[P, 2]` or `[N, P, 2]`, in the original's units; left players first, as `roster` says.
         ball: `[2]` or `[N, 2]`.
         lineup: teams and roles `[P]`.
         config: settings of the episode; by default nothing but the duration of 3000 steps ends it.
@@ -71,7 +72,7 @@ class Stage:
         self,
         positions: npt.ArrayLike,
         ball: npt.ArrayLike,
-        lineup: Lineup,
+        roster: Roster,
         config: MatchConfig = OPEN_END,
         n: int = 1,
         seed: int = 0,
@@ -79,10 +80,10 @@ class Stage:
     ) -> None:
         places = np.array(positions, float)
         if mirrored:
-            places[..., np.asarray(lineup.teams) == 1, :] *= -1.0
+            places[..., np.asarray(roster.teams) == 1, :] *= -1.0
         places = np.broadcast_to(metres(places), (n, *places.shape[-2:]))
         balls = np.broadcast_to(metres(ball), (n, 2))
-        self.matches = kick_off(places, balls, lineup, np.arange(seed, seed + n), config).view(np.recarray)
+        self.matches = kick_off(places, balls, roster, np.arange(seed, seed + n), config).view(np.recarray)
         self.num_players = places.shape[1]
         self._frames = [self._frame()]
 
@@ -118,7 +119,7 @@ class Stage:
             np.stack([ball[name] for name in ("vx", "vy", "vz")], axis=-1),
             np.stack([players[name] for name in ("x", "y")], axis=-1),
             np.stack([players[name] for name in ("vx", "vy")], axis=-1),
-            *(self.matches[name].copy() for name in ("owner", "game_mode", "score", "ended")),
+            *(self.matches[name].copy() for name in ("reported_owner", "game_mode", "score", "ended")),
         )
 
 
@@ -136,4 +137,6 @@ def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = 
 def step_stages(matches, actions):
     """Move matches MATCH [N] on by one step each, with an action for every player: `actions` [N, P]."""
     for e in range(len(matches)):
-        step_teams(matches[e], actions[e])
+        if begin_step(matches[e]):
+            set_actions(matches[e], actions[e])
+            play(matches[e])

@@ -29,7 +29,7 @@ from envs.football.constants import (
     SPRINT,
     STAND,
 )
-from envs.football.state import Lineup
+from envs.football.kick_off import Roster
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance
@@ -39,7 +39,7 @@ TITLE = "tackles"
 REQUIRED = 0.8
 POINTS = 0.2  # tolerance of a rate
 TRIALS = 60  # at full effort, of the original's 25 or 30
-ONE_EACH = Lineup([LEFT, LEFT, RIGHT, RIGHT], [CF, GK, CB, GK])
+ONE_EACH = Roster([LEFT, LEFT, RIGHT, RIGHT], [CF, GK, CB, GK])
 CARRIER, TACKLER = 0, 2
 KEEPERS = ((-1.0, 0.0), (1.0, -0.4))  # both far away
 START_X = -0.3  # of the carrier
@@ -116,7 +116,7 @@ def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
     return stage
 
 
-def press(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) -> None:
+def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) -> None:
     """Play a step: the carrier's keys, the tackler's action, and the keepers stand."""
     actions = np.full((len(stage.matches), stage.num_players), STAND)
     keys = KEYS[carrier]
@@ -138,8 +138,8 @@ def stand_up(carrier: str, side: str, n: int) -> float:
     stage = duel(carrier, side, TACKLE_FROM, n)
     won = np.zeros(n, bool)
     for step in range(TACKLE_STEPS):
-        press(stage, carrier, SPRINT if step == 0 else toward_ball(stage), step)
-        won |= stage.matches["owner"] == TACKLER
+        press_key(stage, carrier, SPRINT if step == 0 else toward_ball(stage), step)
+        won |= stage.matches["reported_owner"] == TACKLER
     return float(won.mean())
 
 
@@ -149,10 +149,10 @@ def slide_in(carrier: str, side: str, distance: float, n: int) -> Outcomes:
     run_at_ball(stage, side)
     fouled, yellow, won = np.zeros(n, bool), np.zeros(n, bool), np.zeros(n, bool)
     for step in range(SLIDE_STEPS):
-        press(stage, carrier, SLIDING if step == 0 else IDLE, step)
+        press_key(stage, carrier, SLIDING if step == 0 else IDLE, step)
         fouled |= np.isin(stage.matches["game_mode"], (FREE_KICK, PENALTY))
         yellow |= stage.matches["players"]["cards"][:, TACKLER] > 0
-        won |= (stage.matches["owner"] == TACKLER) & ~fouled
+        won |= (stage.matches["reported_owner"] == TACKLER) & ~fouled
     return Outcomes(float(won.mean()), float(fouled.mean()), float(yellow.mean()))
 
 
@@ -191,7 +191,7 @@ def run_past(carrier: str, ahead: float, beside: float, n: int, difficulty: floa
         stage.step(actions)
         going = ~lost & ~scored
         scored |= going & (stage.matches["goal"] > 0)
-        now = going & (stage.matches["owner"] == TACKLER)
+        now = going & (stage.matches["reported_owner"] == TACKLER)
         place[now] = stage.matches["ball"]["x"][now] / METRES_X
         lost |= now
     return float(lost.mean()), float(scored.mean()), float(np.nanmedian(place)) if lost.any() else np.nan

@@ -174,7 +174,7 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
 
 def make_painter(program: Program) -> FootballPainter:
     """Make what draws the levels of a program."""
-    from envs.football.scenic.lineup import Casting
+    from envs.football.scenic.lineup import Lineup
     from envs.football.view.render import FootballPainter
 
-    return FootballPainter(Casting(program))
+    return FootballPainter(Lineup(program))

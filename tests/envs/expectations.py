@@ -86,13 +86,13 @@ def courses(path: Path, steps: int, count: int = MATCHES) -> list[Course]:
 
 def note(env: FootballVectorEnv, played: list[Course]) -> None:
     """Write down where everybody is in the matches that go on."""
-    cast = env.casting.cast
+    object_to_player = env.lineup.object_to_player
     names = [info.name for info in env.program.objects]
-    row = np.zeros(len(cast) * NUM_FIELDS + len(FACTS))
+    row = np.zeros(len(object_to_player) * NUM_FIELDS + len(FACTS))
     for match, course in zip(env.matches.view(np.recarray), played, strict=True):
         if not course.over:
-            write_world(match, cast, row, 0)
-            cells = row[: len(cast) * NUM_FIELDS].reshape(len(cast), NUM_FIELDS).tolist()
+            write_world(match, object_to_player, row, 0)
+            cells = row[: len(object_to_player) * NUM_FIELDS].reshape(len(object_to_player), NUM_FIELDS).tolist()
             course.steps.append(
                 {
                     name: SimpleNamespace(**dict(zip(FIELDS, cell, strict=True)))

@@ -1,6 +1,6 @@
 """A football match whose behaviors the reference interpreter plays: what the compiled path must agree with.
 
-Python stands between the kernels: the world table goes to the reference, its commands to `step_commanded`. Draws come
+Python stands between the kernels: the world table goes to the reference, its commands to the players. Draws come
 from the match's own stream, as in the batch.
 """
 
@@ -11,10 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from envs.football.constants import RUNNING
-from envs.football.scenic.lineup import Casting
-from envs.football.scenic.step import step_commanded
+from envs.football.control.agents import assign_actions
+from envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from envs.football.scenic.lineup import Lineup
+from envs.football.scenic.scripted_step import Script, command_players
 from envs.football.scenic.world import FACTS, FOOTBALL_WORLD
 from envs.football.scenic.world_table import NUM_FIELDS, write_world
+from envs.football.simulator import begin_step, play
 from scenic_lite import Program
 from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.reference.interpreter import Reference
@@ -33,14 +36,15 @@ class ReferenceMatch:
     """One episode on one level; `match` is the record."""
 
     def __init__(self, program: Program, theta: np.ndarray, seed: int) -> None:
-        self.casting = Casting(program)
-        self.matches = self.casting.starts(theta[None], np.array([seed], np.uint64)).view(np.recarray)
+        self.lineup = Lineup(program)
+        self.matches = self.lineup.starts(theta[None], np.array([seed], np.uint64)).view(np.recarray)
         self.reference = Reference(program, theta, FOOTBALL_WORLD)
-        self.size = len(self.casting.cast)
+        self.code = CompiledBehaviors(program).code
+        self.size = len(self.lineup.object_to_player)
 
     def tables(self) -> tuple[np.ndarray, np.ndarray]:
         row = np.zeros(self.size * NUM_FIELDS + len(FACTS))
-        write_world(self.matches[0], self.casting.cast, row, 0)
+        write_world(self.matches[0], self.lineup.object_to_player, row, 0)
         return row[: self.size * NUM_FIELDS].reshape(self.size, NUM_FIELDS), row[self.size * NUM_FIELDS :]
 
     def step(self, action: int) -> Moment:
@@ -49,7 +53,11 @@ class ReferenceMatch:
         if commands.terminated or commands.rejected:
             return Moment(commands, Verdict(0.0, commands.terminated, commands.rejected), 0, RUNNING)
         numbers = np.array([actions[0] if actions else -1.0 for actions in commands.actions], float)
-        step_commanded(self.matches[0], np.array([action]), self.casting.cast, numbers)
+        match = self.matches[0]
+        if begin_step(match):
+            assign_actions(match, np.array([action]))
+            command_players(match, Script(self.code, self.lineup.object_to_player, np.empty(0), numbers))
+            play(match)
         verdict = self._ask(self.reference.watch)
         self.matches["program_reward"][0] = verdict.reward
         return Moment(commands, verdict, int(self.matches["goal"][0]), int(self.matches["ended"][0]))

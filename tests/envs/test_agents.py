@@ -8,9 +8,9 @@ from pitch import position, take_over
 
 from envs.football.config import FootballConfig
 from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SPRINT
-from envs.football.scenic.lineup import CastingError
+from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.scenic.lineup import NotAMatchError
 from envs.football.simulator import step_matches
-from envs.football.state import Lineup, MatchConfig, kick_off
 from envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = """
@@ -102,7 +102,7 @@ def test_modes_that_do_not_fit_are_refused(control: str, message: str) -> None:
 
 
 def test_all_but_the_keeper_needs_exactly_one_keeper() -> None:
-    with pytest.raises(CastingError, match="exactly one keeper in the left team, which has 0"):
+    with pytest.raises(NotAMatchError, match="exactly one keeper in the left team, which has 0"):
         FootballVectorEnv(OPEN.replace("LeftGK", "LeftCB"), config=FootballConfig(control="allNonGK"))
 
 
@@ -146,8 +146,8 @@ MIRROR = [(-10.0, 0.0, LEFT, CM), (-20.0, 4.0, LEFT, CM), (10.0, 0.0, RIGHT, CM)
 
 def facing(control: MatchConfig) -> np.ndarray:
     places = np.array([[row[:2] for row in MIRROR]])
-    lineup = Lineup([row[2] for row in MIRROR], [row[3] for row in MIRROR])
-    return kick_off(places, np.zeros((1, 2)), lineup, [0], control).view(np.recarray)
+    roster = Roster([row[2] for row in MIRROR], [row[3] for row in MIRROR])
+    return kick_off(places, np.zeros((1, 2)), roster, [0], control).view(np.recarray)
 
 
 def test_a_right_agent_sees_and_moves_the_turned_pitch() -> None:
@@ -221,7 +221,7 @@ def test_the_magnet_can_be_switched_off() -> None:
 
 def test_a_player_who_was_sent_off_is_not_chosen() -> None:
     matches = position([(0.0, 1.0, LEFT, CM), (0.0, 9.0, LEFT, CM), (50.0, 0.0, RIGHT, GK)], (0.0, 0.0))
-    matches["players"]["off"][0, 0] = True
+    matches["players"]["has_left"][0, 0] = True
     step_matches(matches, np.array([[0]]))
     assert matches["agents"][0, 0] == 1
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.ai.formation import posts
+from envs.football.ai.formation import formation_slots
 from envs.football.constants import CB, CF, CM, GK, LB, LEFT, NOBODY, RB, RIGHT, SHOT
-from envs.football.state import MatchConfig
+from envs.football.kick_off import MatchConfig
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
 FOUR = [(-20.0, -8.0, LEFT, CB), (-20.0, 8.0, LEFT, CB), (-8.0, 0.0, LEFT, CM), (-2.0, 3.0, LEFT, CF)]
@@ -26,13 +26,13 @@ def alone(players: list, ball: tuple[float, float], n: int = 40, **settings: obj
 
 def test_posts_come_from_the_line_up_and_the_role() -> None:
     x, y = np.array([[-50.0, -20.0, -20.0, 0.0]]), np.array([[0.0, -16.0, 16.0, 0.0]])
-    depth, width = posts(x, y, np.array([GK, LB, RB, CF]))[0]
+    depth, width = formation_slots(x, y, np.array([GK, LB, RB, CF]))[0]
     assert depth[1] == depth[2] < -0.8 and depth[3] == 1.0
     assert width[1] == -width[2] < -0.8
 
 
 def test_a_line_up_without_depth_leaves_it_to_the_roles() -> None:
-    depth = posts(np.array([[10.0, 10.5]]), np.array([[0.0, 3.0]]), np.array([CB, CF]))[0, 0]
+    depth = formation_slots(np.array([[10.0, 10.5]]), np.array([[0.0, 3.0]]), np.array([CB, CF]))[0, 0]
     assert depth.tolist() == [-1.0, 1.0]
 
 
@@ -52,12 +52,12 @@ def test_the_most_dangerous_are_marked_and_at_most_two_hunt() -> None:
         play(matches, [0])
         players = matches["players"]
         for team in (LEFT, RIGHT):
-            marks = np.where(players["team"] == team, players["mark"], NOBODY)[:, :10]
+            marks = np.where(players["team"] == team, players["marked_opponent"], NOBODY)[:, :10]
             for row in marks:
                 of = row[row != NOBODY]
                 assert len(of) <= 3 and len(set(of)) == len(of)
                 marked += len(of)
-            hunters += np.count_nonzero(matches["hunter"][:, team] != NOBODY)
+            hunters += np.count_nonzero(matches["presser"][:, team] != NOBODY)
     assert marked > 0 and hunters > 0
 
 
@@ -81,7 +81,7 @@ def test_nobody_supports_from_an_offside_place() -> None:
         if step > 30:
             line = np.sort(matches["players"]["x"][:, 6:10], axis=1)[:, -1]
             front = matches["players"]["x"][:, 2:6].max(axis=1)
-            favoured = (matches["favoured"] == LEFT) & (matches["ball"]["x"] < line)
+            favoured = (matches["team_in_possession"] == LEFT) & (matches["ball"]["x"] < line)
             ahead += list((front - np.maximum(line, 0.0))[favoured])
     assert np.percentile(ahead, 90) < 2.0
 
@@ -99,7 +99,7 @@ def test_a_ball_that_comes_to_a_striker_is_shot_before_he_owns_it() -> None:
     for _ in range(25):
         play(matches, [0])
         shot |= (matches["ball"]["vx"] > 15.0) & ~owned
-        owned |= matches["owner"] == 1
+        owned |= matches["reported_owner"] == 1
     assert shot.mean() > 0.2
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pitch import OPEN, duel, play, position
+from pitch import OPEN, duel, play, position, step_players
 
 from envs.football.constants import (
     CB,
@@ -18,9 +18,8 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.physics.tackles import slide_into
 from envs.football.rules.fouls import YELLOW_FROM
-from envs.football.simulator import step_teams
+from envs.football.skills.tackles import slide_into
 
 MANY = range(200)
 
@@ -28,9 +27,9 @@ MANY = range(200)
 def test_the_striker_walks_onto_a_ball_beside_him_whatever_is_pressed() -> None:
     """The ball pulls him, as in the original; his team owns it from the first touch on."""
     matches = duel((30.0, 0.0), (50.0, 10.0))
-    assert matches["owner"][0] == -1
+    assert matches["reported_owner"][0] == -1
     play(matches, [DIRECTION_RIGHT] * 9)
-    assert matches["owner"][0] == 0
+    assert matches["reported_owner"][0] == 0
     assert matches["last_owned_team"][0] == LEFT
 
 
@@ -67,7 +66,7 @@ def test_who_idles_beside_a_standing_carrier_does_not_take_the_ball() -> None:
         matches["carrier"] = matches["last_touch"] = 0
         for match in matches:
             for _ in range(20):
-                step_teams(match, np.array([0, key, 0]))
+                step_players(match, np.array([0, key, 0]))
         assert least <= np.mean(matches["last_touch"] == 1) <= most
 
 
@@ -80,11 +79,11 @@ def test_who_runs_is_caught_from_behind_and_who_sprints_is_not() -> None:
 def test_a_slide_takes_a_while_and_is_no_use_with_the_ball() -> None:
     matches = duel((30.0, 0.0), (50.0, 10.0))
     play(matches, [0] * 10 + [SLIDING])
-    assert matches["players"]["down"][0, 0] == 0.0
+    assert matches["players"]["down_wait"][0, 0] == 0.0
     alone = position([(0.0, 0.0, LEFT, CM), (3.0, 0.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)], (3.4, 0.0))
     play(alone, [0] * 5 + [SLIDING])
-    assert alone["players"]["down"][0, 0] > 1.2
-    assert alone["players"]["sliding"][0, 0]
+    assert alone["players"]["down_wait"][0, 0] > 1.2
+    assert alone["players"]["is_sliding"][0, 0]
 
 
 def test_a_slide_glides_about_two_metres() -> None:
@@ -134,7 +133,7 @@ def test_a_beaten_keeper_lies_and_cannot_be_run_into() -> None:
     lay = np.zeros(len(MANY), bool)
     for _ in range(20):
         play(matches, [DIRECTION_RIGHT])
-        lay |= (matches["players"]["down"][:, 1] > 0.5) & (matches["ended"] == 0)
+        lay |= (matches["players"]["down_wait"][:, 1] > 0.5) & (matches["ended"] == 0)
     assert lay.mean() > 0.2
 
 
@@ -147,9 +146,9 @@ def test_a_caught_ball_is_held_and_kicked_out() -> None:
     held, highest = 0, 0.0
     for _ in range(60):
         play(matches, [0])
-        held += matches["holder"][0] == 1
-        if matches["holder"][0] == 1:
-            assert matches["owner"][0] == 1
+        held += matches["keeper_holding"][0] == 1
+        if matches["keeper_holding"][0] == 1:
+            assert matches["reported_owner"][0] == 1
         else:
             highest = max(highest, matches["ball"]["z"][0])
     assert 5 <= held <= 25
@@ -160,7 +159,7 @@ def test_outside_his_box_a_keeper_uses_his_feet() -> None:
     matches = position([(0.0, 30.0, LEFT, CM), (30.0, 0.0, RIGHT, GK)], (28.0, 0.0))
     for _ in range(15):
         play(matches, [0])
-        assert matches["holder"][0] == -1
+        assert matches["keeper_holding"][0] == -1
 
 
 @pytest.mark.parametrize(

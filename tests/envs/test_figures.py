@@ -25,7 +25,7 @@ def started(text, count, seed=0):
 
 
 def player(env, name):
-    return int(env.casting.cast[[info.name for info in env.program.objects].index(name)])
+    return int(env.lineup.object_to_player[[info.name for info in env.program.objects].index(name)])
 
 
 def test_figure_2_1_the_cross_from_the_side():

@@ -111,10 +111,10 @@ def test_the_second_yellow_card_is_a_red_one_and_after_6_s_he_is_gone() -> None:
     fouled(matches, 1.5)
     assert matches["players"]["cards"][0, 4] == 2
     play(matches, [0] * 58)
-    assert not matches["players"]["off"][0, 4]
+    assert not matches["players"]["has_left"][0, 4]
     for _ in range(12):
         play(matches, [0])
-    assert matches["players"]["off"][0, 4]
+    assert matches["players"]["has_left"][0, 4]
 
 
 def sent_off() -> np.ndarray:
@@ -122,7 +122,7 @@ def sent_off() -> np.ndarray:
     matches = position(PLAYERS, (0.4, 0.0), replace(OPEN, offsides=True))
     matches["players"]["cards"][0, 4], matches["players"]["leave_wait"][0, 4] = 2, 0.1
     play(matches, [0])
-    assert matches["players"]["off"][0, 4]
+    assert matches["players"]["has_left"][0, 4]
     return matches
 
 
@@ -134,7 +134,7 @@ def test_who_has_left_neither_moves_nor_plays_nor_comes_back() -> None:
         assert matches["chaser"][0, RIGHT] != 4 and matches["carrier"][0] != 4 and matches["taker"][0] != 4
     after = matches["players"][0, 4]
     assert (before["x"], before["y"]) == (after["x"], after["y"])
-    assert after["off"] and abs(after["x"]) > 60.0
+    assert after["has_left"] and abs(after["x"]) > 60.0
 
 
 def test_who_has_left_plays_nobody_onside() -> None:
@@ -152,4 +152,4 @@ def test_a_team_can_be_sent_off_altogether() -> None:
         play(matches, [5])
         assert np.isfinite(matches["ball"]["x"][0])
         assert matches["restart_team"][0] in (NOBODY, LEFT)
-    assert matches["players"]["off"][0, 3:6].all()
+    assert matches["players"]["has_left"][0, 3:6].all()

@@ -13,17 +13,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pitch import OPEN, Player, plain, position
+from pitch import OPEN, Player, plain, position, step_players
 from test_restarts import ELEVENS, MODES, PLACES
 
 from envs.football.constants import BALL_RADIUS, BUILTIN_AI, CM, CORNER, FREE_KICK, GK, LEFT, NORMAL, PENALTY, RIGHT
+from envs.football.kick_off import MatchConfig
 from envs.football.physics.ball import bounce, drag_on_ground, hit_goal_frame
 from envs.football.physics.bodies import part_bodies
-from envs.football.physics.hands import parry
 from envs.football.physics.motion import plan_motion
 from envs.football.rules.whistle import stop_play
-from envs.football.simulator import step_matches, step_teams
-from envs.football.state import MATCH, MatchConfig
+from envs.football.simulator import step_matches
+from envs.football.skills.hands import parry
+from envs.football.state import MATCH
 from tests.envs.torture import strange_places, torture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -138,8 +139,8 @@ def test_strange_scenes_turn_too(seed: int) -> None:
     turns = np.array([0, 5, 6, 7, 8, 1, 2, 3, 4, *range(9, 20)])  # the keys of the turned world
     for _ in range(150):
         keys = np.where(rng.random(22) < 0.5 * (seed % 2), rng.integers(0, 19, 22), BUILTIN_AI)
-        step_teams(here[0], keys)
-        step_teams(there[0], turns[keys])
+        step_players(here[0], keys)
+        step_players(there[0], turns[keys])
         check_turned(here, there)
 
 
@@ -167,7 +168,7 @@ def test_a_run_is_the_same_in_every_direction() -> None:
         matches = position([(0.0, 0.0, LEFT, CM)], (30.0, 0.0))
         player = matches["players"][0, 0:1]
         for step, want in enumerate(np.repeat([3.5, 0.0, 5.0, 8.0, 5.0, 3.5, 8.0, 0.0, 3.5, 5.0], 6)):
-            player["want_x"], player["want_y"] = want * math.cos(angle), want * math.sin(angle)
+            player["desired_vx"], player["desired_vy"] = want * math.cos(angle), want * math.sin(angle)
             plan_motion(matches[0], 0)
             row[step] = math.hypot(player["vx"][0], player["vy"][0])
     assert np.ptp(speeds, axis=0).max() < 1e-4
@@ -183,7 +184,7 @@ def test_restarts_are_set_up_alike_on_all_sides(mode: int, mirror: str) -> None:
     matches = [position(players, (0.0, 0.0), BUILT_IN) for players in (ELEVENS, turned)]
     x, y = PLACES[mode]
     for each, who, along, across in ((matches[0], LEFT, 1.0, 1.0), (matches[1], team, side, -1.0)):
-        each["players"]["post_y"] += across * 0.01
+        each["players"]["slot_y"] += across * 0.01
         stop_play(each[0], mode, who, along * x, across * y)
         step_matches(each, np.zeros((1, 1), int))
         assert each["game_mode"][0] == mode != NORMAL

@@ -9,7 +9,7 @@ from pitch import OPEN, play, position, take_over
 from envs.football.ai.keeper import bisector_foot
 from envs.football.constants import CM, GK, LEFT, RIGHT, SHOT
 from envs.football.physics.ball import advance_ball
-from envs.football.physics.saves import foresee_shot, save_chance
+from envs.football.skills.saves import foresee_shot, save_chance
 
 
 def keeper_after(steps: int, ball: tuple[float, float], striker: tuple[float, float], with_back: bool) -> np.ndarray:
@@ -111,7 +111,7 @@ def shots(x: float, y: float, keeper: tuple[float, float], seeds: int = 150) -> 
     for action in [0, SHOT] + [0] * 60:
         play(matches, [action])
         goals |= matches["goal"] > 0
-        held |= (matches["holder"] == 1) & ~goals
+        held |= (matches["keeper_holding"] == 1) & ~goals
     return goals.mean(), held.mean()
 
 
@@ -137,7 +137,7 @@ def test_a_shot_off_the_post_is_forgotten() -> None:
     matches["saver"], matches["save_x"], matches["save_y"], matches["save_wait"] = 1, 54.0, 3.0, 0.2
     play(matches, [0] * 30)
     assert matches["saver"][0] == -1
-    assert matches["holder"][0] == 1
+    assert matches["keeper_holding"][0] == 1
 
 
 def test_a_pass_back_is_not_for_the_hands_but_a_deflection_is() -> None:
@@ -146,11 +146,11 @@ def test_a_pass_back_is_not_for_the_hands_but_a_deflection_is() -> None:
     """
     for kicked in (True, False):
         matches = position([(30.0, 20.0, LEFT, CM), (52.0, 0.0, RIGHT, GK), (35.0, 0.0, RIGHT, CM)], (46.0, 0.0))
-        matches["ball"]["vx"], matches["last_touch"], matches["kicked"] = 10.0, 2, kicked
+        matches["ball"]["vx"], matches["last_touch"], matches["was_kicked"] = 10.0, 2, kicked
         held, carried = False, False
         for _ in range(12):
             play(matches, [0])
-            held |= matches["holder"][0] == 1
+            held |= matches["keeper_holding"][0] == 1
             carried |= matches["carrier"][0] == 1
         assert carried
         assert held == (not kicked)
@@ -181,7 +181,7 @@ def test_he_waits_for_a_free_mate_but_not_for_ever() -> None:
             matches["players"]["x"][0, 0], matches["players"]["y"][0, 0] = -20.0, rival_y
             matches["players"]["x"][0, 2], matches["players"]["y"][0, 2] = -20.0, 0.0
             play(matches, [0])
-            held += matches["holder"][0] == 1
+            held += matches["keeper_holding"][0] == 1
         waits.append(held)
     assert 38 <= waits[0] <= 50
     assert 4 <= waits[1] <= 22

@@ -27,9 +27,9 @@ from envs.football.constants import (
     SHORT_PASS,
     SHOT,
 )
-from envs.football.physics.first_touch import difficulty
-from envs.football.physics.kicks import delay, gauge
-from envs.football.physics.passes import choose_mate, place_of
+from envs.football.skills.first_touch import difficulty
+from envs.football.skills.kicks import delay, gauge
+from envs.football.skills.passes import choose_mate, place_of
 
 
 def shoot(x: float, y: float, keys: list[int], presses: int = 1, seeds: int = 40) -> dict[str, np.ndarray]:
@@ -171,7 +171,7 @@ def test_passes_are_as_fast_and_high_as_measured(kick: int, distance: float, spe
     """Speed in the first free step within 6 %; apex within 0.4 m or 25 %."""
     players = [(-27.0, 0.0, LEFT, CM), (-27.0 + distance, 0.0, LEFT, CM), (50.0, 33.0, RIGHT, GK)]
     matches = position(players, (-26.6, 0.0))
-    matches["players"]["down"][:, 1] = 100.0  # he waits for the ball where he is
+    matches["players"]["down_wait"][:, 1] = 100.0  # he waits for the ball where he is
     play(matches, [0] * 5 + [kick], player=0)
     x, z = [], []
     for _ in range(3 + int(distance / 3)):
@@ -235,7 +235,7 @@ def test_a_pass_is_hard_to_take_away_just_after_the_kick() -> None:
     players = [(0.0, 0.0, LEFT, CM), (1.0, 0.0, RIGHT, CM), (50.0, 33.0, RIGHT, GK)]
     matches = position(players, (0.8, 0.0))
     matches["ball"]["vx"] = 15.0
-    matches["last_touch"], matches["kicked"] = 0, True
+    matches["last_touch"], matches["was_kicked"] = 0, True
     rival = matches["players"][0, 1]
     assert difficulty(matches[0], rival)[0] > 0.4
     matches["kick_age"] = 1.0
@@ -247,7 +247,7 @@ def test_a_pass_reaches_the_mate() -> None:
     matches = position(players, (-26.6, 0.0))
     play(matches, [0] * 5 + [SHORT_PASS] + [0] * 14, player=0)
     assert matches["carrier"][0] == 1
-    assert matches["owner"][0] == 1
+    assert matches["reported_owner"][0] == 1
 
 
 def test_a_shot_asked_for_too_early_waits_for_the_ball_for_2_s() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pitch import OPEN, position
 
-from envs.football.ai.lanes import danger
+from envs.football.ai.interception import danger
 from envs.football.constants import CB, CM, GK, LEFT, RIGHT
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)]

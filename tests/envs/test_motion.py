@@ -125,9 +125,9 @@ def test_all_directions_are_equally_fast() -> None:
 def test_tiredness_grows_with_distance_alone() -> None:
     matches = runner()
     play(matches, [0] * 50, player=0)
-    assert matches["players"]["tired"][0, 0] == 0.0
+    assert matches["players"]["tiredness"][0, 0] == 0.0
     play(matches, [DIRECTION_RIGHT] * 100, player=0)
-    assert matches["players"]["tired"][0, 0] == pytest.approx(0.0335, rel=0.1)
+    assert matches["players"]["tiredness"][0, 0] == pytest.approx(0.0335, rel=0.1)
 
 
 def test_nobody_runs_through_anybody() -> None:
@@ -138,7 +138,7 @@ def test_nobody_runs_through_anybody() -> None:
     for _ in range(40):
         play(matches, [DIRECTION_RIGHT])
         players = matches["players"][0]
-        if players["down"][0] == players["down"][1] == 0.0:
+        if players["down_wait"][0] == players["down_wait"][1] == 0.0:
             apart = np.hypot(players["x"][0] - players["x"][1], players["y"][0] - players["y"][1])
             assert apart > 1.7 * BODY_RADIUS
 

@@ -20,8 +20,8 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
+from envs.football.kick_off import MatchConfig
 from envs.football.simulator import step_matches
-from envs.football.state import MatchConfig
 
 MANY = range(150)
 OWN_KEEPER = (-55.0, 0.0, LEFT, GK)
@@ -117,7 +117,7 @@ def go_round(within: float) -> Policy:
         to_x, to_y = 55.0 - striker["x"], -striker["y"]
         far = np.hypot(to_x, to_y)
         ahead = (dx * to_x + dy * to_y) / far > -0.5
-        coming = ahead & (np.hypot(dx, dy) < within) & (keeper["down"] <= 0.0)
+        coming = ahead & (np.hypot(dx, dy) < within) & (keeper["down_wait"] <= 0.0)
         keys = np.where(coming, toward_goal(matches, -np.pi / 4), toward_goal(matches))
         shoots = ((far < 10.0) & ~coming) | (pressed > 0)
         shot = np.where(pressed % 8 == 0, toward_goal(matches), np.where(pressed % 8 == 1, SHOT, 0))

@@ -31,8 +31,8 @@ from envs.football.constants import (
     SHOT,
     THROW_IN,
 )
+from envs.football.kick_off import MatchConfig
 from envs.football.rules.whistle import stop_play
-from envs.football.state import MatchConfig
 
 SHAPE = [
     *[(-54.0, 0.0, GK), (-25.0, 16.0, LB), (-28.0, 5.0, CB), (-28.0, -5.0, CB), (-25.0, -16.0, RB)],
@@ -128,7 +128,7 @@ def test_takers_and_owners() -> None:
     assert stopped(GOAL_KICK)["taker"][0] == 0
     for mode in MODES:
         matches = stopped(mode)
-        assert matches["owner"][0] == (matches["taker"][0] if mode == THROW_IN else NOBODY)
+        assert matches["reported_owner"][0] == (matches["taker"][0] if mode == THROW_IN else NOBODY)
         assert matches["last_owned_team"][0] == (LEFT if mode == THROW_IN else NOBODY)
 
 

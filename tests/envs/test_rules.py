@@ -19,7 +19,7 @@ from envs.football.constants import (
     RIGHT,
     THROW_IN,
 )
-from envs.football.state import MatchConfig
+from envs.football.kick_off import MatchConfig
 
 FAR = [(-20.0, 20.0, LEFT, CM), (-20.0, -20.0, RIGHT, CM)]
 
@@ -87,7 +87,7 @@ def test_possession_changes_between_owned_states_only() -> None:
     matches["ball"]["x"] = 20.0  # out of reach: nobody's
     matches["carrier"] = -1
     play(matches, [0])
-    assert matches["owner"][0] == -1
+    assert matches["reported_owner"][0] == -1
     assert matches["ended"][0] == 0
     matches["ball"]["x"], matches["ball"]["y"] = matches["players"]["x"][0, 1] - 0.5, matches["players"]["y"][0, 1]
     matches["ball"]["vx"] = matches["ball"]["vy"] = 0.0

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from pitch import duel, plain, play, position, same
 
 from envs.football.constants import CB, CF, CM, GK, LEFT, RIGHT, RUNNING
+from envs.football.kick_off import MatchConfig
 from envs.football.simulator import step_matches
-from envs.football.state import MATCH, MatchConfig
+from envs.football.state import MATCH
 
 ROOT = Path(__file__).resolve().parents[2]
 MIRRORED = np.array([0, 1, 8, 7, 6, 5, 4, 3, 2, *range(9, 19)])  # actions seen in a mirror along the x axis
@@ -106,7 +107,7 @@ def test_seen_in_a_mirror() -> None:
         for action in actions:
             play(there, [action])
             play(here, [MIRRORED[action]])
-            if there["kicker"][0] >= 0 or there["holder"][0] >= 0:
+            if there["kicker"][0] >= 0 or there["keeper_holding"][0] >= 0:
                 break
             np.testing.assert_array_equal(there["players"]["x"], here["players"]["x"])
             np.testing.assert_array_equal(there["players"]["y"], -here["players"]["y"])
@@ -170,8 +171,8 @@ def check_sane(matches: np.ndarray) -> None:
     assert (np.sqrt(ball["vx"] ** 2 + ball["vy"] ** 2 + ball["vz"] ** 2) < 48.0).all()
     swinging = np.argwhere(players["kick_wait"] > 0.0)
     assert (matches["kicker"][swinging[:, 0]] == swinging[:, 1]).all()
-    rows = np.flatnonzero(matches["owner"] >= 0)
-    owners = players[rows, matches["owner"][rows]]
+    rows = np.flatnonzero(matches["reported_owner"] >= 0)
+    owners = players[rows, matches["reported_owner"][rows]]
     assert (np.hypot(owners["x"] - ball["x"][rows], owners["y"] - ball["y"][rows]) < 2.0).all()
     agents = matches["agents"][:, 0]
     assert (agents >= 0).all() and (players["team"][:, agents] == LEFT).all()

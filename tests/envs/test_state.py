@@ -7,7 +7,8 @@ import pytest
 from pitch import duel
 
 from envs.football.constants import CM, GK
-from envs.football.state import BALL_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS, Lineup, MatchConfig, kick_off
+from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.state import BALL_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
 from scenic_lite.kernels.rng import streams, uniform
 
 
@@ -28,15 +29,15 @@ def test_a_fresh_match() -> None:
     away = np.stack([30.0 - players["x"], 2.76 - players["y"]])  # everybody looks at the ball
     assert np.stack([players["facing_x"], players["facing_y"]]) == pytest.approx(away / np.hypot(*away))
     assert (matches["agents"][:, 0] == 0).all()
-    assert (matches["owner"] == -1).all() and (matches["last_owned_team"] == -1).all()
+    assert (matches["reported_owner"] == -1).all() and (matches["last_owned_team"] == -1).all()
     assert matches["players"]["skill"][0, :2] == pytest.approx([1.0, 0.72])
     assert len(np.unique(matches["random"])) == 3
 
 
 def test_settings_may_differ_between_matches() -> None:
     config = MatchConfig(game_duration=[10, 20], right_team_difficulty=[0.0, 1.0], deterministic=[True, False])
-    lineup = Lineup([0, 1], [CM, GK])
-    matches = kick_off(np.zeros((2, 2, 2)) + [[0, 0], [40, 0]], np.zeros((2, 2)), lineup, [7, 7], config)
+    roster = Roster([0, 1], [CM, GK])
+    matches = kick_off(np.zeros((2, 2, 2)) + [[0, 0], [40, 0]], np.zeros((2, 2)), roster, [7, 7], config)
     assert matches["game_duration"].tolist() == [10, 20]
     assert matches["players"]["skill"][:, 1] == pytest.approx([0.3, 1.0])
     assert matches["random"][0] != matches["random"][1]
@@ -53,7 +54,7 @@ def test_settings_may_differ_between_matches() -> None:
 )
 def test_errors(positions: np.ndarray, ball: np.ndarray, teams: list[int], sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
-        kick_off(positions, ball, Lineup(teams, [CM] * len(teams)), [0])
+        kick_off(positions, ball, Roster(teams, [CM] * len(teams)), [0])
 
 
 def test_random_streams_are_even_and_independent() -> None:

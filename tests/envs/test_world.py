@@ -20,8 +20,8 @@ from envs.football.constants import (
     SHOT,
 )
 from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Casting
-from envs.football.scenic.step import command_players
+from envs.football.scenic.lineup import Lineup
+from envs.football.scenic.scripted_step import Script, command_players
 from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
 from envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
@@ -77,11 +77,11 @@ def test_a_heading_is_the_angle_that_a_program_measures() -> None:
 
 def test_who_owns_the_ball_is_known_of_the_player_and_of_the_ball() -> None:
     matches = position(THREE, (0.0, 0.0))
-    matches["owner"] = 1
+    matches["reported_owner"] = 1
     objects, _ = tables(matches)
     assert [each["owns_ball"] for each in objects] == [1, 0, 0]
     assert (objects[1]["owned_team"], objects[1]["owned_player_idx"]) == (RIGHT, 0)
-    matches["owner"] = -1
+    matches["reported_owner"] = -1
     objects, _ = tables(matches)
     assert (objects[1]["owned_team"], objects[1]["owned_player_idx"]) == (-1, -1)
 
@@ -103,7 +103,7 @@ def commanded(commands: list[float]) -> list[int]:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = BUILTIN_AI
     take_over(matches, NOBODY)
-    command_players(matches[0], CAST, np.array(commands))
+    command_players(matches[0], Script(None, CAST, np.empty(0), np.array(commands)))
     return matches["players"]["action"][0, :2].tolist()
 
 
@@ -127,7 +127,7 @@ def test_whom_the_learner_moves_does_not_obey_his_behavior() -> None:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = 7
     take_over(matches, 0)
-    command_players(matches[0], CAST, np.array([2.0, -1.0, 2.0]))
+    command_players(matches[0], Script(None, CAST, np.empty(0), np.array([2.0, -1.0, 2.0])))
     assert matches["players"]["action"][0, :2].tolist() == [7, 6]
 
 
@@ -154,9 +154,9 @@ def test_what_is_no_action_is_refused(value: object, who: Instance, message: str
     assert error.value.message == message
 
 
-def test_the_casting_finds_each_objects_player() -> None:
+def test_the_lineup_finds_each_objects_player() -> None:
     program = load("ego = RightCM at 0 @ 0\nball = Ball at 5 @ 5\nLeftCB at 9 @ 9\nLeftGK at -99 @ 0\n", FOOTBALL)
-    assert Casting(program).cast.tolist() == [2, THE_BALL, 1, 0]
+    assert Lineup(program).object_to_player.tolist() == [2, THE_BALL, 1, 0]
 
 
 def test_the_state_of_the_game_has_the_names_that_programs_use() -> None:

@@ -14,6 +14,7 @@ import sys
 import time
 
 import numpy as np
+from pitch import step_players
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -34,9 +35,9 @@ from envs.football.constants import (
     STAND,
     THROW_IN,
 )
+from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.rules.fouls import report_foul
-from envs.football.simulator import step_match, step_teams
-from envs.football.state import Lineup, MatchConfig, kick_off
+from envs.football.simulator import step_match
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -91,13 +92,13 @@ def wrong_change(match, before):
         return 32
     for i in range(match.num_players):
         p, q = match.players[i], before.players[i]
-        if (q.off and not p.off) or p.cards < q.cards:
+        if (q.has_left and not p.has_left) or p.cards < q.cards:
             return 28
     if match.game_mode != NORMAL or before.game_mode != NORMAL or match.goal != 0 or match.half != before.half:
         return 0
     for i in range(match.num_players):
         p, q = match.players[i], before.players[i]
-        if not p.off and (p.x - q.x) ** 2 + (p.y - q.y) ** 2 > 1.5 * 1.5 and alone(before, i):
+        if not p.has_left and (p.x - q.x) ** 2 + (p.y - q.y) ** 2 > 1.5 * 1.5 and alone(before, i):
             return 24
     b, a = match.ball, before.ball
     if (b.x - a.x) ** 2 + (b.y - a.y) ** 2 > 6.0 * 6.0:
@@ -121,11 +122,11 @@ def alone(match, i):
 def wrong_names(match):
     """Players and teams that are named must exist, and be of the team that they are named for."""
     n = match.num_players
-    for i in (match.last_touch, match.receiver, match.bearer, match.foul_player, match.foul_victim, match.kicker):
+    for i in (match.last_touch, match.receiver, match.last_carrier, match.foul_player, match.foul_victim, match.kicker):
         if i < NOBODY or i >= n:
             return 29
     for team in range(2):
-        for i in (match.chaser[team], match.runner[team], match.hunter[team, 0], match.hunter[team, 1]):
+        for i in (match.chaser[team], match.runner[team], match.presser[team, 0], match.presser[team, 1]):
             if i < NOBODY or i >= n or (i != NOBODY and match.players[i].team != team):
                 return 29
     for agent in range(match.num_agents[0] + match.num_agents[1]):
@@ -139,7 +140,13 @@ def wrong_names(match):
         p = match.players[i]
         if p.agent != NOBODY and match.agents[p.agent] != i:
             return 30
-        if p.direction < 0 or p.direction > 8 or p.mark < NOBODY or p.mark >= n or p.kick_mate >= n:
+        if (
+            p.direction < 0
+            or p.direction > 8
+            or p.marked_opponent < NOBODY
+            or p.marked_opponent >= n
+            or p.kick_mate >= n
+        ):
             return 29
     return 0
 
@@ -162,7 +169,7 @@ def wrong_restart(match):
         return 26
     takers, others = 0, 0
     for i in range(match.num_players):
-        here = not match.players[i].off
+        here = not match.players[i].has_left
         takers += here and match.players[i].team == match.restart_team
         others += here and match.players[i].team != match.restart_team
     if takers == 0 or others == 0:  # who has nobody leaves every restart to the others
@@ -173,7 +180,7 @@ def wrong_restart(match):
     least = (2.0 if mode == THROW_IN else 9.15) - 1.0  # m; who stands on another steps aside
     for i in range(match.num_players):
         p = match.players[i]
-        kept_away = p.team != match.restart_team and p.role != GK and not p.off and match.restart_wait == 0
+        kept_away = p.team != match.restart_team and p.role != GK and not p.has_left and match.restart_wait == 0
         if kept_away and (p.x - b.x) ** 2 + (p.y - b.y) ** 2 < least * least:
             return 27
     return 0
@@ -183,9 +190,11 @@ def wrong_restart(match):
 def wrong_player(match):
     for i in range(match.num_players):
         p = match.players[i]
-        if not math.isfinite(p.x + p.y + p.vx + p.vy + p.facing_x + p.facing_y + p.want_x + p.want_y + p.tired):
+        if not math.isfinite(
+            p.x + p.y + p.vx + p.vy + p.facing_x + p.facing_y + p.desired_vx + p.desired_vy + p.tiredness
+        ):
             return 1
-        if not p.off and (abs(p.x) > 58.0 + 1e-9 or abs(p.y) > 39.0 + 1e-9):
+        if not p.has_left and (abs(p.x) > 58.0 + 1e-9 or abs(p.y) > 39.0 + 1e-9):
             return 2
         if p.vx * p.vx + p.vy * p.vy > 10.0 * 10.0:
             return 3
@@ -193,9 +202,9 @@ def wrong_player(match):
             return 4
         if p.kick_wait > 0.0 and match.kicker != i:
             return 16
-        if p.cards < 0 or p.cards > 2 or (p.off and p.cards != 2):
+        if p.cards < 0 or p.cards > 2 or (p.has_left and p.cards != 2):
             return 18
-        if not p.tired >= 0.0 or p.tired > 0.99 or not p.down >= 0.0 or not p.skill > 0.0:
+        if not p.tiredness >= 0.0 or p.tiredness > 0.99 or not p.down_wait >= 0.0 or not p.skill > 0.0:
             return 1
     return 0
 
@@ -228,19 +237,21 @@ def wrong_play(match):
             return 12
         if match.restart_wait > 30:
             return 13
-        if match.carrier != NOBODY or match.holder != NOBODY or match.kicker != NOBODY:
+        if match.carrier != NOBODY or match.keeper_holding != NOBODY or match.kicker != NOBODY:
             return 14
         if match.taker != NOBODY and match.players[match.taker].team != match.restart_team:
             return 10
-        if match.owner != NOBODY and (match.owner != match.taker or match.game_mode != THROW_IN):
+        if match.reported_owner != NOBODY and (match.reported_owner != match.taker or match.game_mode != THROW_IN):
             return 14
-    for i in (match.carrier, match.holder, match.kicker, match.taker, match.owner, match.saver):
-        if i != NOBODY and (i < 0 or i >= match.num_players or match.players[i].off):
+    for i in (match.carrier, match.keeper_holding, match.kicker, match.taker, match.reported_owner, match.saver):
+        if i != NOBODY and (i < 0 or i >= match.num_players or match.players[i].has_left):
             return 17
-    if match.holder != NOBODY and (match.carrier != match.holder or match.players[match.holder].role != GK):
+    if match.keeper_holding != NOBODY and (
+        match.carrier != match.keeper_holding or match.players[match.keeper_holding].role != GK
+    ):
         return 14
-    if match.owner != NOBODY:
-        o = match.players[match.owner]
+    if match.reported_owner != NOBODY:
+        o = match.players[match.reported_owner]
         if (o.x - match.ball.x) ** 2 + (o.y - match.ball.y) ** 2 > 3.0 * 3.0:
             return 15
     if (match.terminated and match.truncated) or (match.ended == RUNNING) == (match.terminated or match.truncated):
@@ -314,9 +325,9 @@ def torment(matches, starts, befores, styles, actions, steps, played):
             if match.kicker != NOBODY:
                 energy = -1.0
             if match.num_agents[0] + match.num_agents[1] > 0:
-                step_match(match, actions[e])
+                step_match(match, actions[e], None)
             else:
-                step_teams(match, actions[e])
+                step_players(match, actions[e])
             if match.last_touch != before.last_touch or touched(match, before):
                 energy = -1.0
             wrong = complaint(match, before, energy)
@@ -340,7 +351,7 @@ def foul_at_random(match):
     """Let somebody foul an opponent, however far away, by any severity."""
     i, j = int(match.num_players * uniform(match)), int(match.num_players * uniform(match))
     a, b = match.players[i], match.players[j]
-    if a.team != b.team and not a.off and not b.off:
+    if a.team != b.team and not a.has_left and not b.has_left:
         report_foul(match, i, j, 2.4 * uniform(match), uniform(match) < 0.7)
 
 
@@ -369,7 +380,7 @@ def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
         control=control(rng, left, np.count_nonzero(roles[:left] == GK)),
         right_control=control(rng, right, np.count_nonzero(roles[left:] == GK)),
     )
-    return kick_off(places[None], ball[None], Lineup(teams, roles), [seed], config)
+    return kick_off(places[None], ball[None], Roster(teams, roles), [seed], config)
 
 
 def control(rng: np.random.Generator, size: int, keepers: int) -> str:

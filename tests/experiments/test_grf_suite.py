@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from envs.football.constants import CB, DIRECTION_RIGHT, IDLE, SHORT_PASS, STAND
-from envs.football.state import Lineup
+from envs.football.kick_off import Roster
 from experiments.__main__ import main
 from experiments.grf.report import FAMILIES, family_module, read_data, render_family
 from experiments.grf.rows import Row, by_distance, by_factor, by_share
@@ -27,21 +27,21 @@ def test_a_row_is_ok_within_its_tolerance(difference, ok):
 
 
 def test_the_stage_turns_y_round_and_mirrors_the_right_team_only_where_asked():
-    lineup = Lineup([0, 1], [CB, CB])
-    straight = Stage([(0.5, 0.1), (0.2, 0.1)], (0, 0), lineup).trace().places[0, 0]
-    mirrored = Stage([(0.5, 0.1), (0.2, 0.1)], (0, 0), lineup, mirrored=True).trace().places[0, 0]
+    roster = Roster([0, 1], [CB, CB])
+    straight = Stage([(0.5, 0.1), (0.2, 0.1)], (0, 0), roster).trace().places[0, 0]
+    mirrored = Stage([(0.5, 0.1), (0.2, 0.1)], (0, 0), roster, mirrored=True).trace().places[0, 0]
     np.testing.assert_allclose(straight, [(27.2, -8.36), (10.88, -8.36)])
     np.testing.assert_allclose(mirrored, [(27.2, -8.36), (-10.88, 8.36)])
     np.testing.assert_allclose(units(metres((0.3, -0.2))), (0.3, -0.2))
 
 
 def test_who_is_told_to_stand_stands_even_beside_the_ball():
-    trace = Stage([(0.0, 0.0), (0.3, 0.0)], (0.01, 0.0), Lineup([0, 1], [CB, CB])).play([(STAND, STAND)] * 20)
+    trace = Stage([(0.0, 0.0), (0.3, 0.0)], (0.01, 0.0), Roster([0, 1], [CB, CB])).play([(STAND, STAND)] * 20)
     assert np.all(trace.places == trace.places[0])
 
 
 def test_keys_are_sticky_and_everybody_has_his_own():
-    stage = Stage([(-0.5, 0.1), (0.5, 0.1)], (0.0, 0.4), Lineup([0, 1], [CB, CB]), n=3)
+    stage = Stage([(-0.5, 0.1), (0.5, 0.1)], (0.0, 0.4), Roster([0, 1], [CB, CB]), n=3)
     trace = stage.play(keys((DIRECTION_RIGHT, 1), (IDLE, 9), others=(STAND,)))
     assert trace.places.shape == (11, 3, 2, 2)
     assert np.all(trace.places[-1, :, 0, 0] > trace.places[0, :, 0, 0] + 2.0)
@@ -49,14 +49,14 @@ def test_keys_are_sticky_and_everybody_has_his_own():
 
 
 def test_a_policy_sees_the_matches():
-    stage = Stage([(0.0, 0.0), (0.3, 0.0)], (0.005, 0.0), Lineup([0, 0], [CB, CB]), n=2)
+    stage = Stage([(0.0, 0.0), (0.3, 0.0)], (0.005, 0.0), Roster([0, 0], [CB, CB]), n=2)
     trace = stage.play(lambda now: (SHORT_PASS if now.matches.step[0] == 1 else IDLE, STAND), 12)
     assert np.all(trace.ball[-1, :, 0] > 1.0)
 
 
 def test_a_policy_needs_a_number_of_steps():
     with pytest.raises(ValueError, match="how many steps"):
-        Stage([(0.0, 0.0)], (0.0, 0.0), Lineup([0], [CB])).play(lambda now: IDLE)
+        Stage([(0.0, 0.0)], (0.0, 0.0), Roster([0], [CB])).play(lambda now: IDLE)
 
 
 def test_every_family_says_what_it_is():

@@ -4,7 +4,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from envs.football.scenic.lineup import Casting
+from envs.football.scenic.lineup import Lineup
 from envs.football.view.render import FootballPainter, pitch_lines
 from experiments.pictures import level_plots, plots
 from experiments.pictures.overview import Comparison, overview
@@ -16,7 +16,7 @@ from experiments.run.table import Table
 @pytest.fixture(scope="module")
 def painter():
     program = build.load_program(build.find_minigame("1v1Restricted").program, 2)
-    return FootballPainter(Casting(program))
+    return FootballPainter(Lineup(program))
 
 
 @pytest.fixture

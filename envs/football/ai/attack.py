@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ai.effort import RUNS, WALKS
 from envs.football.ai.passing import consider_first_time_pass, consider_pass
+from envs.football.ai.run_speed import RUNS, WALKS
 from envs.football.ai.shooting import consider_shot
-from envs.football.ai.situation import attacked_goal_x
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
-from envs.football.control.keys import chase
 from envs.football.physics.dribble import TOUCH_REACH
+from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.possession import ball_speed, forget_kick, meeting_time
 from envs.football.physics.vectors import apart, length
+from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -75,21 +75,21 @@ def run_by_forces(match, player):
     force_y += push_y + push_of_line(HALF_WIDTH, player.y)
     size = length(force_x, force_y) + 1e-9
     speed = carrying_speed(player, FORCE_SPEED * size)
-    player.want_x, player.want_y = force_x / size * speed, force_y / size * speed
+    player.desired_vx, player.desired_vy = force_x / size * speed, force_y / size * speed
 
 
 @kernel
-def carrying_speed(player, wish):
-    """The speed in m/s with the ball that suits a wish; he never stands."""
-    if wish < WALKS:
+def carrying_speed(player, desired):
+    """The speed in m/s with the ball that suits a desired one; he never stands."""
+    if desired < WALKS:
         return DRIBBLE_SPEED
-    return RUN_SPEED if wish < RUNS else player.top_speed
+    return RUN_SPEED if desired < RUNS else player.top_speed
 
 
 @kernel
 def pull_of_goal(player):
     """Force 1 towards the goal, or rather towards a place nearer to the player's own lane."""
-    to_x, to_y = attacked_goal_x(player) - player.x, -CENTRE_PULL * player.y
+    to_x, to_y = attacked_goal_x(player.team) - player.x, -CENTRE_PULL * player.y
     distance = length(to_x, to_y) + 1e-9
     return to_x / distance, to_y / distance
 

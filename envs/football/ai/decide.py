@@ -1,6 +1,6 @@
 """The built-in AI: what both teams see of the match, then one decision per player and step for all without a command.
 
-Decisions of a team (posts, markers, runs) are made anew every few steps. Read next: `ai.formation`, `ai.marking`; then
+Decisions of a team (slots, markers, runs) are made anew every few steps. Read next: `ai.formation`, `ai.marking`; then
 `ai.keeper`, `ai.attack`, `ai.support`, `ai.defence`.
 """
 
@@ -8,17 +8,17 @@ from __future__ import annotations
 
 from envs.football.ai.attack import meet_free_ball, play_ball
 from envs.football.ai.defence import defend
-from envs.football.ai.effort import FULL_REACTION, reaction_time
-from envs.football.ai.formation import exchange_posts, remember_ball
-from envs.football.ai.keeper import think_keeper
-from envs.football.ai.marking import choose_hunters, choose_markers
+from envs.football.ai.formation import exchange_slots, remember_ball
+from envs.football.ai.keeper import choose_keeper_command
+from envs.football.ai.marking import choose_markers, choose_pressers
+from envs.football.ai.run_speed import FULL_REACTION, reaction_time
 from envs.football.ai.support import start_runs, support
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
 from envs.football.physics.possession import ball_speed, meeting_time
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-POSTS_EVERY, MARKS_EVERY = 10, 5  # steps
+SLOTS_EVERY, MARKS_EVERY = 10, 5  # steps
 LATE = 0.3  # s behind the opponents at a free ball: further behind, nobody runs for it
 
 
@@ -27,38 +27,38 @@ def read_game(match):
     """See for both teams who has or gets the ball, and every few steps who belongs where and marks whom."""
     remember_ball(match)
     count_possession(match)
-    changed = favour(match)
-    if match.step % POSTS_EVERY == 0:
-        exchange_posts(match)
+    changed = find_team_in_possession(match)
+    if match.step % SLOTS_EVERY == 0:
+        exchange_slots(match)
     if changed or match.step % MARKS_EVERY == 0:
         choose_markers(match)
         start_runs(match)
-    choose_hunters(match)
+    choose_pressers(match)
 
 
 @kernel
 def count_possession(match):
     """Count for how long the last player on the ball has had it."""
-    match.borne += 1
-    if match.carrier != NOBODY and match.carrier != match.bearer:
-        match.bearer, match.borne = match.carrier, 0
+    match.carry_age += 1
+    if match.carrier != NOBODY and match.carrier != match.last_carrier:
+        match.last_carrier, match.carry_age = match.carrier, 0
 
 
 @kernel
-def favour(match):
+def find_team_in_possession(match):
     """Find the team that has the ball or will be first at it; return whether it is another than before."""
-    before = match.favoured
+    before = match.team_in_possession
     if match.carrier != NOBODY:
-        match.favoured = match.players[match.carrier].team
-        return match.favoured != before
-    match.late = lateness(match)
-    if match.late != 0.0:
-        match.favoured = LEFT if match.late < 0.0 else RIGHT
-    return match.favoured != before
+        match.team_in_possession = match.players[match.carrier].team
+        return match.team_in_possession != before
+    match.arrival_lead = arrival_lead(match)
+    if match.arrival_lead != 0.0:
+        match.team_in_possession = LEFT if match.arrival_lead < 0.0 else RIGHT
+    return match.team_in_possession != before
 
 
 @kernel
-def lateness(match):
+def arrival_lead(match):
     """Seconds by which the left team's first player at a free ball is later than the right team's."""
     left, right = match.chaser[LEFT], match.chaser[RIGHT]
     if left == NOBODY or right == NOBODY:
@@ -68,20 +68,20 @@ def lateness(match):
 
 
 @kernel
-def think(match, i):
+def choose_command(match, i):
     """Decide for player i."""
     player = match.players[i]
-    if player.down > 0.0:
+    if player.down_wait > 0.0:
         return
     if player.role == GK:
-        think_keeper(match, i)
+        choose_keeper_command(match, i)
     elif unaware_of_kick(match, player):
         return  # he goes on with what he was doing
     elif match.carrier == i:
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
         meet_free_ball(match, i)
-    elif match.favoured == player.team:
+    elif match.team_in_possession == player.team:
         support(match, i)
     else:
         defend(match, i)
@@ -101,4 +101,4 @@ def goes_for_free_ball(match, i):
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
         return False
-    return (match.late if team == LEFT else -match.late) < LATE
+    return (match.arrival_lead if team == LEFT else -match.arrival_lead) < LATE

@@ -1,4 +1,4 @@
-"""Built-in players whose team has not got the ball: hunt, hold up, mark, or keep the line.
+"""Built-in players whose team has not got the ball: press, hold up, mark, or keep the line.
 
 As measured of Google Research Football, a lone defender retreats before a carrier, staying between him and the
 goal, and attacks the ball only near it or near his own goal. Read next: `ai.keeper`.
@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ai.effort import go, head_for, reaction_time
-from envs.football.ai.formation import DEPTH, FOCUS, FOCUS_RANGE, block_x, formation_place, forward
+from envs.football.ai.formation import DEPTH, FOCUS, FOCUS_RANGE, block_x, formation_place
 from envs.football.ai.marking import man_on_ball
+from envs.football.ai.run_speed import go, head_for, reaction_time
 from envs.football.constants import GK, HALF_LENGTH, NOBODY
-from envs.football.control.keys import go_for_ball, run_to, slide
-from envs.football.physics.saves import own_goal_x
+from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.vectors import apart, length
+from envs.football.skills.steering import go_for_ball, run_to, slide
 from scenic_lite.kernels.jit import kernel
 
 SLIDE_NEAR, SLIDE_FAR, SLIDE_COSINE = 0.7, 1.6, 0.7  # m to the ball, and how nearly straight ahead it lies
 SLIDE_LOOSE = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
 TACKLE_RANGE, COMING = 2.0, 1.5  # m to the ball, and m/s at which it comes: whoever it comes to tries for it
 PATIENCE, PRESSED_RANGE = 110, 40.0  # steps a carrier may keep the ball within this many m of the goal, against several
-INTERCEPTION = 7.5  # m/s, for estimates of when a hunter is where
+INTERCEPTION = 7.5  # m/s, for estimates of when a presser is where
 
 # Guarding
 GUARD_LEAD, OWN_LEAD = 0.5, 0.14  # s by which the opponent's and the own run are led
@@ -36,11 +36,11 @@ BEATEN = 0.7  # share of the m by which a guard is too late that he falls back
 MARK_GAP, MARK_SHARE = 1.5, 0.04  # m, and share of the way to the goal, that is left to an opponent without the ball
 MARK_MOST = 3.5  # m
 
-MARK_CLOSE = 0.6  # of the way there from his post: opponents who wait for a pass have some 5 m of room
+MARK_CLOSE = 0.6  # of the way there from his slot: opponents who wait for a pass have some 5 m of room
 SMALL_GAME = 8  # players: up to so many there is no block to keep
 
-# Posts
-LINE_POST = -0.5  # posts further back than this form the back line
+# Slots
+LINE_SLOT = -0.5  # slots further back than this form the back line
 LINE_NEAREST, LINE_FARTHEST = 6.0, 55.0  # m from the goal to the back line
 LINE_BEHIND = 3.0  # m behind a ball that has come close
 
@@ -54,12 +54,12 @@ def defend(match, i):
         go_for_ball(match, i, player.top_speed)
         if may_slide(match, player):
             slide(match, i)
-    elif on_ball != NOBODY and (match.hunter[player.team, 0] == i or match.hunter[player.team, 1] == i):
-        hunt(match, i, on_ball)
-    elif player.mark == NOBODY:
-        x, y = post_place(match, player)
+    elif on_ball != NOBODY and (match.presser[player.team, 0] == i or match.presser[player.team, 1] == i):
+        press(match, i, on_ball)
+    elif player.marked_opponent == NOBODY:
+        x, y = slot_place(match, player)
         head_for(match, player, x, y)
-    elif player.mark != on_ball:
+    elif player.marked_opponent != on_ball:
         mark(match, player)
     elif loses_patience(match, player, on_ball):
         go_for_ball(match, i, player.top_speed)
@@ -77,7 +77,7 @@ def tackles(match, player):
     dx, dy = ball.x - player.x, ball.y - player.y
     if match.carrier == NOBODY or dx * dx + dy * dy > TACKLE_RANGE * TACKLE_RANGE:
         return False
-    if player.mark == match.carrier:
+    if player.marked_opponent == match.carrier:
         carrier = match.players[match.carrier]
         if length(own_goal_x(player.team) - carrier.x, carrier.y) > SHOT_FROM + BUFFER:
             return False
@@ -98,7 +98,7 @@ def may_slide(match, player):
 
 
 @kernel
-def hunt(match, i, on_ball):
+def press(match, i, on_ball):
     """Run to where the opponent on the ball can be met on his way to the goal, and there at the ball."""
     player, rival = match.players[i], match.players[on_ball]
     goal_x = own_goal_x(player.team)
@@ -118,7 +118,7 @@ def guard(match, player):
 
     Where that opponent will be is led so far that a guard goes back before a sprinter rather than into him.
     """
-    rival = match.players[player.mark]
+    rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
     lead = GUARD_LEAD - reaction_time(player)
     x, y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
@@ -128,7 +128,7 @@ def guard(match, player):
     if forward(player.team) * (x + way / to_goal * (goal_x - x) - line) < 0.0:
         way = max(to_goal * (line - x) / (goal_x - x), NEAREST)
     spot_x, spot_y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
-    x, y = post_place(match, player)
+    x, y = slot_place(match, player)
     off = length(spot_x - x, spot_y - y) + 1e-9
     share = min(max(off - way + BUFFER, 0.0) / off, 1.0)
     x, y = x + share * (spot_x - x), y + share * (spot_y - y)
@@ -158,13 +158,13 @@ def run_round(player, rival, x, y):
 @kernel
 def mark(match, player):
     """Stand loosely between the opponent whom he marks and the goal."""
-    rival = match.players[player.mark]
+    rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
     late = reaction_time(player)
     x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
     gap = min(MARK_GAP + MARK_SHARE * apart(match.ball, rival), MARK_MOST) / to_goal
-    post_x, post_y = post_place(match, player)
+    post_x, post_y = slot_place(match, player)
     x, y = x + gap * (goal_x - x), y * (1.0 - gap)
     close = MARK_CLOSE if match.num_players > SMALL_GAME else 1.0
     head_for(match, player, post_x + close * (x - post_x), post_y + close * (y - post_y))
@@ -174,7 +174,7 @@ def mark(match, player):
 def loses_patience(match, player, on_ball):
     """Tell whether a guard attacks an opponent who keeps the ball without getting anywhere, as mates cover him."""
     rival = match.players[on_ball]
-    if match.borne <= PATIENCE or length(own_goal_x(player.team) - rival.x, rival.y) > PRESSED_RANGE:
+    if match.carry_age <= PATIENCE or length(own_goal_x(player.team) - rival.x, rival.y) > PRESSED_RANGE:
         return False
     mates = 0
     for j in range(match.num_players):
@@ -183,11 +183,11 @@ def loses_patience(match, player, on_ball):
 
 
 @kernel
-def post_place(match, player):
+def slot_place(match, player):
     """Place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
     x, y = formation_place(match, player)
     ball = match.ball
-    if player.post_x < LINE_POST:
+    if player.slot_x < LINE_SLOT:
         x = line_x(match, player.team)
     goal_x = own_goal_x(player.team)
     close = FOCUS * max(1.0 - abs(goal_x - ball.x) / HALF_LENGTH, 0.0)

@@ -1,22 +1,23 @@
-"""Where everybody belongs: a block of posts that slides with the ball, and who takes which post.
+"""Where everybody belongs: a block of slots that slides with the ball, and who takes which slot.
 
-A post is a place in the block, -1 to 1 from back to front and across. It comes from the line-up at kick-off and from
-the role; players exchange posts as the match moves them about. The sizes of the block and how it follows the ball are
-fitted to whole matches of Google Research Football. Read next: `ai.marking`, for who leaves his post.
+A slot is a place in the block, -1 to 1 from back to front and across. It comes from the line-up at kick-off and from
+the role; players exchange slots as the match moves them about. The sizes of the block and how it follows the ball are
+fitted to whole matches of Google Research Football. Read next: `ai.marking`, for who leaves his slot.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LEFT, LM, RB, RM, STEP
+from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LM, RB, RM, STEP
+from envs.football.physics.pitch import forward
 from envs.football.physics.vectors import squared_apart
 from scenic_lite.kernels.jit import kernel
 
-# Posts
+# Slots
 ROLE_DEPTH = {GK: -1.0, CB: -1.0, LB: -0.8, RB: -0.8, DM: -0.4, CM: 0.0, LM: 0.4, RM: 0.4, AM: 0.5, CF: 1.0}
 LINED_UP = 4.0  # m; a line-up that is less deep tells nothing, and the roles decide
-LINE_UP_SHARE = 0.7  # of the line-up in a post's depth, the rest is the role
+LINE_UP_SHARE = 0.7  # of the line-up in a slot's depth, the rest is the role
 LINE_UP_WIDTH = 18.0  # m from the middle of the pitch that are as wide as the block
 
 # The block
@@ -25,13 +26,13 @@ FOLLOW_SLOW, FOLLOW_FAST = 0.36, 0.22  # share of the averaged ball's and of the
 SET_BACK = 1.2  # m towards the own goal
 FOLLOW_ACROSS = 0.4
 DEPTH, WIDTH = 11.0, 24.0  # m, half of the block
-FOCUS, FOCUS_RANGE = 0.4, 30.0  # in defence posts close up to the ball by this share, fading out over m
+FOCUS, FOCUS_RANGE = 0.4, 30.0  # in defence slots close up to the ball by this share, fading out over m
 EDGE = 3.0  # m from the lines
-EXCHANGE = 0.9  # of the way: two players exchange posts when that shortens their ways to less than this
+EXCHANGE = 0.9  # of the way: two players exchange slots when that shortens their ways to less than this
 
 
-def posts(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarray:
-    """Posts [N, 2, P] of one team's players who stand at `x` (forward) and `y` [N, P], in metres, with `roles` [P]."""
+def formation_slots(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarray:
+    """Return the slots [N, 2, P] of a team whose players stand at `x` (forward) and `y` [N, P] m, with `roles` [P]."""
     field = roles != GK
     depth = np.broadcast_to([ROLE_DEPTH[role] for role in roles], x.shape).astype(float)
     if field.any():
@@ -43,29 +44,23 @@ def posts(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def forward(team):
-    """+1 for the team that attacks +x, -1 for the other."""
-    return 1.0 if team == LEFT else -1.0
-
-
-@kernel
 def remember_ball(match):
     """Move the averaged ball on."""
-    match.slow_x += (match.ball.x - match.slow_x) * (STEP / BALL_MEMORY)
-    match.slow_y += (match.ball.y - match.slow_y) * (STEP / BALL_MEMORY)
+    match.mean_ball_x += (match.ball.x - match.mean_ball_x) * (STEP / BALL_MEMORY)
+    match.mean_ball_y += (match.ball.y - match.mean_ball_y) * (STEP / BALL_MEMORY)
 
 
 @kernel
 def block_x(match, team):
     """x of the middle of a team's block, in m."""
-    return FOLLOW_SLOW * match.slow_x + FOLLOW_FAST * match.ball.x - forward(team) * SET_BACK
+    return FOLLOW_SLOW * match.mean_ball_x + FOLLOW_FAST * match.ball.x - forward(team) * SET_BACK
 
 
 @kernel
 def formation_place(match, player):
-    """Place in m of a player's post."""
-    x = block_x(match, player.team) + forward(player.team) * DEPTH * player.post_x
-    y = FOLLOW_ACROSS * match.slow_y + WIDTH * player.post_y
+    """Place in m of a player's slot."""
+    x = block_x(match, player.team) + forward(player.team) * DEPTH * player.slot_x
+    y = FOLLOW_ACROSS * match.mean_ball_y + WIDTH * player.slot_y
     return on_pitch(x, y)
 
 
@@ -77,25 +72,25 @@ def on_pitch(x, y):
 
 
 @kernel
-def exchange_posts(match):
-    """Let every two mates exchange their posts if that shortens their ways (their squares, so that no way is long)."""
+def exchange_slots(match):
+    """Let every two mates exchange their slots if that shortens their ways (their squares, so that no way is long)."""
     for i in range(1, match.num_players):
         a = match.players[i]
-        if a.role == GK or a.off:
+        if a.role == GK or a.has_left:
             continue
         for j in range(i):
             b = match.players[j]
-            if b.team == a.team and b.role != GK and not b.off:
+            if b.team == a.team and b.role != GK and not b.has_left:
                 exchange(match, a, b)
 
 
 @kernel
 def exchange(match, a, b):
-    """Exchange two mates' posts if that shortens their ways."""
+    """Exchange two mates' slots if that shortens their ways."""
     ax, ay = formation_place(match, a)
     bx, by = formation_place(match, b)
     stay = squared_apart(a, ax, ay) + squared_apart(b, bx, by)
     change = squared_apart(a, bx, by) + squared_apart(b, ax, ay)
     if change < EXCHANGE * stay:
-        a.post_x, b.post_x = b.post_x, a.post_x
-        a.post_y, b.post_y = b.post_y, a.post_y
+        a.slot_x, b.slot_x = b.slot_x, a.slot_x
+        a.slot_y, b.slot_y = b.slot_y, a.slot_y

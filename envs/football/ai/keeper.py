@@ -1,6 +1,6 @@
 """The built-in goalkeeper: where he stands, when he comes out, and his kick-out.
 
-As documented of Google Research Football. Read next: `physics.saves`.
+As documented of Google Research Football. Read next: `skills.saves`.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from envs.football.ai.marking import man_on_ball
 from envs.football.constants import (
     GOAL_HALF_WIDTH,
     HIGH_PASS,
-    LEFT,
     NOBODY,
     RUN_SPEED,
 )
-from envs.football.control.keys import chase, go_for_ball, run_to
-from envs.football.physics.hands import HOLD_STEPS
+from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import ball_speed, meeting_time
-from envs.football.physics.saves import dive, own_goal_x
 from envs.football.physics.vectors import apart, length
+from envs.football.skills.hands import HOLD_STEPS
+from envs.football.skills.saves import dive
+from envs.football.skills.steering import chase, go_for_ball, run_to
 from scenic_lite.kernels.jit import kernel
 
 # Standing
@@ -53,13 +53,13 @@ KICK_OUT = 30.0  # m upfield when there is no mate
 
 
 @kernel
-def think_keeper(match, i):
+def choose_keeper_command(match, i):
     """Decide for keeper i."""
     player = match.players[i]
     if match.saver == i and match.save_wait < GIVEN_UP:
         match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
-    if match.holder == i:
-        player.want_x, player.want_y = 0.0, 0.0
+    if match.keeper_holding == i:
+        player.desired_vx, player.desired_vy = 0.0, 0.0
         match.hold_wait -= 1
         if player.kick == 0 and match.hold_wait < 0:
             distribute(match, i)
@@ -78,9 +78,9 @@ def think_keeper(match, i):
 
 
 @kernel
-def hurry(match, i):
+def kick_out_if_overdue(match, i):
     """Make a commanded keeper kick the ball out when he has held it for too long."""
-    if match.holder == i:
+    if match.keeper_holding == i:
         match.hold_wait -= 1
         if match.hold_wait < -HURRY_AFTER and match.players[i].kick == 0:
             kick_out(match, i)
@@ -98,15 +98,15 @@ def distribute(match, i):
 def kick_out(match, i):
     """Kick or throw the ball high to the nearest free mate some way off, else to the nearest, or simply upfield."""
     player = match.players[i]
-    forward = 1.0 if player.team == LEFT else -1.0
-    player.aim_x, player.aim_y = player.x + forward * KICK_OUT, player.y
+    ahead = forward(player.team)
+    player.aim_x, player.aim_y = player.x + ahead * KICK_OUT, player.y
     j = nearest_mate(match, i, THROW_FREE)
     if j == NOBODY or apart(match.players[j], player) > THROW_MOST:
         j = nearest_mate(match, i, 0.0)
     if j != NOBODY:
         mate = match.players[j]
         player.aim_x, player.aim_y = mate.x + MATE_LEAD * mate.vx, mate.y + MATE_LEAD * mate.vy
-    player.kick, player.kick_held, player.kick_ready, player.aimed = HIGH_PASS, 1, True, True
+    player.kick, player.kick_held, player.kick_ready, player.is_aimed = HIGH_PASS, 1, True, True
     player.kick_mate = j
 
 
@@ -118,7 +118,7 @@ def nearest_mate(match, i, free):
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
-        if j == i or mate.team != player.team or mate.off:
+        if j == i or mate.team != player.team or mate.has_left:
             continue
         if THROW_LEAST < distance < nearest and not opposed(match, j, free):
             best, nearest = j, distance
@@ -157,7 +157,7 @@ def lone(match, i):
     """Tell whether keeper i's team has no other player: every ball in his half is his."""
     mates = 0
     for j in range(match.num_players):
-        mates += match.players[j].team == match.players[i].team and not match.players[j].off
+        mates += match.players[j].team == match.players[i].team and not match.players[j].has_left
     return mates == 1
 
 
@@ -170,7 +170,7 @@ def boldness(match, i):
     team = match.players[i].team
     goal_x = own_goal_x(team)
     first = man_on_ball(match, 1 - team)
-    if match.ball.x * goal_x <= 0.0 or match.favoured == team or first == NOBODY:
+    if match.ball.x * goal_x <= 0.0 or match.team_in_possession == team or first == NOBODY:
         return 0.0
     if match.carrier != NOBODY and apart(match.ball, match.players[i]) < COMMITTED:
         return 1.0
@@ -198,7 +198,7 @@ def ways_to_shot(match, i, j, range_of_shot):
     nearest = math.inf
     for k in range(match.num_players):
         mate = match.players[k]
-        if k != i and mate.team != rival.team and not mate.off:
+        if k != i and mate.team != rival.team and not mate.has_left:
             nearest = min(nearest, length(mate.x + MATE_RUN * mate.vx - x, mate.y + MATE_RUN * mate.vy - y))
     return way, nearest
 
@@ -210,7 +210,7 @@ def nearest_to_goal(match, team, but):
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         player = match.players[j]
-        if player.team != team or j == but or player.off:
+        if player.team != team or j == but or player.has_left:
             continue
         distance = length(goal_x - player.x, player.y)
         if distance < least:

@@ -1,6 +1,6 @@
-"""Who looks after whom: the most dangerous opponents are marked, the one on the ball is hunted by two at most.
+"""Who looks after whom: the most dangerous opponents are marked, the one on the ball is pressed by two at most.
 
-As documented of Google Research Football. Read next: `ai.defence`, for what markers and hunters do.
+As documented of Google Research Football. Read next: `ai.defence`, for what markers and pressers do.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
-from envs.football.physics.saves import own_goal_x
+from envs.football.physics.pitch import own_goal_x
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
@@ -19,8 +19,8 @@ MARK_LEAD = 0.1  # s
 BEHIND, MARKED_AHEAD, FAR_AHEAD = 0.5, 2.0, 60.0  # m: who is not passed; the best distance; the worst
 WIDE_LEAST, WIDE_MOST = 4.0, 14.0  # m aside, the worst near the goal and far from it
 PASSED, QUALITY_SHARE = 0.6, 0.8  # of the quality, for who is passed; against nearness
-HUNT_RANGE = 20.0  # m to an opponent on the ball
-TIRED_HUNT = 0.4  # share of the range that the tired lack
+PRESS_RANGE = 20.0  # m to an opponent on the ball
+TIRED_PRESS = 0.4  # share of the range that the tired lack
 
 
 @kernel
@@ -36,9 +36,9 @@ def man_on_ball(match, team):
 def choose_markers(match):
     """Give each defending team's markers the most dangerous opponents; a team on the ball marks nobody."""
     for i in range(match.num_players):
-        match.players[i].mark = NOBODY
+        match.players[i].marked_opponent = NOBODY
     for team in (LEFT, RIGHT):
-        if match.favoured != team:
+        if match.team_in_possession != team:
             mark_the_dangerous(match, team)
 
 
@@ -53,7 +53,7 @@ def mark_the_dangerous(match, team):
         taken |= 1 << rival
         marker = best_marker(match, team, rival)
         if marker != NOBODY:
-            match.players[marker].mark = rival
+            match.players[marker].marked_opponent = rival
 
 
 @kernel
@@ -68,7 +68,7 @@ def most_dangerous(match, team, taken):
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
-        if rival.team == team or rival.role == GK or rival.off or taken >> j & 1 == 1:
+        if rival.team == team or rival.role == GK or rival.has_left or taken >> j & 1 == 1:
             continue
         distance = length(x - rival.x, y - rival.y) - (ON_BALL if j == on_ball else 0.0)
         if distance < least:
@@ -82,7 +82,7 @@ def best_marker(match, team, rival):
     best, most = NOBODY, -1.0
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.role == GK or player.off or player.mark != NOBODY:
+        if player.team != team or player.role == GK or player.has_left or player.marked_opponent != NOBODY:
             continue
         quality = marking_quality(player, match.players[rival])
         if quality > most:
@@ -109,38 +109,38 @@ def marking_quality(player, rival):
 
 
 @kernel
-def choose_hunters(match):
+def choose_pressers(match):
     """Send the two nearest free defenders within range after an opponent on the ball whom nobody marks."""
     for team in (LEFT, RIGHT):
-        match.hunter[team, 0] = NOBODY
-        match.hunter[team, 1] = NOBODY
+        match.presser[team, 0] = NOBODY
+        match.presser[team, 1] = NOBODY
         on_ball = man_on_ball(match, 1 - team)
-        if match.favoured == 1 - team and on_ball != NOBODY and match.game_mode == NORMAL:
-            send_hunters(match, team, on_ball)
+        if match.team_in_possession == 1 - team and on_ball != NOBODY and match.game_mode == NORMAL:
+            send_pressers(match, team, on_ball)
 
 
 @kernel
-def send_hunters(match, team, on_ball):
-    """Choose up to two hunters; none if the opponent on the ball is marked."""
+def send_pressers(match, team, on_ball):
+    """Choose up to two pressers; none if the opponent on the ball is marked."""
     first, second = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
         if player.team != team or player.role == GK:
             continue
-        if player.mark == on_ball:
-            match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
+        if player.marked_opponent == on_ball:
+            match.presser[team, 0], match.presser[team, 1] = NOBODY, NOBODY
             return
         distance = apart(player, match.players[on_ball])
-        if player.mark != NOBODY or distance > hunting_range(player):
+        if player.marked_opponent != NOBODY or distance > pressing_range(player):
             continue
         if distance < first:
-            match.hunter[team, 1], second = match.hunter[team, 0], first
-            match.hunter[team, 0], first = i, distance
+            match.presser[team, 1], second = match.presser[team, 0], first
+            match.presser[team, 0], first = i, distance
         elif distance < second:
-            match.hunter[team, 1], second = i, distance
+            match.presser[team, 1], second = i, distance
 
 
 @kernel
-def hunting_range(player):
-    """Distance in m within which a player hunts the opponent on the ball."""
-    return HUNT_RANGE * player.skill * (1.0 - TIRED_HUNT * player.tired)
+def pressing_range(player):
+    """Distance in m within which a player presses the opponent on the ball."""
+    return PRESS_RANGE * player.skill * (1.0 - TIRED_PRESS * player.tiredness)

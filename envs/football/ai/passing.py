@@ -1,16 +1,15 @@
 """Passes of the built-in AI: to whom, which kind, and when; and the clearance of a defender under pressure.
 
 As documented of Google Research Football: what is gained times the odds that it arrives, with more patience the
-shorter he has had the ball. Read next: `physics.kicks`, which carries passes out.
+shorter he has had the ball. Read next: `skills.kicks`, which carries passes out.
 """
 
 from __future__ import annotations
 
-from envs.football.ai.formation import forward
-from envs.football.ai.lanes import danger
-from envs.football.ai.situation import attacked_goal_x, nearest_opponent, situation
+from envs.football.ai.interception import danger
+from envs.football.ai.position_value import nearest_opponent, position_value
 from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
-from envs.football.physics.saves import own_goal_x
+from envs.football.physics.pitch import attacked_goal_x, forward, own_goal_x
 from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
@@ -28,7 +27,7 @@ OVERHEAD = 0.6  # share of its way that a high pass is out of reach
 ONSIDE = -1.8  # m: he misjudges by this much who is offside
 
 # Clearances
-PANIC_POST, PANIC_RANGE, PANIC_NEAR = -0.4, 30.0, 2.5  # posts further back; m to the own goal; m to an opponent
+PANIC_SLOT, PANIC_RANGE, PANIC_NEAR = -0.4, 30.0, 2.5  # slots further back; m to the own goal; m to an opponent
 CLEARED = 38.0  # m
 
 
@@ -38,7 +37,7 @@ def consider_pass(match, i):
     player = match.players[i]
     if (match.step + player.shirt) % DECIDED_EVERY != 0:
         return False
-    waited = min(match.borne / PATIENCE, 1.0)
+    waited = min(match.carry_age / PATIENCE, 1.0)
     if best_pass(match, i, PATIENT + (EAGER - PATIENT) * waited):
         return True
     return clear_in_panic(match, i)
@@ -54,18 +53,18 @@ def consider_first_time_pass(match, i):
 def best_pass(match, i, threshold):
     """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
     player = match.players[i]
-    own = situation(match, player, player.x, player.y)
+    own = position_value(match, player, player.x, player.y)
     line = max(second_last(match, 1 - player.team, forward(player.team)), forward(player.team) * match.ball.x, 0.0)
     best, found = threshold, False
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
-        if j == i or mate.team != player.team or not GROUND_LEAST < distance < HIGH_MOST or mate.down > 0.0:
+        if j == i or mate.team != player.team or not GROUND_LEAST < distance < HIGH_MOST or mate.down_wait > 0.0:
             continue
         if match.offsides and forward(player.team) * mate.x > line - ONSIDE:
             continue
         x, y = mate.x + LEAD_TIME * mate.vx, mate.y + LEAD_TIME * mate.vy
-        gain = min(situation(match, player, x, y) - own, GAIN_MOST)
+        gain = min(position_value(match, player, x, y) - own, GAIN_MOST)
         gain *= KEEPER_SHARE if mate.role == GK else 1.0
         if gain < max(BETTER, best):
             continue
@@ -90,7 +89,7 @@ def best_kind(match, player, mate, own, gain):
         worth = gain * ground_odds(match, player, x, y)
         through_x, through_y = into_run(player, mate, distance)
         if forward(player.team) * mate.vx > 2.0:
-            through = min(situation(match, player, through_x, through_y) - own, GAIN_MOST)
+            through = min(position_value(match, player, through_x, through_y) - own, GAIN_MOST)
             through *= ground_odds(match, player, through_x, through_y)
             if through > worth:
                 kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
@@ -104,7 +103,7 @@ def best_kind(match, player, mate, own, gain):
 @kernel
 def into_run(player, mate, distance):
     """The place ahead of a mate to which a through ball goes."""
-    to_x, to_y = attacked_goal_x(player) - mate.x, -mate.y
+    to_x, to_y = attacked_goal_x(player.team) - mate.x, -mate.y
     share = LONG_LEAD * distance / max(length(to_x, to_y), 1.0)
     return mate.x + LEAD_TIME * mate.vx + share * to_x, mate.y + LEAD_TIME * mate.vy + share * to_y
 
@@ -127,7 +126,7 @@ def clear_in_panic(match, i):
     """Under pressure near the own goal, as a defender: kick the ball high and far; return whether."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
-    if player.post_x > PANIC_POST or to_own_goal > PANIC_RANGE or nearest_opponent(match, player) > PANIC_NEAR:
+    if player.slot_x > PANIC_SLOT or to_own_goal > PANIC_RANGE or nearest_opponent(match, player) > PANIC_NEAR:
         return False
     x = player.x + forward(player.team) * CLEARED
     y = player.y * 1.3 + 4.0 * player.vy / (1.0 + abs(player.vy))
@@ -140,4 +139,4 @@ def clear_in_panic(match, i):
 def ask_kick(player, kick, x, y):
     """Ask for a kick to a chosen place."""
     player.kick, player.kick_held, player.kick_ready = kick, 1, True
-    player.aimed, player.aim_x, player.aim_y, player.kick_mate = True, x, y, NOBODY
+    player.is_aimed, player.aim_x, player.aim_y, player.kick_mate = True, x, y, NOBODY

@@ -1,6 +1,6 @@
 """Shots of the built-in AI: from where, at which part of the goal, how hard.
 
-The law and its numbers are those documented of Google Research Football. Read next: `physics.kicks`, which carries
+The law and its numbers are those documented of Google Research Football. Read next: `skills.kicks`, which carries
 shots out.
 """
 
@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ai.lanes import danger
+from envs.football.ai.interception import danger
 from envs.football.ai.passing import ask_kick
-from envs.football.ai.situation import attacked_goal_x
 from envs.football.constants import FRAMES, SHOT
-from envs.football.physics.kicks import HELD_LEAST, HELD_RANGE, HELD_STEP, SHOT_GAUGE_POWER
-from envs.football.physics.shots import SHOT_SKILL
+from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length, toward
+from envs.football.skills.kicks import HELD_LEAST, HELD_RANGE, HELD_STEP, SHOT_GAUGE_POWER
+from envs.football.skills.shots import SHOT_SKILL
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -33,7 +33,7 @@ POWER_LEAST, POWER_NEAR, POWER_FAR, FAR = 0.7, 0.6, 0.4, 32.0  # of the most; sh
 def consider_shot(match, i):
     """Shoot at the best of both corners and the middle if its lane is free enough; return whether."""
     player = match.players[i]
-    goal_x = attacked_goal_x(player)
+    goal_x = attacked_goal_x(player.team)
     spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
     if length(spot_x - player.x, player.y) > SHOT_RANGE:
         return False

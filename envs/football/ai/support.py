@@ -1,6 +1,6 @@
 """Built-in players whose team has the ball and who have not: come free, keep apart, run, and stay onside.
 
-As documented of Google Research Football: a place between the post and one where a field of forces leads, and now
+As documented of Google Research Football: a place between the slot and one where a field of forces leads, and now
 and then a run behind the defence. Read next: `ai.attack`, for the player on the ball.
 """
 
@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 
-from envs.football.ai.effort import head_for
-from envs.football.ai.formation import formation_place, forward, on_pitch
+from envs.football.ai.formation import formation_place, on_pitch
+from envs.football.ai.run_speed import head_for
 from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, RIGHT
+from envs.football.physics.pitch import forward
 from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
@@ -21,11 +22,11 @@ SUPPORT_NEAR, SUPPORT_FAR = 12.0, 40.0  # m
 MATES_APART, MATES_PUSH = 10.0, 0.5  # m; m per m
 SHADOW, SHADOW_PUSH = 5.0, 0.8  # m to either side of the line behind an opponent
 COME_WITHIN, COME, KEEP_OFF = 7.0, 0.6, 2.0  # m to the ball; m per m
-FORWARD_POST, LANE_RUN = 0.2, 6.0  # posts from here on push forward, by m
+FORWARD_SLOT, LANE_RUN = 0.2, 6.0  # slots from here on push forward, by m
 ONSIDE = -1.8  # m: he misjudges the line by this much
 RUN_STEPS, RUN_AHEAD, RUN_WITHIN = 40, 16.0, 40.0  # steps, m, m ahead of the ball at most
 RUN_CLEAR = 3.0  # m between a runner and any opponent
-RUN_POST = -0.2
+RUN_SLOT = -0.2
 RUNS_EVERY = 5  # steps between two calls of `start_runs`
 
 
@@ -35,7 +36,7 @@ def support(match, i):
     player = match.players[i]
     if (match.step + player.shirt) % DECIDED_EVERY == 0:
         choose_place(match, i)
-    head_for(match, player, player.place_x, player.place_y)
+    head_for(match, player, player.support_x, player.support_y)
 
 
 @kernel
@@ -52,7 +53,7 @@ def choose_place(match, i):
         x, y = x + weight * force_x, y + weight * force_y
     x, y = on_pitch(x, y)
     ahead = forward(player.team)
-    player.place_x, player.place_y = ahead * min(ahead * x, onside_line(match, player.team) - ONSIDE), y
+    player.support_x, player.support_y = ahead * min(ahead * x, onside_line(match, player.team) - ONSIDE), y
 
 
 @kernel
@@ -62,7 +63,7 @@ def support_force(match, i, x, y):
     to_x, to_y = x - ball.x, y - ball.y
     distance = math.sqrt(to_x * to_x + to_y * to_y) + 1e-9
     ux, uy = to_x / distance, to_y / distance
-    force_x = forward(player.team) * LANE_RUN if player.post_x > FORWARD_POST else 0.0
+    force_x = forward(player.team) * LANE_RUN if player.slot_x > FORWARD_SLOT else 0.0
     force_y = 0.0
     reach = max(KEEP_OFF - distance, 0.0) - COME * max(distance - COME_WITHIN, 0.0)
     force_x += reach * ux
@@ -100,12 +101,12 @@ def onside_line(match, team):
 def start_runs(match):
     """Let time pass for runs, and let the team on the ball start one if nobody runs."""
     for team in (LEFT, RIGHT):
-        match.run_left[team] -= RUNS_EVERY
-        if match.favoured != team or match.run_left[team] <= 0:
+        match.run_steps_left[team] -= RUNS_EVERY
+        if match.team_in_possession != team or match.run_steps_left[team] <= 0:
             match.runner[team] = NOBODY
-        if match.favoured == team and match.runner[team] == NOBODY and match.carrier != NOBODY:
+        if match.team_in_possession == team and match.runner[team] == NOBODY and match.carrier != NOBODY:
             match.runner[team] = free_runner(match, team)
-            match.run_left[team] = RUN_STEPS
+            match.run_steps_left[team] = RUN_STEPS
 
 
 @kernel
@@ -116,7 +117,7 @@ def free_runner(match, team):
     best, most = NOBODY, 0.0
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.role == GK or i == match.carrier or player.post_x < RUN_POST:
+        if player.team != team or player.role == GK or i == match.carrier or player.slot_x < RUN_SLOT:
             continue
         lead = ahead * (player.x - match.ball.x)
         if not most < lead < RUN_WITHIN or ahead * player.x > line or ahead * player.x > HALF_LENGTH - RUN_AHEAD:

@@ -42,8 +42,15 @@ def assign_actions(match, actions):
 
 
 @kernel
+def set_actions(match, actions):
+    """Give every player an action of his own, `actions` [P]: 0..18, BUILTIN_AI or STAND."""
+    for i in range(match.num_players):
+        match.players[i].action = actions[i]
+
+
+@kernel
 def num_agents(match):
-    """A, of both teams."""
+    """Return A, of both teams."""
     return match.num_agents[LEFT] + match.num_agents[RIGHT]
 
 
@@ -77,7 +84,7 @@ def choose_closest(match, team, first):
         best, closest = NOBODY, math.inf
         for i in range(match.num_players):
             player = match.players[i]
-            if player.team != team or player.off or player.agent != NOBODY:
+            if player.team != team or player.has_left or player.agent != NOBODY:
                 continue
             dx, dy = match.ball.x - player.x, match.ball.y - player.y
             squared = dx * dx + dy * dy
@@ -115,11 +122,11 @@ def active_player(match, team, old):
         return match.receiver
     speed = ball_speed(match.ball)
     best, soonest = old, math.inf
-    if old != NOBODY and match.players[old].role != GK and not match.players[old].off:
+    if old != NOBODY and match.players[old].role != GK and not match.players[old].has_left:
         soonest = meeting_time(match, match.players[old], speed) - SWITCH
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.off or i == old or player.role == GK:
+        if player.team != team or player.has_left or i == old or player.role == GK:
             continue
         time = meeting_time(match, player, speed)
         if time < soonest or (time == soonest and player.order < match.players[best].order):

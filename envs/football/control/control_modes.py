@@ -39,7 +39,7 @@ def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
     return wanted
 
 
-def appoint(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
+def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
     """Give the agents of matches MATCH `[N]` about to begin their players; `modes` of the left and the right team."""
     players = matches["players"][:, : matches["num_players"][0]]
     matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
@@ -58,7 +58,7 @@ def appoint(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
         matches["players"]["agent"][rows, matches["agents"][:, agent]] = agent
 
 
-def dismiss(matches: np.ndarray) -> None:
+def release_agents(matches: np.ndarray) -> None:
     """Take their players from the agents of matches MATCH `[N]` about to begin; whoever is there plays himself."""
     matches["control"] = NO_AGENTS
     matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY

@@ -1,11 +1,9 @@
-"""Actions into wishes: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
+"""Actions into desired velocities: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
 
-Read next: `ai.decide`, which decides for everybody without a command, and `physics.kicks`, which carries the kicks out.
+Read next: `ai.decide`, which decides for everybody without a command, and `skills.kicks`, which carries the kicks out.
 """
 
 from __future__ import annotations
-
-import math
 
 from envs.football.constants import (
     DIRECTION_X,
@@ -26,21 +24,18 @@ from envs.football.constants import (
     SPRINT,
 )
 from envs.football.physics.dribble import TOUCH_REACH
-from envs.football.physics.motion import SLIDE_TIME
-from envs.football.physics.possession import ball_speed, fall_time, forget_kick, meeting_time, travelled
+from envs.football.physics.possession import forget_kick
 from envs.football.physics.vectors import apart, length
+from envs.football.skills.steering import chase, slide
 from scenic_lite.kernels.jit import kernel
 
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
-HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
-ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
 PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
-SLIDE_KEEPS = 0.9  # of the run's speed
 
 
 @kernel
-def obey(match, i, actions):
+def apply_action(match, i, actions):
     """Let player i press a key, or several at once: remember the sticky ones, kick or slide, and want a velocity.
 
     Of several (digits in base NUM_COMMANDS, the first highest) the first counts of those that exclude each other: of
@@ -50,7 +45,7 @@ def obey(match, i, actions):
     button = IDLE
     while actions > 0:  # from the last to the first
         action = actions % NUM_COMMANDS
-        press(player, action)
+        press_key(player, action)
         if LONG_PASS <= action <= SHOT or action == SLIDING:
             button = action
         actions //= NUM_COMMANDS
@@ -61,7 +56,7 @@ def obey(match, i, actions):
 
 
 @kernel
-def press(player, action):
+def press_key(player, action):
     """Update the sticky direction, sprint and dribble."""
     if 1 <= action <= 8:
         player.direction = action
@@ -84,7 +79,7 @@ def release_keys(match, i):
     player.direction = 0
     player.sprint = False
     player.dribble = False
-    if player.kick != 0 and not player.aimed and match.kicker != i:
+    if player.kick != 0 and not player.is_aimed and match.kicker != i:
         forget_kick(player)
 
 
@@ -95,7 +90,7 @@ def hold_kick(player, action):
         if player.kick_wait > 0.0:
             return  # the leg already swings
         if player.kick != action:
-            player.kick, player.kick_held, player.aimed = action, 0, False
+            player.kick, player.kick_held, player.is_aimed = action, 0, False
             player.kick_ready = False
         player.kick_held += 1
         player.kick_patience = KICK_PATIENCE
@@ -110,19 +105,6 @@ def hold_kick(player, action):
 
 
 @kernel
-def slide(match, i):
-    """Throw player i into a slide along his run; nothing happens while his team has the ball."""
-    player = match.players[i]
-    if player.down > 0.0 or match.game_mode != 0:
-        return
-    if match.carrier != NOBODY and match.players[match.carrier].team == player.team:
-        return
-    speed = SLIDE_KEEPS * length(player.vx, player.vy)
-    player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
-    player.sliding, player.down = True, SLIDE_TIME
-
-
-@kernel
 def steer(match, i):
     """Want the velocity that the sticky keys ask for, or the way to a free ball for which i is best placed."""
     player = match.players[i]
@@ -131,7 +113,7 @@ def steer(match, i):
         chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
         return
     speed = 0.0 if at_feet and stands_to_pass(player) else key_speed(player, match.carrier == i)
-    player.want_x, player.want_y = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
+    player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
 
 
 @kernel
@@ -157,46 +139,3 @@ def key_speed(player, with_ball):
     if player.dribble:
         return CARRY_DRIBBLE if with_ball else DRIBBLE_SPEED
     return CARRY_RUN if with_ball else RUN_SPEED
-
-
-@kernel
-def chase(match, i, speed):
-    """Want to run at this speed to where the ball can be met."""
-    player, ball = match.players[i], match.ball
-    rolling = ball_speed(ball)
-    share = 0.0
-    if rolling > 0.5:
-        share = travelled(rolling, fall_time(ball), meeting_time(match, player, rolling)) / rolling
-    run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
-
-
-@kernel
-def run_to(player, x, y, speed):
-    """Want to run to a place, slowing down over the last stride."""
-    dx, dy = x - player.x, y - player.y
-    distance = math.sqrt(dx * dx + dy * dy)
-    if distance < 0.05:
-        player.want_x, player.want_y = 0.0, 0.0
-        return
-    speed = min(speed, 4.0 * distance + 0.5)
-    player.want_x, player.want_y = dx / distance * speed, dy / distance * speed
-
-
-@kernel
-def go_for_ball(match, i, speed):
-    """Run to where the carried ball will be, round the carrier's body if that is in the way."""
-    player, ball = match.players[i], match.ball
-    carrier = match.players[match.carrier]
-    distance = apart(ball, player)
-    time = min(distance / 8.0, HUNT_LEAD)
-    x, y = ball.x + time * ball.vx, ball.y + time * ball.vy
-    ball_x, ball_y = ball.x - carrier.x, ball.y - carrier.y
-    from_x, from_y = player.x - carrier.x, player.y - carrier.y
-    if ball_x * from_x + ball_y * from_y < 0.0 and distance < 3.0:
-        size = length(from_x, from_y) + 1e-9
-        side = ROUND if from_x * ball_y - from_y * ball_x >= 0.0 else -ROUND
-        x = carrier.x - side * from_y / size + OVERTAKE * carrier.vx
-        y = carrier.y + side * from_x / size + OVERTAKE * carrier.vy
-    dx, dy = x - player.x, y - player.y
-    size = length(dx, dy) + 1e-9
-    player.want_x, player.want_y = dx / size * speed, dy / size * speed

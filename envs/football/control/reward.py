@@ -16,6 +16,13 @@ UNIT_X, UNIT_Y = 100 * METRES_PER_X, 100 * METRES_PER_Y  # m per unit
 
 
 @kernel
+def clear_rewards(match):
+    """Forget what the step before has paid."""
+    match.checkpoint_reward[:] = 0.0
+    match.program_reward = 0.0
+
+
+@kernel
 def agent_reward(match, agent, checkpoints):
     """Reward of one agent for the last step: +1 or -1 for a goal, and if asked 0.1 per checkpoint newly passed.
 
@@ -55,7 +62,7 @@ def pay_checkpoints(match):
         reached, forward = match.checkpoints[agent], side(match, agent)
         if match.goal * forward > 0.0:
             reached = CHECKPOINTS
-        elif match.owner != NOBODY and match.owner == match.agents[agent]:
+        elif match.reported_owner != NOBODY and match.reported_owner == match.agents[agent]:
             distance = length(forward * match.ball.x / UNIT_X - 1.0, match.ball.y / UNIT_Y)
             while reached < CHECKPOINTS and distance <= threshold(reached):
                 reached += 1

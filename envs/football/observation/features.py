@@ -77,8 +77,8 @@ def _write_self(me, side, row, at):
     row[at + 3] = side * me.vy / RUNNING
     row[at + 4] = side * me.facing_x
     row[at + 5] = side * me.facing_y
-    row[at + 6] = me.tired
-    row[at + 7] = min(me.down / SOON, LIMIT)
+    row[at + 6] = me.tiredness
+    row[at + 7] = min(me.down_wait / SOON, LIMIT)
     return at + 8
 
 
@@ -99,11 +99,11 @@ def _write_ball(match, me, side, row, at):
 @kernel
 def _write_owner(match, i, row, at):
     row[at : at + 4] = 0.0
-    if match.owner == NOBODY:
+    if match.reported_owner == NOBODY:
         row[at + 3] = 1.0
         return at + 4
-    row[at] = 1.0 if match.owner == i else 0.0
-    row[at + 1 if match.players[match.owner].team == match.players[i].team else at + 2] = 1.0
+    row[at] = 1.0 if match.reported_owner == i else 0.0
+    row[at + 1 if match.players[match.reported_owner].team == match.players[i].team else at + 2] = 1.0
     return at + 4
 
 
@@ -150,7 +150,7 @@ def _write_team(match, i, team, side, row, at):
         row[at + 4] = side * other.vx / RUNNING
         row[at + 5] = side * other.vy / RUNNING
         row[at + 6] = CLOSE / (CLOSE + math.sqrt(dx * dx + dy * dy))
-        row[at + 7] = min(other.down / SOON, LIMIT)
+        row[at + 7] = min(other.down_wait / SOON, LIMIT)
         row[at + 8] = 1.0 if other.role == GK else 0.0
         at += OTHER_SIZE
     return at

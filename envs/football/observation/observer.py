@@ -24,8 +24,8 @@ from envs.football.control.agents import num_agents
 from envs.football.observation.features import LIMIT, features_size, write_features
 from envs.football.observation.raw import raw_observation, raw_space
 from envs.football.observation.simple115 import SIZE, write_simple115
-from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_tracks, remember, write_planes
-from envs.football.scenic.lineup import Casting
+from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history, remember, write_planes
+from envs.football.scenic.lineup import Lineup
 from scenic_lite.kernels.jit import kernel
 
 FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
@@ -48,30 +48,31 @@ def observe(batch, index, view, kind):
         elif kind == SIMPLE115:
             write_simple115(match, agent, view.vectors[index, agent])
         elif kind != RAW:
-            write_planes(match, agent, batch.places[index], batch.place_agents[index], view.planes[index, agent])
+            places, agents = batch.minimap_places[index], batch.minimap_agents[index]
+            write_planes(match, agent, places, agents, view.planes[index, agent])
 
 
 @kernel
-def note_places(batch, index, kind):
+def remember_minimap(batch, index, kind):
     """Remember what later observations of match number `index` need."""
     if kind in (SMM, SMM_STACKED):
-        remember(batch.matches[index], batch.places[index], batch.place_agents[index])
+        remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])
 
 
 class Observer:
-    """One representation for the matches of one casting.
+    """One representation for the matches of one line-up.
 
     Attributes:
         kind: its number, for kernels.
         space: of one environment's observation.
     """
 
-    def __init__(self, representation: str, casting: Casting) -> None:
+    def __init__(self, representation: str, lineup: Lineup) -> None:
         self.kind = REPRESENTATIONS.index(representation)
-        self._players, self._agents = casting.num_players, sum(casting.num_agents)
-        left = int(np.count_nonzero(np.asarray(casting.lineup.teams) == LEFT))
-        self._sizes = left, casting.num_players - left
-        self._rights = [agent >= casting.num_agents[LEFT] for agent in range(self._agents)]
+        self._players, self._agents = lineup.num_players, sum(lineup.num_agents)
+        left = int(np.count_nonzero(np.asarray(lineup.roster.teams) == LEFT))
+        self._sizes = left, lineup.num_players - left
+        self._rights = [agent >= lineup.num_agents[LEFT] for agent in range(self._agents)]
         self._shape: tuple[int, ...] = () if self.kind == RAW else tuple(self._space().shape)
         if self.kind == RAW:
             spaces = [raw_space(*(self._sizes[::-1] if right else self._sizes)) for right in self._rights]
@@ -100,9 +101,9 @@ class Observer:
         shape = (count, self._agents)
         return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 
-    def tracks(self, count: int) -> tuple[np.ndarray, np.ndarray]:
+    def minimap_history(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Room for what must be remembered of `count` matches, see `smm`."""
-        return empty_tracks(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
+        return empty_history(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
 
     def read(self, view: View, matches: np.ndarray) -> Any:
         """The observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH `[N]`."""

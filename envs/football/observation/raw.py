@@ -55,14 +55,14 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
     me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
     plane = side * np.array([1 / UNIT_X, 1 / UNIT_Y])
     spin = SPIN_UNIT / BALL_RADIUS * side
-    owners = _of(players, "team", matches["owner"])
+    owners = _of(players, "team", matches["reported_owner"])
     alone = matches["num_agents"][:, us] == 1
     observation = {
         "ball": _vectors(plane, ball["x"], ball["y"], ball["z"]),
         "ball_direction": STEP * _vectors(plane, ball["vx"], ball["vy"], ball["vz"]),
         "ball_rotation": np.stack([-spin * ball["spin_y"], spin * ball["spin_x"], np.zeros(len(ball))], axis=-1),
         "ball_owned_team": np.where(owners < 0, -1, owners ^ us),
-        "ball_owned_player": _of(players, "shirt", matches["owner"]),
+        "ball_owned_player": _of(players, "shirt", matches["reported_owner"]),
         "active": _of(players, "shirt", me),
         "designated": _of(players, "shirt", np.where(alone, me, matches["chaser"][:, us])),
         "sticky_actions": _sticky(players, me, right),
@@ -74,9 +74,9 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
     for name, team in (("left_team", teams[us]), ("right_team", teams[1 - us])):
         observation[name] = _vectors(plane, team["x"], team["y"])
         observation[name + "_direction"] = STEP * _vectors(plane, team["vx"], team["vy"])
-        observation[name + "_tired_factor"] = team["tired"].copy()
+        observation[name + "_tired_factor"] = team["tiredness"].copy()
         observation[name + "_yellow_card"] = team["cards"] > 0
-        observation[name + "_active"] = ~team["off"]
+        observation[name + "_active"] = ~team["has_left"]
         observation[name + "_roles"] = team["role"].copy()
     return observation
 

@@ -29,7 +29,7 @@ def write_simple115(match, agent, row):
     side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
     for i in range(match.num_players):
         player = match.players[i]
-        if player.off:
+        if player.has_left:
             continue  # as if he had never been in the team
         at = 2 * player.shirt + (0 if player.team == me.team else _THEIRS)
         row[at] = side * player.x / UNIT_X
@@ -38,8 +38,8 @@ def write_simple115(match, agent, row):
         row[at + _DIRECTIONS + 1] = side * STEP * player.vy / UNIT_Y
     _write_ball(match.ball, side, row)
     owner = 0
-    if match.owner != NOBODY:
-        owner = 1 if match.players[match.owner].team == me.team else 2
+    if match.reported_owner != NOBODY:
+        owner = 1 if match.players[match.reported_owner].team == me.team else 2
     row[_OWNER + owner] = 1.0
     row[_ACTIVE + me.shirt] = 1.0
     row[_MODE + match.game_mode] = 1.0

@@ -23,7 +23,7 @@ CHANNELS = 4  # of a frame: our team, theirs, the ball, the agent's player
 HALF_HEIGHT = 1.0 / 2.25  # units of the original from the middle to the upper and to the lower edge
 
 
-def empty_tracks(count: int, players: int, agents: int) -> tuple[np.ndarray, np.ndarray]:
+def empty_history(count: int, players: int, agents: int) -> tuple[np.ndarray, np.ndarray]:
     """Room for what is remembered of `count` matches; the frame after t steps stands in slot t modulo FRAMES.
 
     Places `[N, FRAMES, P + 1, 2]` are x and y in units of the original, the ball last; `[N, FRAMES, A]` are the agents'
@@ -47,7 +47,7 @@ def remember(match, places, agents):
 def _note(match, places, agents):
     for i in range(match.num_players):
         player = match.players[i]
-        places[i, 0] = math.nan if player.off else player.x / UNIT_X
+        places[i, 0] = math.nan if player.has_left else player.x / UNIT_X
         places[i, 1] = player.y / UNIT_Y
     places[match.num_players, 0] = match.ball.x / UNIT_X
     places[match.num_players, 1] = match.ball.y / UNIT_Y

@@ -1,7 +1,7 @@
 """The ball between two touches: air, ground, spin and the goal frame.
 
 Forces are those of Google Research Football.
-Read next: `physics.frames`, which calls `advance_ball` a hundred times a second.
+Read next: `frames`, which calls `advance_ball` a hundred times a second.
 """
 
 from __future__ import annotations

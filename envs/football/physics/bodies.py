@@ -1,6 +1,6 @@
 """Bodies on the pitch: they move on, cannot stand in each other, and stop at the edge of the grass.
 
-Read next: `physics.frames`, which calls this in every frame.
+Read next: `frames`, which calls this in every frame.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def advance_player(player):
 @kernel
 def keep_on_pitch(player):
     """Stop a player at the edge of the grass, a little beyond the lines."""
-    if player.off:
+    if player.has_left:
         return
     if abs(player.x) > HALF_LENGTH + APRON:
         player.x = math.copysign(HALF_LENGTH + APRON, player.x)
@@ -67,7 +67,7 @@ def part_bodies(match):
 @kernel
 def beaten(player):
     """Tell whether a player lies on the ground or has just tried for the ball in vain."""
-    return player.down > 0.0 or player.touch_wait > 0.0
+    return player.down_wait > 0.0 or player.touch_wait > 0.0
 
 
 @kernel

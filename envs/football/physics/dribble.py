@@ -4,7 +4,7 @@ A touch sends the ball ahead, somewhat faster than its player runs; it rolls fre
 up with it, it is touched again. Anybody can take it meanwhile. Going for a touch he lunges: at a dribble he is faster
 for a moment, at a sprint slower. It may begin and end within a step, which then has its share of it. In a sprint he
 can change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to traces of
-Google Research Football. Read next: `physics.contacts`, where others meet the ball.
+Google Research Football. Read next: `skills.contacts`, where others meet the ball.
 """
 
 from __future__ import annotations
@@ -80,21 +80,21 @@ def run_with_ball(match, i, speed):
     player, ball = match.players[i], match.ball
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH or ball.z > TOUCH_BELOW:
-        player.held, player.stride = 0.0, abs(player.stride) + STEP
+        player.lunge_loss, player.stride = 0.0, abs(player.stride) + STEP
         return run_free(player, speed)
-    if player.held != 0.0 and speed > 0.0:
-        faster = 1.0 + player.held / speed
+    if player.lunge_loss != 0.0 and speed > 0.0:
+        faster = 1.0 + player.lunge_loss / speed
         player.vx *= faster
         player.vy *= faster
-        speed += player.held
-    want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
+        speed += player.lunge_loss
+    want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
     gait = gait_of(player, max(want, speed))
     turned = turns_off(player, speed, want)
     lunging = stride_on(ball, player, speed, want, gait)
     vx, vy = player.vx, player.vy
     if not out_runs(ball, player, speed, away_x, away_y):
         vx, vy = steered(ball, player, speed, want)
-    player.held = 0.0
+    player.lunge_loss = 0.0
     speed = math.sqrt(vx * vx + vy * vy)
     if lunging > 0.0 and want > WALKING and speed > 0.0:
         after = min(speed, want * TOUCH_PACE) if gait == SPRINTED and player.stride >= 0.0 else speed
@@ -102,7 +102,7 @@ def run_with_ball(match, i, speed):
         if turned:
             share, more = min(speed / RUN_SPEED, 1.0), LUNGED_TURNING if gait < SPRINTED else 0.0
         now = after + lunging / STEP * (speed + more * share * share - after)
-        player.held = after - now
+        player.lunge_loss = after - now
         vx *= now / speed
         vy *= now / speed
     return vx, vy
@@ -132,14 +132,14 @@ def out_runs(ball, player, speed, away_x, away_y):
         return False
     ahead = (away_x * player.vx + away_y * player.vy) / speed
     along = (ball.vx * player.vx + ball.vy * player.vy) / speed
-    wants_back = player.vx * player.want_x + player.vy * player.want_y < 0.0
+    wants_back = player.vx * player.desired_vx + player.vy * player.desired_vy < 0.0
     return wants_back and ahead > FOLLOWS and along > FOLLOWS_PACE * speed
 
 
 @kernel
 def turns_off(player, speed, want):
     """Tell whether a player wants to run elsewhere than he does, by more than a step's arc."""
-    return player.vx * player.want_x + player.vy * player.want_y < ARC_COS * speed * want
+    return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC_COS * speed * want
 
 
 @kernel
@@ -155,11 +155,11 @@ def gait_of(player, want):
 @kernel
 def steered(ball, player, speed, want):
     """Velocity after a step with the ball, were he not held back by a touch."""
-    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
-        return player.want_x, player.want_y
-    along = player.vx * player.want_x + player.vy * player.want_y
+        return player.desired_vx, player.desired_vy
+    along = player.vx * player.desired_vx + player.vy * player.desired_vy
     cosine = along / (speed * want) if speed > 1e-6 and want > 1e-6 else 1.0
     sprinting = speed > SPRINTING - 0.5
     if sprinting and cosine > BACK_BELOW and want > SPRINTING:
@@ -179,7 +179,7 @@ def steered(ball, player, speed, want):
         return player.vx, player.vy
     if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # he stood
         start = min(OFF / want, 1.0)
-        return player.want_x * start, player.want_y * start
+        return player.desired_vx * start, player.desired_vy * start
     if sprinting and cosine > BACK_BELOW:
         return eased(player, speed, want, EASING * effort * STEP)
     if want < 1e-6:
@@ -207,7 +207,7 @@ def eased(player, speed, want, loss):
     new = max(speed - loss, want)
     ux, uy = player.vx / speed, player.vy / speed
     if want > 1e-6:
-        ux, uy = bent(ux, uy, player.want_x / want, player.want_y / want, ARC_COS, ARC_SIN)
+        ux, uy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, ARC_COS, ARC_SIN)
     return ux * new, uy * new
 
 
@@ -219,7 +219,7 @@ def arc(ball, player, speed, want, cosine):
     if cosine < ARC_STRAIGHT and turning > 0.0 and not leaves(ball, player, speed):
         new = speed - ARC_EASING * turning if speed > want * ARC_PACE else speed
         angle = ARC * turning
-        wx, wy = bent(ux, uy, player.want_x / want, player.want_y / want, math.cos(angle), math.sin(angle))
+        wx, wy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, math.cos(angle), math.sin(angle))
         return wx * new, wy * new
     new = min(speed + sprint_gain(speed, player.top_speed), max(want, speed))
     return ux * new, uy * new
@@ -230,7 +230,7 @@ def leaves(ball, player, speed):
     """Tell whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
     if player.stride < STEP:
         return False
-    side = player.vx * player.want_y - player.vy * player.want_x
+    side = player.vx * player.desired_vy - player.vy * player.desired_vx
     behind = player.vy * ball.vx - player.vx * ball.vy
     return (behind if side > 0.0 else -behind) > ARC_LEFT * speed * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
 
@@ -250,7 +250,7 @@ def play_direction(player, vx, vy, want):
     """Unit vector along which a player wants the ball: where he wants to go, in a sprint not too far off his run v."""
     if want < WALKING:
         return player.facing_x, player.facing_y
-    wx, wy = player.want_x / want, player.want_y / want
+    wx, wy = player.desired_vx / want, player.desired_vy / want
     speed = math.sqrt(vx * vx + vy * vy)
     if speed > SPRINTING - 0.5 and vx * wx + vy * wy > BACK_BELOW * speed:
         return bent(vx / speed, vy / speed, wx, wy, ARC_AHEAD_COS, ARC_AHEAD_SIN)
@@ -287,27 +287,27 @@ def played_at(gait, share):
 
 
 @kernel
-def lead_ball(match):
+def dribble(match):
     """Let the carrier touch the ball if it is his turn to; return whether he did."""
     i = match.carrier
-    if i == NOBODY or match.holder != NOBODY or match.game_mode != NORMAL:
+    if i == NOBODY or match.keeper_holding != NOBODY or match.game_mode != NORMAL:
         return False
     player, ball = match.players[i], match.ball
     kicking = match.kicker == i
-    if (player.touch_wait > 0.0 and not kicking) or player.down > 0.0 or ball.z > TOUCH_BELOW:
+    if (player.touch_wait > 0.0 and not kicking) or player.down_wait > 0.0 or ball.z > TOUCH_BELOW:
         return False
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH:
         return False
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
-    want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
+    want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
     if kicking:
         ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
         put_at_foot(ball, player, ux, uy)
     elif want < WALKING and speed < WALKING:
         put_at_foot(ball, player, player.facing_x, player.facing_y)
     elif 0.0 <= player.stride < STEP:
-        faster = 1.0 + player.held / max(speed, WALKING)
+        faster = 1.0 + player.lunge_loss / max(speed, WALKING)
         push_on(ball, player, player.vx * faster, player.vy * faster, want)
     else:
         return False

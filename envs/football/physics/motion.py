@@ -1,14 +1,15 @@
 """What every body does in a step: it runs, lies on the ground, or throws itself at the ball; and where it looks.
 
-Read next: `physics.running`, then `physics.dribble`; `physics.frames` moves the bodies on.
+Read next: `physics.running`, then `physics.dribble`; `frames` moves the bodies on.
 """
 
 from __future__ import annotations
 
 import math
 
-from envs.football.constants import HALF_LENGTH, LEFT, STEP
+from envs.football.constants import STEP
 from envs.football.physics.dribble import run_with_ball
+from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.running import BRAKING, run_free
 from envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
@@ -30,16 +31,16 @@ def plan_motion(match, i):
     """Set player i's velocity for this step, and where he looks."""
     player = match.players[i]
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
-    if player.down > 0.0:
+    if player.down_wait > 0.0:
         vx, vy = slowed(player, speed)
     elif match.saver == i:
         vx, vy = thrown(player)
-    elif match.carrier == i and match.holder != i:
+    elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
     else:
         vx, vy = run_free(player, speed)
     player.vx, player.vy = vx, vy
-    player.tired = min(player.tired + max(TIRING - TIRING_FAST * speed, 0.0) * speed * STEP, TIRED_OUT)
+    player.tiredness = min(player.tiredness + max(TIRING - TIRING_FAST * speed, 0.0) * speed * STEP, TIRED_OUT)
     new_speed = math.sqrt(vx * vx + vy * vy)
     if new_speed > AT_REST and player.kick_wait <= 0.0:
         player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
@@ -50,7 +51,7 @@ def plan_motion(match, i):
 @kernel
 def turn_to_goal(player):
     """Turn the body of a player who stands with the ball some way towards the goal that he attacks."""
-    goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
+    goal_x = attacked_goal_x(player.team)
     ux, uy = toward(goal_x - player.x, -player.y)
     if player.facing_x * ux + player.facing_y * uy >= TURN_COS:
         player.facing_x, player.facing_y = ux, uy
@@ -64,8 +65,8 @@ def turn_to_goal(player):
 def slowed(player, speed):
     """Velocity after a step on the ground, in a slide or after a dive."""
     player.turning = 0
-    if player.sliding:
-        new = slid(player.down, speed)
+    if player.is_sliding:
+        new = slid(player.down_wait, speed)
         return new * player.facing_x, new * player.facing_y
     if speed < 1e-6:
         return 0.0, 0.0
@@ -86,7 +87,7 @@ def slid(left, speed):
 @kernel
 def thrown(player):
     """Velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
-    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     size = math.sqrt(dx * dx + dy * dy)
     keep = min(1.0, 2.0 * BRAKING * STEP / size) if size > 0.0 else 1.0
     return player.vx + keep * dx, player.vy + keep * dy

@@ -76,7 +76,7 @@ def find_chasers(match):
             soonest = soonest_left if player.team == LEFT else soonest_right
             if apart(match.ball, player) > (CHASE_SPEED + speed) * soonest:
                 continue  # too far away even if the ball rolled towards him
-            time = meeting_time(match, player, speed) + player.down
+            time = meeting_time(match, player, speed) + player.down_wait
         if player.team == LEFT and time < soonest_left:
             soonest_left = time
             match.chaser[LEFT] = i
@@ -88,22 +88,22 @@ def find_chasers(match):
 @kernel
 def update_possession(match):
     """Decide who owns the ball after a step, as the original reports it, and whether possession changed."""
-    if match.carrier != NOBODY and match.holder == NOBODY:
+    if match.carrier != NOBODY and match.keeper_holding == NOBODY:
         carrier = match.players[match.carrier]
         if apart(match.ball, carrier) > CARRIED_WITHIN:
             match.carrier = NOBODY
-    match.owner = NOBODY
-    if match.holder != NOBODY:
-        match.owner = match.holder
+    match.reported_owner = NOBODY
+    if match.keeper_holding != NOBODY:
+        match.reported_owner = match.keeper_holding
     elif match.last_touch != NOBODY and owns(match.ball, match.players[match.last_touch]):
-        match.owner = match.last_touch
+        match.reported_owner = match.last_touch
     compare_owner(match)
 
 
 @kernel
 def own_at_restart(match):
     """While play is stopped nobody owns the ball but who holds it for a throw-in."""
-    match.owner = match.taker if match.game_mode == THROW_IN else NOBODY
+    match.reported_owner = match.taker if match.game_mode == THROW_IN else NOBODY
     compare_owner(match)
 
 
@@ -111,8 +111,8 @@ def own_at_restart(match):
 def compare_owner(match):
     """Find out whether another team owns the ball than the last that did; without an owner nothing changes."""
     match.possession_changed = False
-    if match.owner != NOBODY:
-        team = match.players[match.owner].team
+    if match.reported_owner != NOBODY:
+        team = match.players[match.reported_owner].team
         match.possession_changed = match.last_owned_team != NOBODY and match.last_owned_team != team
         match.last_owned_team = team
 
@@ -136,7 +136,7 @@ def lose_ball(match):
     if match.kicker != NOBODY:
         forget_kick(match.players[match.kicker])
     match.carrier = NOBODY
-    match.holder = NOBODY
+    match.keeper_holding = NOBODY
     match.kicker = NOBODY
 
 
@@ -144,16 +144,16 @@ def lose_ball(match):
 def forget_kick(player):
     """Clear a player's kick."""
     player.kick, player.kick_held, player.kick_wait = 0, 0, 0.0
-    player.kick_ready, player.aimed, player.kick_mate = False, False, NOBODY
+    player.kick_ready, player.is_aimed, player.kick_mate = False, False, NOBODY
 
 
 @kernel
-def tick(match):
+def advance_timers(match):
     """Let the clocks of the players and of the last kick run by one step."""
     match.kick_age += STEP
     for i in range(match.num_players):
         player = match.players[i]
         player.touch_wait = max(player.touch_wait - STEP, 0.0)
-        player.down = max(player.down - STEP, 0.0)
-        if player.down == 0.0:
-            player.sliding, player.met = False, False
+        player.down_wait = max(player.down_wait - STEP, 0.0)
+        if player.down_wait == 0.0:
+            player.is_sliding, player.is_slide_spent = False, False

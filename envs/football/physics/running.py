@@ -35,10 +35,10 @@ ACCELERATION_SPRINT, ACCELERATION_TIME = 4.9, 0.39  # m/s² and s, from there on
 @kernel
 def run_free(player, speed):
     """Velocity after a step of running without the ball towards the wanted velocity."""
-    dx, dy = player.want_x - player.vx, player.want_y - player.vy
+    dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
-        return player.want_x, player.want_y
+        return player.desired_vx, player.desired_vy
     if straight(player, speed):
         player.turning = 0
         effort = 1.0
@@ -47,7 +47,7 @@ def run_free(player, speed):
         player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
-    want = math.sqrt(player.want_x * player.want_x + player.want_y * player.want_y)
+    want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
     fresh = JUMP_GAIN * max(RUN_SPEED / max(want, 1.0), 1.0) * effort * STEP
     return redirect(player, want, BRAKING * effort * STEP, effort, fresh, TURN_START)
 
@@ -57,8 +57,8 @@ def straight(player, speed):
     """Tell whether a player already runs where he wants to run, only not yet as fast: there is nothing to answer."""
     if speed < UNDER_WAY:
         return False
-    along = player.vx * player.want_x + player.vy * player.want_y
-    across = player.vx * player.want_y - player.vy * player.want_x
+    along = player.vx * player.desired_vx + player.vy * player.desired_vy
+    across = player.vx * player.desired_vy - player.vy * player.desired_vx
     return along > speed * speed and abs(across) < SETTLED * along / speed
 
 
@@ -83,7 +83,7 @@ def redirect(player, want, braking, effort, fresh, off):
     if want < 1e-6:
         keep = max(speed - braking, 0.0) / max(speed, 1e-9)
         return player.vx * keep, player.vy * keep
-    ux, uy = player.want_x / want, player.want_y / want
+    ux, uy = player.desired_vx / want, player.desired_vy / want
     along = player.vx * ux + player.vy * uy
     across_x, across_y = player.vx - along * ux, player.vy - along * uy
     across = math.sqrt(across_x * across_x + across_y * across_y)

@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import (
-    BOX_DEPTH,
-    BOX_HALF_WIDTH,
     FREE_KICK,
     HALF_LENGTH,
     LEFT,
@@ -19,6 +17,7 @@ from envs.football.constants import (
     PENALTY,
     STEP,
 )
+from envs.football.physics.pitch import in_box_of
 from envs.football.physics.possession import lose_ball
 from envs.football.rules.whistle import stand_still, stop_play
 from scenic_lite.kernels.jit import kernel
@@ -41,12 +40,12 @@ def report_foul(match, player, victim, severity, slid):
     """
     if match.game_mode != NORMAL or (slid and severity <= SEVERE):
         return
-    if match.foul_player != NOBODY and not (slid and match.advantage):
+    if match.foul_player != NOBODY and not (slid and match.is_advantage):
         return
     match.foul_player, match.foul_victim = player, victim
     match.foul_severity = severity if slid else 0.0
     match.foul_x, match.foul_y = match.players[victim].x, match.players[victim].y
-    match.foul_age, match.advantage = 0.0, not slid
+    match.foul_age, match.is_advantage = 0.0, not slid
 
 
 @kernel
@@ -60,7 +59,7 @@ def judge_foul(match, over):
     match.foul_age += STEP
     team = match.players[match.foul_victim].team
     in_box = in_box_of(1 - team, match.foul_x, match.foul_y)
-    if match.advantage and not in_box and not over:
+    if match.is_advantage and not in_box and not over:
         if match.foul_age > FORGIVEN:
             match.foul_player = NOBODY
             return
@@ -71,13 +70,6 @@ def judge_foul(match, over):
         stop_play(match, PENALTY, team, PENALTY_SPOT if team == LEFT else -PENALTY_SPOT, 0.0)
     else:
         stop_play(match, FREE_KICK, team, match.foul_x, match.foul_y)
-
-
-@kernel
-def in_box_of(team, x, y):
-    """Tell whether (x, y) lies in the penalty box of `team`."""
-    goal_x = -HALF_LENGTH if team == LEFT else HALF_LENGTH
-    return abs(goal_x - x) < BOX_DEPTH and abs(y) < BOX_HALF_WIDTH
 
 
 @kernel
@@ -103,7 +95,7 @@ def send_off(match):
     """Let the players who have been sent off leave when their time is up and play is on."""
     for i in range(match.num_players):
         player = match.players[i]
-        if player.cards != SENT_OFF or player.off:
+        if player.cards != SENT_OFF or player.has_left:
             continue
         player.leave_wait -= STEP
         if player.leave_wait <= 0.5 * STEP and match.game_mode == NORMAL:
@@ -114,15 +106,15 @@ def send_off(match):
 def leave(match, i):
     """Take player i off the pitch: he lies far behind his own goal, for good, where nothing concerns him."""
     player = match.players[i]
-    if match.carrier == i or match.kicker == i or match.holder == i:
+    if match.carrier == i or match.kicker == i or match.keeper_holding == i:
         lose_ball(match)
     if match.saver == i:
         match.saver = NOBODY
     if match.receiver == i:
         match.receiver = NOBODY
     if match.last_touch == i:
-        match.last_touch, match.owner = NOBODY, NOBODY
+        match.last_touch, match.reported_owner = NOBODY, NOBODY
     stand_still(player)
-    player.off = True
-    player.down, player.touch_wait = math.inf, math.inf
+    player.has_left = True
+    player.down_wait, player.touch_wait = math.inf, math.inf
     player.x, player.y = (-1.0 if player.team == LEFT else 1.0) * FAR_BEHIND, 0.0

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import FREE_KICK, LEFT
+from envs.football.constants import FREE_KICK
+from envs.football.physics.pitch import forward
 from envs.football.rules.whistle import stop_play
 from scenic_lite.kernels.jit import kernel
 
@@ -22,26 +23,26 @@ def mark_offside(match, toucher):
     if not match.offsides:
         return
     team = match.players[toucher].team
-    forward = 1.0 if team == LEFT else -1.0
-    second = second_last(match, 1 - team, forward)
+    ahead = forward(team)
+    second = second_last(match, 1 - team, ahead)
     if second == -math.inf:
         return
-    line = max(second, forward * match.ball.x, 0.0)
+    line = max(second, ahead * match.ball.x, 0.0)
     for i in range(match.num_players):
         player = match.players[i]
-        if i != toucher and player.team == team and not player.off and forward * player.x > line:
+        if i != toucher and player.team == team and not player.has_left and ahead * player.x > line:
             match.offside_bits |= 1 << i
 
 
 @kernel
-def second_last(match, team, forward):
+def second_last(match, team, ahead):
     """How far forward (towards its own goal) the second-last player of `team` stands, in m; -inf without one."""
     last, second = -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.off:
+        if player.team != team or player.has_left:
             continue
-        depth = forward * player.x
+        depth = ahead * player.x
         if depth > last:
             last, second = depth, last
         elif depth > second:

@@ -1,14 +1,13 @@
-"""Where everybody stands when play restarts: the team's posts, laid into a part of the pitch and drawn to the ball.
+"""Where everybody stands when play restarts: the team's formation, laid into a part of the pitch and drawn to the ball.
 
 The parts and the strengths are Google Research Football's; the shape is that of `formation`, in which everybody has his
-post. "Ahead" is the way that a team attacks, so one table serves both. Read next: `rules.restarts`.
+slot. "Ahead" is the way that a team attacks, so one table serves both. Read next: `rules.restarts`.
 """
 
 from __future__ import annotations
 
 import math
 
-from envs.football.ai.formation import forward
 from envs.football.constants import (
     CORNER,
     FREE_KICK,
@@ -16,15 +15,15 @@ from envs.football.constants import (
     GOAL_KICK,
     HALF_LENGTH,
     HALF_WIDTH,
-    LEFT,
     NOBODY,
     THROW_IN,
 )
+from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.vectors import apart, length
 from envs.football.rules.whistle import move_to
 from scenic_lite.kernels.jit import kernel
 
-OUTERMOST = 0.83  # of the block's half width, where the outermost posts are
+OUTERMOST = 0.83  # of the block's half width, where the outermost slots are
 KEEPER_X = 0.98 * HALF_LENGTH  # m, where keepers wait for a restart
 NEAR = 50.0  # m, players whose places are nearer to the ball than this are drawn to it
 DISTANCE, THROW_IN_DISTANCE = 9.15, 2.0  # m that opponents keep from the ball
@@ -56,12 +55,12 @@ def place_players(match):
 
 @kernel
 def block_place(match, i, taking, way):
-    """Place of player i in his team's block for this restart: his post, drawn to what matters."""
+    """Place of player i in his team's block for this restart: his slot, drawn to what matters."""
     player, ball = match.players[i], match.ball
     back, front, focus, pull, wide, focus_y, pull_y, near = block(match.game_mode, taking, way * ball.x)
-    ahead = back + 0.5 * (1.0 + player.post_x) * (front - back)
+    ahead = back + 0.5 * (1.0 + player.slot_x) * (front - back)
     shift = 0.25 * ball.y if match.game_mode == THROW_IN else 0.0
-    y = OUTERMOST * player.post_y * wide * HALF_WIDTH + shift
+    y = OUTERMOST * player.slot_y * wide * HALF_WIDTH + shift
     far = length(way * ball.x - ahead, 0.8 * (ball.y - y))
     ahead += pull * max(1.0 - abs(focus - ahead) / (front - back), 0.0) * (focus - ahead)
     target_y = focus_y * ball.y
@@ -121,7 +120,7 @@ def shares_place(match, i):
     player, others = match.players[i], 0
     for j in range(i):
         others += apart(player, match.players[j]) < SAME_PLACE
-    return others > 0 and not player.off
+    return others > 0 and not player.has_left
 
 
 @kernel
@@ -151,7 +150,7 @@ def kept_away(match, x, y, way):
 def build_wall(match):
     """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal."""
     ball, team = match.ball, 1 - match.restart_team
-    goal_x = -HALF_LENGTH if team == LEFT else HALF_LENGTH
+    goal_x = own_goal_x(team)
     if length(goal_x - ball.x, ball.y) >= WALL_RANGE:
         return
     angle = math.atan2(-ball.y, goal_x - ball.x)
@@ -160,7 +159,7 @@ def build_wall(match):
         best, nearest = NOBODY, math.inf
         for i in range(match.num_players):
             player = match.players[i]
-            if player.team != team or player.role == GK or player.off or chosen >> i & 1 == 1:
+            if player.team != team or player.role == GK or player.has_left or chosen >> i & 1 == 1:
                 continue
             away = length(player.x - ball.x, player.y - ball.y)
             if away < nearest - EVEN:

@@ -1,4 +1,4 @@
-"""The rules: goals, the ball out of play, fouls, restarts, and what ends an episode.
+"""The rules: goals, the ball out of play, fouls, restarts, and the second half.
 
 Read next: `simulator`, where they close a step; `rules.restarts`.
 """
@@ -9,8 +9,6 @@ import math
 
 from envs.football.constants import (
     CORNER,
-    DURATION,
-    GOAL,
     GOAL_HALF_WIDTH,
     GOAL_HEIGHT,
     GOAL_KICK,
@@ -19,12 +17,8 @@ from envs.football.constants import (
     LEFT,
     NOBODY,
     NORMAL,
-    NOT_A_NUMBER,
     OUT_MARGIN,
-    OUT_OF_PLAY,
-    POSSESSION,
     RIGHT,
-    RUNNING,
     STEP,
     THROW_IN,
 )
@@ -40,11 +34,9 @@ THROW_IN_X = HALF_LENGTH - 0.6  # m, throw-ins are taken within this
 
 
 @kernel
-def begin_step(match):
-    """Forget the events of the step before."""
+def forget_events(match):
+    """Forget what the rules found in the step before."""
     match.goal = 0
-    match.checkpoint_reward[:] = 0.0
-    match.program_reward = 0.0
     match.possession_changed = False
 
 
@@ -62,7 +54,6 @@ def apply_rules(match):
             set_up(match)
         own_at_restart(match)
     send_off(match)
-    end_episode(match)
 
 
 @kernel
@@ -120,20 +111,3 @@ def score(match, team):
     match.score[team] += 1
     if not match.end_episode_on_score:
         kick_off_again(match, 1 - team, 0.0, 0.0)
-
-
-@kernel
-def end_episode(match):
-    """Set what ended the episode, if anything did; an event goes before the duration."""
-    if match.goal != 0 and match.end_episode_on_score:
-        match.ended = GOAL
-    elif match.game_mode != NORMAL and match.end_episode_on_out_of_play:
-        match.ended = OUT_OF_PLAY
-    elif match.possession_changed and match.end_episode_on_possession_change:
-        match.ended = POSSESSION
-    elif match.step >= match.game_duration:
-        match.ended = DURATION
-    match.terminated = match.ended != RUNNING and match.ended != DURATION
-    match.truncated = match.ended == DURATION
-    if not math.isfinite(match.ball.x + match.ball.y + match.ball.z):
-        match.fault = NOT_A_NUMBER

@@ -46,15 +46,15 @@ def put_ball(match, x, y):
     ball.x, ball.y, ball.z = x, y, BALL_RADIUS
     ball.vx, ball.vy, ball.vz, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0, 0.0
     lose_ball(match)
-    match.saver, match.receiver, match.kicked = NOBODY, NOBODY, False
+    match.saver, match.receiver, match.was_kicked = NOBODY, NOBODY, False
 
 
 @kernel
 def stand_still(player):
     """Stop a player and clear what he was about to do."""
     player.vx, player.vy = 0.0, 0.0
-    player.want_x, player.want_y = 0.0, 0.0
-    player.down, player.touch_wait, player.turning, player.sliding = 0.0, 0.0, 0, False
+    player.desired_vx, player.desired_vy = 0.0, 0.0
+    player.down_wait, player.touch_wait, player.turning, player.is_sliding = 0.0, 0.0, 0, False
     forget_kick(player)
 
 
@@ -62,7 +62,7 @@ def stand_still(player):
 def move_to(match, i, x, y):
     """Put player i at (x, y), at rest and looking at the ball; who has left the pitch stays away."""
     player = match.players[i]
-    if player.off:
+    if player.has_left:
         return
     stand_still(player)
     player.x, player.y = x, y

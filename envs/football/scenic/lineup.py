@@ -12,9 +12,9 @@ import numpy as np
 
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
 from envs.football.control.control_modes import count_agents
+from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.scenic.domain import SETTINGS
 from envs.football.scenic.world_table import THE_BALL
-from envs.football.state import Lineup, MatchConfig, kick_off
 from scenic_lite import Program, Scenes, SourceSpan
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
@@ -35,7 +35,7 @@ WANTED = {
 }
 
 
-class CastingError(ValueError):
+class NotAMatchError(ValueError):
     """A program that describes no match: the message says where, what is missing or too much, and what would do.
 
     `place` is that of the culprit in the program, or None if there is none.
@@ -44,26 +44,26 @@ class CastingError(ValueError):
     place: SourceSpan | None = None
 
 
-def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> CastingError:
+def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> NotAMatchError:
     """The error for one place of a program, its line underlined."""
-    error = CastingError(str(program.error("unsupported", message, place, hint)))
+    error = NotAMatchError(str(program.error("unsupported", message, place, hint)))
     error.place = place
     return error
 
 
-class Casting:
+class Lineup:
     """How a program's objects become players and the ball.
 
     Attributes:
         players: indices `[P]` into the program's objects, in the order of the match: the left team before the right
             one, keepers first, otherwise as in the program.
         ball: index of the ball among the objects.
-        cast: for each of the O objects its index in the match, or `THE_BALL`.
-        lineup: teams and roles `[P]`.
+        object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
+        roster: teams and roles `[P]`.
         config: the settings that the program's parameters make.
         num_agents: how many move players of the left and of the right team.
 
-    Raises CastingError, also for a `control` mode (see `control_modes`) that a team is too small for.
+    Raises NotAMatchError, also for a `control` mode (see `control_modes`) that a team is too small for.
     """
 
     def __init__(self, program: Program, control: str = "closest1", right_control: str = "none") -> None:
@@ -75,7 +75,7 @@ class Casting:
             place = program.objects[balls[1]].place
             raise refusal(program, f"a match needs exactly one Ball, this program has {len(balls)}", place)
         if not balls:
-            raise CastingError(f"{program.file}: a match needs a Ball; write ball = Ball ahead of ego by 2")
+            raise NotAMatchError(f"{program.file}: a match needs a Ball; write ball = Ball ahead of ego by 2")
         for index in set(range(len(kinds))).difference(balls, people):
             info = program.objects[index]
             raise refusal(program, f"{info.class_name} is neither a player nor the ball", info.place)
@@ -83,13 +83,13 @@ class Casting:
         who = {index: self._who(scene, index) for index in people}
         self.ball = balls[0]
         self.players = np.array(sorted(people, key=lambda index: (who[index][0], who[index][1] != ROLES["GK"])), int)
-        self.lineup = Lineup(
+        self.roster = Roster(
             np.array([who[index][0] for index in self.players], np.int64),
             np.array([who[index][1] for index in self.players], np.int64),
             np.argsort(np.argsort(self.players)),
         )
-        self.cast = np.full(len(kinds), THE_BALL)
-        self.cast[self.players] = np.arange(len(self.players))
+        self.object_to_player = np.full(len(kinds), THE_BALL)
+        self.object_to_player[self.players] = np.arange(len(self.players))
         self.config = replace(_settings(program), control=control, right_control=right_control)
         self._check_teams()
         self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
@@ -102,7 +102,7 @@ class Casting:
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""
         positions = self.program.instantiate(theta).positions * METRES
-        return kick_off(positions[:, self.players], positions[:, self.ball], self.lineup, seeds, self.config)
+        return kick_off(positions[:, self.players], positions[:, self.ball], self.roster, seeds, self.config)
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Team and role of one object."""
@@ -117,22 +117,22 @@ class Casting:
         return TEAMS[team], ROLES[role]
 
     def _count(self, mode: str, team: int) -> int:
-        roles = np.asarray(self.lineup.roles)[np.asarray(self.lineup.teams) == team]
+        roles = np.asarray(self.roster.roles)[np.asarray(self.roster.teams) == team]
         try:
             return count_agents(mode, roles, team)
         except ValueError as error:
-            raise CastingError(f"{self.program.file}: {error}") from error
+            raise NotAMatchError(f"{self.program.file}: {error}") from error
 
     def _check_teams(self) -> None:
-        teams = np.asarray(self.lineup.teams)
+        teams = np.asarray(self.roster.teams)
         if self.config.control != "none" and not (teams == LEFT).any():
-            raise CastingError(
+            raise NotAMatchError(
                 f"{self.program.file}: the learner plays on the left, and this program has no left player"
             )
         for name, team in TEAMS.items():
             count = int((teams == team).sum())
             if count > MAX_PLAYERS // 2:
-                raise CastingError(
+                raise NotAMatchError(
                     f"{self.program.file}: {count} {name} players; a team has at most {MAX_PLAYERS // 2}"
                 )
 

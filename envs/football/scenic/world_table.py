@@ -1,7 +1,7 @@
 """From a match to the tables that behaviors read: a row of `world.FIELDS` per object, then `world.FACTS`.
 
 Metres become units of programs; the right team's direction keys are told as its players see the pitch, from the other
-end. Read next: `scenic.step`, which plays a program's behaviors in a match.
+end. Read next: `scenic.scripted_step`, which plays a program's behaviors in a match.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ NUM_FIELDS = len(FIELDS)
 
 
 @kernel
-def write_world(match, cast, registers, base):
+def write_world(match, object_to_player, registers, base):
     """Write the tables into registers `[R]` from `base` on: fields `[O, F]`, then facts `[G]`.
 
-    `cast` [O]: the player that each object of the program is, THE_BALL for the ball.
+    `object_to_player` [O]: the player that each object of the program is, THE_BALL for the ball.
     """
     at = base
-    for i in cast:
+    for i in object_to_player:
         if i == THE_BALL:
             _write_ball(match, registers, at)
         else:
@@ -41,9 +41,9 @@ def write_world(match, cast, registers, base):
 def _write_player(match, i, registers, at):
     player = match.players[i]
     _write_motion(player, player.facing_x, player.facing_y, registers, at)
-    registers[at + 6] = 1.0 if match.owner == i else 0.0
+    registers[at + 6] = 1.0 if match.reported_owner == i else 0.0
     registers[at + 7] = 1.0 if player.agent != NOBODY else 0.0
-    registers[at + 8] = player.tired
+    registers[at + 8] = player.tiredness
     registers[at + 9] = seen_by(player.team, player.direction)
     registers[at + 10] = 1.0 if player.sprint else 0.0
     registers[at + 11] = 1.0 if player.dribble else 0.0
@@ -58,9 +58,9 @@ def _write_ball(match, registers, at):
     registers[at + 6 : at + 12] = 0.0
     registers[at + 12] = NOBODY
     registers[at + 13] = NOBODY
-    if match.owner != NOBODY:
-        registers[at + 12] = match.players[match.owner].team
-        registers[at + 13] = match.players[match.owner].shirt
+    if match.reported_owner != NOBODY:
+        registers[at + 12] = match.players[match.reported_owner].team
+        registers[at + 13] = match.players[match.reported_owner].shirt
 
 
 @kernel

@@ -63,7 +63,7 @@ def draw_match(match: Any) -> np.ndarray:
 
     image = _pitch().copy()
     draw = Draw(image)
-    players = [player for player in match["players"][: match["num_players"]] if not player["off"]]
+    players = [player for player in match["players"][: match["num_players"]] if not player["has_left"]]
     for player in sorted(players, key=lambda each: -each["y"]):
         _draw_player(draw, player)
     _draw_ball(draw, match["ball"])
@@ -188,7 +188,7 @@ def _draw_player(draw: ImageDraw, player: Any) -> None:
         _disc(draw, (x, y), radius + 0.45 * SCALE, fill=MARKED)
     ahead = (x + 1.45 * radius * player["facing_x"], y - 1.45 * radius * player["facing_y"])
     draw.line([(x, y), ahead], fill=DARK, width=round(0.45 * SCALE))
-    down = player["down"] > 0.0
+    down = player["down_wait"] > 0.0
     _disc(draw, (x, y), radius, fill=_faded(shirt) if down else shirt, outline=DARK, width=SHARPER)
     number = str(int(player["shirt"]) + 1)
     draw.text((x, y), number, fill=DARK, font=_font(round(1.45 * SCALE)), anchor="mm", stroke_width=0)

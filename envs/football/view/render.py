@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -25,8 +25,7 @@ from envs.football.constants import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from envs.football.scenic.lineup import Casting
-    from envs.football.vector_env import FootballVectorEnv
+    from envs.football.scenic.lineup import Lineup
 
 Colour = tuple[int, int, int]
 
@@ -57,6 +56,14 @@ GOAL_DEPTH = 2.2  # m
 MARGIN = 3.0  # m of grass around the pitch
 
 
+class HasMatches(Protocol):
+    """An environment of football matches."""
+
+    @property
+    def matches(self) -> np.ndarray:
+        """The matches as they are, MATCH `[N]`."""
+
+
 class FootballPainter:
     """Tell what the levels of one football program look like. It is a `ued.recorder.recorder.ScenePainter`.
 
@@ -72,14 +79,14 @@ class FootballPainter:
     line_colour = CHALK
     markers: Sequence[tuple[str, Colour, float]] = MARKERS
 
-    def __init__(self, casting: Casting) -> None:
-        self._casting = casting
-        teams, roles = np.asarray(casting.lineup.teams), np.asarray(casting.lineup.roles)
+    def __init__(self, lineup: Lineup) -> None:
+        self._lineup = lineup
+        teams, roles = np.asarray(lineup.roster.teams), np.asarray(lineup.roster.roles)
         classes = np.where(teams == LEFT, LEFT_PLAYER, RIGHT_PLAYER) + (roles == GK)
         self.classes = np.append(classes, BALL)
-        ego = np.flatnonzero(casting.players == 0)
+        ego = np.flatnonzero(lineup.players == 0)
         self.focus = int(ego[0]) if len(ego) else len(classes)
-        dim = casting.program.dim
+        dim = lineup.program.dim
         corners = np.vstack([np.zeros((1, dim)), np.eye(dim), -np.eye(dim)])
         field = self.positions(corners)[:, self.classes != LEFT_KEEPER]
         if (field[..., 0] >= 0).all():
@@ -94,7 +101,7 @@ class FootballPainter:
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Give the places in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
-        return self.places(self._casting.starts(theta, np.zeros(len(theta), np.uint64)))
+        return self.places(self._lineup.starts(theta, np.zeros(len(theta), np.uint64)))
 
     def places(self, matches: np.ndarray) -> np.ndarray:
         """Give the places in matches MATCH `[N]` under way: `[N, K, 2]` m."""
@@ -103,7 +110,7 @@ class FootballPainter:
         ball = np.stack([matches["ball"]["x"], matches["ball"]["y"]], -1)  # [N, 2]
         return np.concatenate([people, ball[:, None]], 1)
 
-    def frame(self, env: FootballVectorEnv) -> np.ndarray:
+    def frame(self, env: HasMatches) -> np.ndarray:
         """Give the places in the first match of `env` as it stands: `[K, 2]` m."""
         return self.places(env.matches[:1])[0]
 

@@ -1,13 +1,12 @@
 """A program's behaviors, compiled for its matches: what they start from, and what is said where they fail.
 
-Read next: `scenic.step`, how a match is played with them; `scenic_lite.dynamics.compiler.compile`.
+Read next: `scenic.scripted_step`, how a match is played with them; `scenic_lite.dynamics.compiler.compile`.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from envs.football.batch import Batch
 from envs.football.constants import PROGRAM_FAULT
 from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
@@ -17,41 +16,38 @@ from scenic_lite.dynamics.machine.record import recorded
 IDLE_THREADS = 2  # of a program in which nothing happens: what ends a match at once, what is asked at its end
 
 
-class Staging:
+class CompiledBehaviors:
     """How the behaviors and monitors of a program take part in its matches.
 
     Attributes:
         code: for kernels.
-        live: whether there is anything to run.
+        is_live: whether there is anything to run.
         num_registers: R, the numbers that they remember in each match.
-        records: whether the program has `record` statements.
+        has_records: whether the program has `record` statements.
 
     Raises ScenicError for a behavior that cannot be compiled.
     """
 
     def __init__(self, program: Program) -> None:
-        self.program = program
         self.compiled = compile_program(program, FOOTBALL_WORLD)
         self.code = self.compiled.code
-        self.live = len(self.code.threads) > IDLE_THREADS or bool(program.terminations)
+        self.is_live = len(self.code.threads) > IDLE_THREADS or bool(program.terminations)
         self.num_registers = self.code.register_count
-        self.records = bool(self.compiled.records)
+        self.has_records = bool(self.compiled.records)
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
-        """What the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""
+        """Return what the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""
         return self.compiled.registers(theta)
 
     def recorded(self, registers: np.ndarray) -> dict[str, np.ndarray]:
-        """What matches with registers `[N, R]` have recorded in their last step, by name (see `recording`)."""
+        """Return what matches with registers `[N, R]` have recorded in their last step, by name (see `recording`)."""
         return recorded(self.compiled, registers)
 
-    def error(self, batch: Batch, index: int, levels: np.ndarray) -> Exception:
-        """The error for a match that cannot go on: the program's line, the match's number and the step."""
-        match = batch.matches[index]
-        where = f"match {index} of {len(batch.matches)}, step {match['step']}; its level: {levels[index]}"
+    def error(self, match: np.ndarray, registers: np.ndarray, where: str) -> Exception:
+        """Return the error for a match that cannot go on, with its registers `[R]`: the program's line, and where."""
         if match["fault"] != PROGRAM_FAULT:
             return FloatingPointError(f"impossible state (fault {match['fault']}) in {where}")
-        error = self.compiled.fault(batch.registers[index])
+        error = self.compiled.fault(registers)
         assert error is not None
         error.notes = (*error.notes, f"    in {where}")
         return error

@@ -1,14 +1,14 @@
 """A free ball brought under control: how hard it is, and where the first touch sends it.
 
 Nobody misses a ball that he reaches, but a hard one jumps off him, and goes on as it came if an opponent has only
-just kicked it. The law and its numbers are those documented of Google Research Football. Read next: `physics.contacts`.
+just kicked it. The law and its numbers are those documented of Google Research Football. Read next: `skills.contacts`.
 """
 
 from __future__ import annotations
 
 from envs.football.constants import NOBODY
-from envs.football.physics.touch import take
 from envs.football.physics.vectors import length
+from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -45,7 +45,7 @@ def difficulty(match, player):
 @kernel
 def surprised(match, player):
     """Share in [0, 1], falling with the time since an opponent's last touch, of what a player can be surprised."""
-    if not match.kicked or match.last_touch == NOBODY or match.players[match.last_touch].team == player.team:
+    if not match.was_kicked or match.last_touch == NOBODY or match.players[match.last_touch].team == player.team:
         return 0.0
     return max(1.0 - match.kick_age / SURPRISE_TIME, 0.0)
 

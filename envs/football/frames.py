@@ -1,6 +1,6 @@
 """The ten frames of a step: bodies, ball and their meetings, until the ball leaves the pitch.
 
-Read next: `physics.ball`, `physics.bodies`, `physics.contacts`, one per line of `play_frames`.
+Read next: `physics.ball`, `physics.bodies`, `skills.contacts`, one per line of `play_frames`.
 """
 
 from __future__ import annotations
@@ -8,11 +8,11 @@ from __future__ import annotations
 from envs.football.constants import DT, FRAMES, NOBODY, NORMAL
 from envs.football.physics.ball import advance_ball
 from envs.football.physics.bodies import advance_player, crowded, keep_on_pitch, part_bodies
-from envs.football.physics.contacts import meet_ball, reachable
-from envs.football.physics.hands import carry_in_hands
-from envs.football.physics.kicks import swing_frame
 from envs.football.rules.offside import mark_offside
 from envs.football.rules.whistle import off_pitch
+from envs.football.skills.contacts import meet_ball, reachable
+from envs.football.skills.hands import carry_in_hands
+from envs.football.skills.kicks import swing_frame
 from scenic_lite.kernels.jit import kernel
 
 
@@ -32,7 +32,7 @@ def play_frames(match):
         if match.kicker != NOBODY and swing_frame(match):
             bits = reachable(match)
             mark_offside(match, match.last_touch)
-        if match.holder != NOBODY:
+        if match.keeper_holding != NOBODY:
             carry_in_hands(match)
         else:
             advance_ball(match.ball)

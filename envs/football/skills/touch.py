@@ -1,6 +1,6 @@
 """What a touch does to the ball: it is taken.
 
-Read next: `physics.hands`, for keepers; `physics.contacts`, where it is decided who touches it how.
+Read next: `skills.hands`, for keepers; `skills.contacts`, where it is decided who touches it how.
 """
 
 from __future__ import annotations
@@ -24,4 +24,4 @@ def take(match, i):
     match.saver = NOBODY
     match.carrier = i
     match.last_touch = i
-    match.kicked = False
+    match.was_kicked = False

@@ -1,7 +1,7 @@
 """What a goalkeeper does with his hands: may he use them, does he hold the ball, where does a parried one go.
 
 The rule of what is held is Google Research Football's; where parried balls go is measured of it. Read next:
-`physics.contacts`.
+`skills.contacts`.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import GK, NOBODY
+from envs.football.physics.pitch import in_box_of, own_goal_x
 from envs.football.physics.possession import lose_ball
-from envs.football.physics.saves import in_own_box, own_goal_x
-from envs.football.physics.touch import take
 from envs.football.physics.vectors import length
 from envs.football.rules.offside import whistled
+from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import normal, uniform
 
@@ -34,10 +34,10 @@ PARRY_WAIT = 0.5  # s until the keeper can touch the ball again
 def has_hands(match, i):
     """Tell whether player i may use his hands: a keeper in his box, unless a mate has kicked the ball to him."""
     player = match.players[i]
-    if player.role != GK or not in_own_box(player):
+    if player.role != GK or not in_box_of(player.team, player.x, player.y):
         return False
     last = match.last_touch
-    return not match.kicked or last in (NOBODY, i) or match.players[last].team != player.team
+    return not match.was_kicked or last in (NOBODY, i) or match.players[last].team != player.team
 
 
 @kernel
@@ -55,17 +55,17 @@ def hold(match, i):
         return
     player = match.players[i]
     player.facing_x, player.facing_y = -1.0 if own_goal_x(player.team) > 0.0 else 1.0, 0.0
-    match.holder = i
+    match.keeper_holding = i
     match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
     carry_in_hands(match)
 
 
 @kernel
 def carry_in_hands(match):
-    """Keep a held ball in its holder's hands."""
-    player, ball = match.players[match.holder], match.ball
+    """Keep a held ball in its keeper's hands."""
+    player, ball = match.players[match.keeper_holding], match.ball
     ball.x, ball.y = player.x + 0.3 * player.facing_x, player.y + 0.3 * player.facing_y
-    ball.z = THROW_HEIGHT if match.kicker == match.holder else HANDS_HEIGHT
+    ball.z = THROW_HEIGHT if match.kicker == match.keeper_holding else HANDS_HEIGHT
     ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
 
 
@@ -89,5 +89,5 @@ def parry(match, i, stretched):
     ball.spin_x, ball.spin_y, ball.curl = 0.0, 0.0, 0.0
     player.touch_wait = PARRY_WAIT
     match.last_touch = i
-    match.kicked = False
+    match.was_kicked = False
     match.saver = NOBODY

@@ -1,6 +1,6 @@
 """Passes: which mate they are for, where he will be, and how hard and high the ball is played.
 
-The rules and numbers are those documented of Google Research Football. Read next: `physics.kicks`, where legs swing.
+The rules and numbers are those documented of Google Research Football. Read next: `skills.kicks`, where legs swing.
 """
 
 from __future__ import annotations
@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
-from envs.football.physics.first_touch import difficulty
 from envs.football.physics.vectors import length
+from envs.football.skills.first_touch import difficulty
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -71,7 +71,7 @@ def choose_mate(match, i, ux, uy, gauge):
     best, best_rating = NOBODY, math.inf
     for j in range(match.num_players):
         mate = match.players[j]
-        if j == i or mate.team != player.team or mate.off:
+        if j == i or mate.team != player.team or mate.has_left:
             continue
         x, y = place_of(ball, mate)
         dx, dy = x - ball.x, y - ball.y

@@ -25,9 +25,11 @@ from envs.football.state import MATCH
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
-FORMAT = "regista match record 1"
+KIND = "regista match record"
+FORMAT = f"{KIND} 2"
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
-_ARRAYS = ("actions", "last", "matches", "starts", "registers", "start_registers", "places", "place_agents", "levels")
+_STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents", "levels")
+_ARRAYS = ("actions", "last", *_STATE)
 
 
 class RecordError(ValueError):
@@ -110,7 +112,7 @@ def save_record(record: Record, path: str | Path) -> None:
         "config": json.dumps(asdict(record.config)),
         "np_random": json.dumps(record.state["np_random"]),
     }
-    arrays = {name: record.state[name] for name in _ARRAYS[2:]}
+    arrays = {name: record.state[name] for name in _STATE}
     np.savez_compressed(path, actions=record.actions, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
 
 
@@ -123,8 +125,11 @@ def load_record(path: str | Path) -> Record:
         if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
             raise
         raise RecordError(f"{path} is no record of a match, or it is damaged") from error
-    if str(found.get("format")) != FORMAT:
-        raise RecordError(f"{path} is no record of a match: it does not say {FORMAT!r}")
+    stated = str(found.get("format"))
+    if not stated.startswith(KIND):
+        raise RecordError(f"{path} is no record of a match: it does not say {KIND!r}")
+    if stated != FORMAT:
+        raise RecordError(f"{path} was made by another version of the simulator: it is a {stated}, not {FORMAT[-1]}")
     missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in found]
     if missing:
         raise RecordError(f"{path} is damaged: {', '.join(missing)} missing")
@@ -135,7 +140,7 @@ def load_record(path: str | Path) -> Record:
         random = json.loads(str(found["np_random"]))
     except (TypeError, ValueError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
-    state = {name: found[name] for name in _ARRAYS[2:]} | {"np_random": random}
+    state = {name: found[name] for name in _STATE} | {"np_random": random}
     return Record(str(found["program"]), str(found["program_file"]), config, state, found["actions"], found["last"])
 
 

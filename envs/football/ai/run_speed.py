@@ -11,9 +11,9 @@ from envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
-EAGERNESS = 2.6  # 1/s: wanted speed per distance to go
-STANDS, WALKS, RUNS = 1.75, 4.25, 6.5  # m/s, wishes up to which he stands, walks, runs
-LAZY_FROM, LAZY_TO, LAZINESS = 20.0, 65.0, 0.75  # m to the ball; share of the wish that is lost
+URGENCY = 2.6  # 1/s: wanted speed per distance to go
+STANDS, WALKS, RUNS = 1.75, 4.25, 6.5  # m/s, desired speeds up to which he stands, walks, runs
+LAZY_FROM, LAZY_TO, LAZINESS = 20.0, 65.0, 0.75  # m to the ball; share of the desired speed that is lost
 TIRED_LAZINESS = 0.3
 FULL_REACTION, SKILLED_REACTION = 0.16, 0.06  # s, at difficulty 0 and 1
 SKILL_RANGE = 0.7  # of `skill`, from difficulty 0 to 1
@@ -26,18 +26,20 @@ def head_for(match, player, x, y):
     distance = math.sqrt(dx * dx + dy * dy)
     ball = match.ball
     far = (length(ball.x - player.x, ball.y - player.y) - LAZY_FROM) / (LAZY_TO - LAZY_FROM)
-    wish = EAGERNESS * distance * (1.0 - LAZINESS * min(max(far, 0.0), 1.0)) * (1.0 - TIRED_LAZINESS * player.tired)
-    go(player, dx, dy, gear(player, wish))
+    desired = (
+        URGENCY * distance * (1.0 - LAZINESS * min(max(far, 0.0), 1.0)) * (1.0 - TIRED_LAZINESS * player.tiredness)
+    )
+    go(player, dx, dy, gait_speed(player, desired))
 
 
 @kernel
-def gear(player, wish):
-    """The speed in m/s of the body's gaits that is nearest to a wish."""
-    if wish < STANDS:
+def gait_speed(player, desired):
+    """The speed in m/s of the body's gaits that is nearest to a desired one."""
+    if desired < STANDS:
         return 0.0
-    if wish < WALKS:
+    if desired < WALKS:
         return DRIBBLE_SPEED
-    return RUN_SPEED if wish < RUNS else player.top_speed
+    return RUN_SPEED if desired < RUNS else player.top_speed
 
 
 @kernel
@@ -45,7 +47,7 @@ def go(player, dx, dy, speed):
     """Want to move along (dx, dy) at this speed."""
     size = math.sqrt(dx * dx + dy * dy)
     share = speed / size if size > 0.05 else 0.0
-    player.want_x, player.want_y = share * dx, share * dy
+    player.desired_vx, player.desired_vy = share * dx, share * dy
 
 
 @kernel

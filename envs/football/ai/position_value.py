@@ -7,32 +7,27 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import HALF_LENGTH, LEFT
+from envs.football.constants import HALF_LENGTH
+from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
-PROGRESS_LEAST, PROGRESS_MOST = 2.0, 8.0  # weight of ground, for posts at the back and at the front
+PROGRESS_LEAST, PROGRESS_MOST = 2.0, 8.0  # weight of ground, for slots at the back and at the front
 ROOM_AHEAD, ROOM = 0.4, 0.3  # weights
 AHEAD_RANGE, ROOM_RANGE = 20.0, 10.0  # m
 AHEAD_WIDTH = 0.5  # tangent of half the angle that counts as ahead
 
 
 @kernel
-def attacked_goal_x(player):
-    """x of the goal line that a player attacks."""
-    return HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
-
-
-@kernel
 def eagerness(player):
-    """Weight of ground gained for a player: the further forward his post, the greater."""
-    return PROGRESS_LEAST + (PROGRESS_MOST - PROGRESS_LEAST) * 0.5 * (1.0 + player.post_x)
+    """Weight of ground gained for a player: the further forward his slot, the greater."""
+    return PROGRESS_LEAST + (PROGRESS_MOST - PROGRESS_LEAST) * 0.5 * (1.0 + player.slot_x)
 
 
 @kernel
-def situation(match, player, x, y):
+def position_value(match, player, x, y):
     """Rate for a player's team that the ball is at (x, y), with the weight that the player himself gives to ground."""
-    goal_x = attacked_goal_x(player)
+    goal_x = attacked_goal_x(player.team)
     to_x, to_y = goal_x - x, -y
     to_goal = length(to_x, to_y) + 1e-9
     ahead, around = AHEAD_RANGE, ROOM_RANGE

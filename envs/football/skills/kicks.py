@@ -1,7 +1,7 @@
 """Kicks: when the leg swings, how long it takes, and what happens when the ball leaves the foot.
 
-Fitted to delays measured of Google Research Football, whose animations quantise them. Read next: `physics.shots`,
-`physics.passes`.
+Fitted to delays measured of Google Research Football, whose animations quantise them. Read next: `skills.shots`,
+`skills.passes`.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from envs.football.constants import (
     SHOT,
     STEP,
 )
-from envs.football.physics.passes import aim_pass, play_pass
 from envs.football.physics.possession import forget_kick, lose_ball
-from envs.football.physics.saves import foresee_shot
-from envs.football.physics.shots import aim_shot, angle_between, strike
 from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import whistled
+from envs.football.skills.passes import aim_pass, play_pass
+from envs.football.skills.saves import foresee_shot
+from envs.football.skills.shots import aim_shot, angle_between, strike
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -70,10 +70,10 @@ def swing_legs(match):
     player = match.players[i]
     if not player.kick_ready or player.kick == 0 or apart(match.ball, player) > KICK_REACH:
         return
-    if not player.aimed:
+    if not player.is_aimed:
         aim(match, i)
     player.kick_wait = swing_time(match, player)
-    if match.borne <= 1 and not player.aimed and player.kick != SHOT:
+    if match.carry_age <= 1 and not player.is_aimed and player.kick != SHOT:
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
         player.kick_wait = max(player.kick_wait - run_up, FROM_RUN_UP)
     match.kicker = i
@@ -185,7 +185,7 @@ def aim_again(match, i):
 def leave_foot(match, i):
     """Send the ball off player i's foot."""
     player, ball = match.players[i], match.ball
-    if not player.aimed and player.kick != SHOT:
+    if not player.is_aimed and player.kick != SHOT:
         aim_again(match, i)
     dx, dy = player.aim_x - ball.x, player.aim_y - ball.y
     distance = length(dx, dy)
@@ -213,7 +213,7 @@ def kick_first_time(match, i):
     if whistled(match, i):
         return
     lose_ball(match)
-    if not match.players[i].aimed:
+    if not match.players[i].is_aimed:
         aim(match, i)
     leave_foot(match, i)
 

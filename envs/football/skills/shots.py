@@ -3,14 +3,14 @@
 A shot is a mixture of what was meant and of what a bad one would be: dragged towards the run, scattered, higher and
 weaker. How bad a bad one is follows from the run, its speed and the effort; how much of it there is, from a draw that
 better shooters bend in their favour. The law and its numbers are those documented of Google Research Football, whose
-animations enter as one number, the share of power that a kick from the stand reaches. Read next: `physics.passes`.
+animations enter as one number, the share of power that a kick from the stand reaches. Read next: `skills.passes`.
 """
 
 from __future__ import annotations
 
 import math
 
-from envs.football.constants import HALF_LENGTH, LEFT
+from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -62,7 +62,7 @@ def aim_shot(match, player, ux, uy):
 
     Straight away from it they prefer no side: then he aims to that on which he turns round.
     """
-    goal_x = HALF_LENGTH if player.team == LEFT else -HALF_LENGTH
+    goal_x = attacked_goal_x(player.team)
     dx = goal_x - player.x - AIM_LEAD * player.vx
     dy = -player.y - AIM_LEAD * player.vy
     deviation = math.atan2(dx * uy - dy * ux, dx * ux + dy * uy)

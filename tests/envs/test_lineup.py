@@ -8,9 +8,9 @@ import pytest
 
 from envs.football.config import FootballConfig
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
+from envs.football.kick_off import MatchConfig
 from envs.football.scenic.domain import FOOTBALL, SETTINGS
-from envs.football.scenic.lineup import CastingError
-from envs.football.state import MatchConfig
+from envs.football.scenic.lineup import NotAMatchError
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 
@@ -40,7 +40,7 @@ PAIR = "ego = LeftCM at 0 @ 0\nBall at 5 @ 5\n"
     ],
 )
 def test_a_program_that_is_no_match_is_refused(body, message):
-    with pytest.raises(CastingError) as error:
+    with pytest.raises(NotAMatchError) as error:
         FootballVectorEnv(body + "\n")
     assert str(error.value).startswith(message)
 
@@ -73,7 +73,7 @@ def test_a_program_that_is_no_match_is_refused(body, message):
 )
 def test_a_setting_that_does_not_fit_is_refused_where_it_is_written(setting, wanted):
     name = setting.split()[0]
-    with pytest.raises(CastingError) as error:
+    with pytest.raises(NotAMatchError) as error:
         FootballVectorEnv(f"{PAIR}param {setting}\n")
     assert str(error.value).splitlines() == [
         f"<program>:3:7: param {name} must be {wanted}",
@@ -84,7 +84,7 @@ def test_a_setting_that_does_not_fit_is_refused_where_it_is_written(setting, wan
 
 def test_the_last_of_several_settings_counts():
     env = FootballVectorEnv(f"param game_duration = 'x'\nparam game_duration = 30\n{PAIR}param offsides = True\n")
-    assert (env.casting.config.game_duration, env.casting.config.offsides) == (30, True)
+    assert (env.lineup.config.game_duration, env.lineup.config.offsides) == (30, True)
 
 
 def test_settings_are_those_of_a_match():

@@ -1,7 +1,7 @@
 """Shots and saves: whether the keeper must go, where he meets the ball, and whether he will have it.
 
 The result is drawn when the shot leaves the foot, with odds fitted to saves measured of Google Research Football;
-the body then moves to make the draw true. Read next: `physics.contacts`, where hands and ball meet.
+the body then moves to make the draw true. Read next: `skills.contacts`, where hands and ball meet.
 """
 
 from __future__ import annotations
@@ -9,17 +9,15 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import (
-    BOX_DEPTH,
-    BOX_HALF_WIDTH,
     DT,
     GK,
     GOAL_HALF_WIDTH,
     GOAL_HEIGHT,
     HALF_LENGTH,
-    LEFT,
     NOBODY,
 )
 from envs.football.physics.ball import advance_ball
+from envs.football.physics.pitch import in_box_of, own_goal_x
 from envs.football.physics.possession import ball_speed
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
@@ -45,31 +43,19 @@ READY = 4  # "turning" of a body that already moves: no lag
 
 
 @kernel
-def own_goal_x(team):
-    """x of the goal line that a team defends."""
-    return -HALF_LENGTH if team == LEFT else HALF_LENGTH
-
-
-@kernel
-def in_own_box(player):
-    """Tell whether a player stands in his own penalty box, where a keeper may use his hands."""
-    return abs(own_goal_x(player.team) - player.x) < BOX_DEPTH and abs(player.y) < BOX_HALF_WIDTH
-
-
-@kernel
 def dive(match, player):
     """Throw the keeper to where he means to meet the shot."""
     dx, dy = match.save_x - player.x, match.save_y - player.y
     distance = math.sqrt(dx * dx + dy * dy)
     speed = min(distance / max(match.save_wait, 0.1), DIVE_SPEED)
     share = speed / distance if distance > 0.05 else 0.0
-    player.want_x, player.want_y = share * dx, share * dy
+    player.desired_vx, player.desired_vy = share * dx, share * dy
 
 
 @kernel
 def foresee_shot(match, team):
     """After a kick by `team`: find out whether the other keeper must save it, where, and whether he will."""
-    match.kicked, match.kick_age = True, 0.0
+    match.was_kicked, match.kick_age = True, 0.0
     foresee(match, team)
 
 
@@ -82,7 +68,7 @@ def foresee(match, team):
         return
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team == team or player.role != GK or player.down > 0.0:
+        if player.team == team or player.role != GK or player.down_wait > 0.0:
             continue
         time, effort, gap = follow_shot(match, player, goal_x)
         if time > 0.0:
@@ -128,7 +114,7 @@ def follow_shot(match, player, goal_x):
 @kernel
 def save_chance(player, gap, time):
     """Chance of saving a shot that passes `gap` m away and crosses the line in `time` s."""
-    if not in_own_box(player):
+    if not in_box_of(player.team, player.x, player.y):
         return FOOT_CHANCE * max(1.0 - (gap / FOOT_GAP) ** 2, 0.0)
     wide = min(max((gap - GAP_NEAR) / GAP_WIDE, 0.0), 1.0)
     logit = SAVE_BASE - SAVE_TIME * time + SAVE_WIDE * wide + SAVE_SKILL * max(MEASURED_SKILL - player.skill, 0.0)

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from envs.football.constants import BUILTIN_AI, DT
 from envs.football.physics.motion import SLIDE_TIME
-from envs.football.physics.touch import take
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.rules.fouls import report_foul
+from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -52,7 +52,7 @@ def in_tackle_reach(match, i, distance):
     player, ball, carrier = match.players[i], match.ball, match.players[match.carrier]
     if ball.z > TACKLE_BELOW:
         return False
-    idles = length(player.want_x, player.want_y) < IDLES and length(player.vx, player.vy) < IDLES
+    idles = length(player.desired_vx, player.desired_vy) < IDLES and length(player.vx, player.vy) < IDLES
     if idles and length(carrier.vx, carrier.vy) < STANDING:
         return False
     return distance < TACKLE_REACH or (apart(player, carrier) < CONTACT and apart(ball, carrier) < AT_FEET)
@@ -66,8 +66,8 @@ def goes_for_ball(match, i, distance):
     """
     player, ball = match.players[i], match.ball
     carrier = match.players[match.carrier]
-    want = length(player.want_x, player.want_y)
-    along = player.want_x * (ball.x - player.x) + player.want_y * (ball.y - player.y)
+    want = length(player.desired_vx, player.desired_vy)
+    along = player.desired_vx * (ball.x - player.x) + player.desired_vy * (ball.y - player.y)
     if along < MEANT_COSINE * want * distance:
         return False
     if player.action != BUILTIN_AI:
@@ -92,7 +92,7 @@ def tackle(match, i):
         return
     player.touch_wait = TACKLE_WAIT
     if speed > STANDING:
-        player.down = max(player.down, BEATEN_DOWN)
+        player.down_wait = max(player.down_wait, BEATEN_DOWN)
         if front < SIDE_COSINE and uniform(match) < TRIP_CHANCE:
             report_foul(match, i, match.carrier, 0.0, False)
 
@@ -107,11 +107,11 @@ def share_of_skill(player):
 def slide_into(match, i, distance):
     """Let player i, sliding this far from the ball, win it or fell the carrier if either is in his reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
-    if player.down > LEGS_OUT:
+    if player.down_wait > LEGS_OUT:
         return
     front = frontal(player, carrier)
-    if apart(player, carrier) < TRIP_REACH and not player.met:
-        player.met = True
+    if apart(player, carrier) < TRIP_REACH and not player.is_slide_spent:
+        player.is_slide_spent = True
         runs = length(carrier.vx, carrier.vy) > STANDING
         if uniform(match) < foul_chance(front, runs):
             most = SEVERITY_RUNNING * uniform(match) if runs else SEVERITY_STANDING

@@ -1,6 +1,6 @@
 """Meetings of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
 
-Read next: `physics.tackles`, then `rules.referee`.
+Read next: `skills.tackles`, then `rules.referee`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ import math
 import numpy as np
 
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
-from envs.football.physics.first_touch import cushion
-from envs.football.physics.hands import can_hold, has_hands, hold, parry
-from envs.football.physics.kicks import kick_first_time
 from envs.football.physics.possession import ball_speed
-from envs.football.physics.saves import ARM, foresee
-from envs.football.physics.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
-from envs.football.physics.touch import take
 from envs.football.physics.vectors import length
+from envs.football.skills.first_touch import cushion
+from envs.football.skills.hands import can_hold, has_hands, hold, parry
+from envs.football.skills.kicks import kick_first_time
+from envs.football.skills.saves import ARM, foresee
+from envs.football.skills.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
+from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -70,10 +70,10 @@ def meet_ball(match, bits):
         i = match.num_players - 1 - k if turned else k
         if match.game_mode != NORMAL:
             return
-        if bits >> i & 1 == 0 or match.holder != NOBODY or match.carrier == i:
+        if bits >> i & 1 == 0 or match.keeper_holding != NOBODY or match.carrier == i:
             continue
         player = match.players[i]
-        if player.touch_wait > 0.0 or (player.down > 0.0 and not player.sliding):
+        if player.touch_wait > 0.0 or (player.down_wait > 0.0 and not player.is_sliding):
             continue
         dx, dy = match.ball.x - player.x, match.ball.y - player.y
         squared = dx * dx + dy * dy
@@ -100,17 +100,17 @@ def meet(match, i, distance):
 @kernel
 def too_sudden(match):
     """Tell whether the ball has just been struck so hard that it meets nobody but whom it hits."""
-    return match.kicked and match.kick_age < SUDDEN_AGE and ball_speed(match.ball) > SUDDEN_SPEED
+    return match.was_kicked and match.kick_age < SUDDEN_AGE and ball_speed(match.ball) > SUDDEN_SPEED
 
 
 @kernel
 def challenge(match, i, distance):
     """Let player i, this far from the ball, try to take it off the carrier."""
     player, ball = match.players[i], match.ball
-    if player.role == GK and not player.sliding:
+    if player.role == GK and not player.is_sliding:
         if distance < CLAIM_REACH and ball.z < (CLAIM_BELOW if has_hands(match, i) else HEADER_FROM):
             claim(match, i)
-    elif player.sliding:
+    elif player.is_sliding:
         slide_into(match, i, distance)
     elif in_tackle_reach(match, i, distance) and goes_for_ball(match, i, distance):
         tackle(match, i)
@@ -146,7 +146,7 @@ def claim(match, i):
         else:
             take(match, i)
         return
-    player.touch_wait, player.down = CLAIM_WAIT, 0.0 if stands else CLAIM_DOWN
+    player.touch_wait, player.down_wait = CLAIM_WAIT, 0.0 if stands else CLAIM_DOWN
 
 
 @kernel
@@ -167,7 +167,7 @@ def save(match, i):
     near = match.save_gap < CATCH_NEAR
     match.saver = NOBODY
     if not match.save_succeeds or ball.z > SAVE_BELOW:
-        player.touch_wait, player.down = CLAIM_WAIT, DIVE_DOWN
+        player.touch_wait, player.down_wait = CLAIM_WAIT, DIVE_DOWN
         return
     late = min(max((match.kick_age - CATCH_EASIER) / CATCH_EASE, 0.0), 1.0)
     fits = CATCH_FITS if near else CATCH_DIVING
@@ -176,4 +176,4 @@ def save(match, i):
         hold(match, i)
         return
     parry(match, i, not near)
-    player.down = BLOCK_DOWN if near else DIVE_DOWN
+    player.down_wait = BLOCK_DOWN if near else DIVE_DOWN

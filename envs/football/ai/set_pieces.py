@@ -1,0 +1,195 @@
+"""Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots, and play is on again.
+
+A restart shows for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick, corner
+or free kick, 6 or 7 at a penalty, the step in which play stopped included. An agent's taker waits for a pass or a
+shot of the agent's; after 20 steps he passes of his own accord. Meanwhile everybody else stands. Read next:
+`rules.restarts`, where everybody has been put.
+"""
+
+from __future__ import annotations
+
+import math
+
+from envs.football.constants import (
+    BUILTIN_AI,
+    CORNER,
+    FREE_KICK,
+    GOAL_KICK,
+    HIGH_PASS,
+    LONG_PASS,
+    NOBODY,
+    NORMAL,
+    PENALTY,
+    RUN_SPEED,
+    SHORT_PASS,
+    SHOT,
+    STEP,
+    THROW_IN,
+)
+from envs.football.control.keys import press_key, release_keys
+from envs.football.physics.pitch import attacked_goal_x, forward
+from envs.football.physics.possession import forget_kick, lose_ball
+from envs.football.physics.vectors import apart, length, toward
+from envs.football.rules.offside import mark_offside
+from envs.football.rules.whistle import look_at
+from envs.football.skills.kicks import AFTER_KICK, aim, leave_foot
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
+
+SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps that a restart shows at most, by mode
+SHORTER = 0.4  # how often the built-in taker is one step quicker
+PATIENCE = 20  # steps that an agent's taker waits
+LINE_WAIT = 0.4  # s after a set piece for which side lines do not count
+
+# The taker
+AT_BALL = 0.5  # m from the taker to the ball when he kicks
+
+# The throw
+THROWN_FROM, THROW_SPEED, THROW_LIFT, LOB_LIFT = 2.0, 17.2, 2.4, 4.2  # m, m/s
+THROW_LEAST, THROW_GAIN = 10.8, 0.42  # m/s; m/s per m to the mate
+
+# What the built-in taker chooses
+SHOT_RANGE = 28.0  # m from a free kick to the goal, and less than 45° off its middle: it is shot
+CORNER_AIM = 3.0  # m off the middle of the goal
+CROWDED, FREE_ROOM = 2.0, 10.0  # m to the nearest opponent: a bad and a perfect receiver
+GAIN = 0.01  # rating per m up the pitch
+THROW_FAR, PASS_FAR, HIGH_FROM = 25.0, 60.0, 24.0  # m: mates further away are not looked for; passed high
+
+
+@kernel
+def wait_for_restart(match):
+    """Spend a step of a restart that is due: the taker decides, runs up, and in the last one kicks.
+
+    Return whether play still waits for him.
+    """
+    taker = match.taker
+    if taker == NOBODY:
+        return False
+    match.restart_wait += 1
+    for i in range(match.num_players):
+        if match.players[i].action == BUILTIN_AI:
+            release_keys(match, i)
+        else:
+            press_key(match.players[i], match.players[i].action)
+    decide_restart(match, taker)
+    if match.restart_kick == NOBODY:
+        return True
+    match.restart_kick -= 1
+    if match.restart_kick > 0:
+        approach(match, taker)
+        return True
+    put_in_play(match, taker)
+    return False
+
+
+@kernel
+def decide_restart(match, taker):
+    """Let the taker choose his kick: the built-in player at once, an agent's by its button, or after a while."""
+    player = match.players[taker]
+    if player.action == BUILTIN_AI:
+        if match.restart_kick == NOBODY:
+            choose_kick(match, taker)
+            quick = 1 if uniform(match) < SHORTER else 0
+            match.restart_kick = SHOWN[match.game_mode] - quick
+    elif LONG_PASS <= player.action <= SHOT:
+        if player.kick == player.action:
+            player.kick_held += 1
+        else:
+            player.kick, player.kick_held, player.is_aimed = player.action, 1, False
+        if match.restart_kick == NOBODY:
+            match.restart_kick = SHOWN[match.game_mode]
+    elif match.restart_kick == NOBODY and match.restart_wait > PATIENCE:
+        player.kick, player.kick_held, player.is_aimed = SHORT_PASS, 1, False
+        match.restart_kick = SHOWN[match.game_mode]
+
+
+@kernel
+def approach(match, taker):
+    """Let the taker run up so that he is at the ball when he is to kick it."""
+    player, ball = match.players[taker], match.ball
+    dx, dy = toward(ball.x - player.x, ball.y - player.y)
+    speed = min(max(apart(ball, player) - AT_BALL, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
+    player.vx, player.vy = speed * dx, speed * dy
+
+
+@kernel
+def put_in_play(match, taker):
+    """Kick or throw the ball: play goes on, and for a moment the side lines do not count."""
+    player, mode = match.players[taker], match.game_mode
+    match.game_mode, match.restart_team, match.taker = NORMAL, NOBODY, NOBODY
+    match.line_wait = LINE_WAIT
+    if not player.is_aimed:
+        aim(match, taker)
+    if mode == THROW_IN:
+        throw(match, taker)
+    else:
+        leave_foot(match, taker)
+    if mode not in (THROW_IN, CORNER):  # from these nobody is offside
+        mark_offside(match, taker)
+
+
+@kernel
+def throw(match, i):
+    """Throw the ball to where player i means to, as far as arms can."""
+    player, ball = match.players[i], match.ball
+    ux, uy = toward(player.aim_x - ball.x, player.aim_y - ball.y)
+    distance = length(player.aim_x - ball.x, player.aim_y - ball.y)
+    speed = min(THROW_LEAST + THROW_GAIN * distance, THROW_SPEED)
+    ball.vx, ball.vy, ball.z = speed * ux, speed * uy, THROWN_FROM
+    ball.vz = LOB_LIFT if player.kick in (HIGH_PASS, SHOT) else THROW_LIFT
+    ball.spin_x, ball.spin_y = 0.0, 0.0
+    look_at(player, player.aim_x, player.aim_y)
+    match.receiver = player.kick_mate
+    forget_kick(player)
+    lose_ball(match)
+    player.touch_wait = AFTER_KICK
+    match.last_touch, match.was_kicked, match.kick_age = i, True, 0.0
+
+
+@kernel
+def choose_kick(match, taker):
+    """Decide for the built-in taker: a shot at a penalty or from a good free kick, else a pass to the best mate."""
+    player, ball = match.players[taker], match.ball
+    goal_x = attacked_goal_x(player.team)
+    mode = match.game_mode
+    if mode == PENALTY or (mode == FREE_KICK and in_shooting_place(goal_x - ball.x, ball.y)):
+        player.kick = SHOT
+        left = math.copysign(CORNER_AIM, goal_x)  # as he sees it: turned with the pitch
+        player.aim_x, player.aim_y = goal_x, left if uniform(match) < 0.5 else -left
+    else:
+        mate = best_mate(match, taker, THROW_FAR if mode == THROW_IN else PASS_FAR)
+        if mate == NOBODY:
+            player.aim_x, player.aim_y = 0.5 * (ball.x + goal_x), 0.5 * ball.y
+        else:
+            player.aim_x, player.aim_y = match.players[mate].x, match.players[mate].y
+        far = length(player.aim_x - ball.x, player.aim_y - ball.y) > HIGH_FROM
+        player.kick = HIGH_PASS if mode in (GOAL_KICK, CORNER, THROW_IN) or far else SHORT_PASS
+        player.kick_mate = mate
+    player.kick_held, player.kick_ready, player.is_aimed = 1, True, True
+
+
+@kernel
+def in_shooting_place(dx, y):
+    """Tell whether a free kick dx m before the goal line is near enough and not too far out for a shot."""
+    return length(dx, y) < SHOT_RANGE and abs(y) < abs(dx)
+
+
+@kernel
+def best_mate(match, taker, farthest):
+    """Return the mate with the most room and the most ground gained, -1 if there is none in reach."""
+    team = match.players[taker].team
+    ahead = forward(team)
+    best, best_rating = NOBODY, -math.inf
+    for j in range(match.num_players):
+        mate = match.players[j]
+        if j == taker or mate.team != team or mate.has_left or apart(match.ball, mate) > farthest:
+            continue
+        room = math.inf
+        for k in range(match.num_players):
+            if match.players[k].team != team:
+                room = min(room, apart(match.players[k], mate))
+        rating = min(max((room - CROWDED) / (FREE_ROOM - CROWDED), 0.0), 1.0)
+        rating += GAIN * ahead * (mate.x - match.ball.x)
+        if rating > best_rating:
+            best, best_rating = j, rating
+    return best

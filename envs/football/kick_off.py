@@ -1,0 +1,141 @@
+"""From who stands where, and the settings of an episode, to matches about to begin.
+
+Read next: `state`, the record that is filled here; `scenic.lineup`, which takes all that from a program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from envs.football.ai.formation import formation_slots
+from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
+from envs.football.control.control_modes import assign_agents
+from envs.football.state import MATCH, NOBODY_YET
+from scenic_lite.kernels.rng import streams
+
+
+@dataclass(frozen=True)
+class MatchConfig:
+    """Settings of an episode, named as in Google Research Football; each one value or an array [N].
+
+    What ends an episode means what it means there. A goal by either side. Out of play: the first step that shows a
+    mode other than 0, so a throw-in, a corner, a goal kick, a foul or an offside; never a kick-off. Possession: the
+    ball is owned by the other team than the last that owned it, however long nobody did, and goals do not make that
+    forgotten. An episode has exactly `game_duration` steps, and the second half begins after exactly `second_half` of
+    them. (Theirs has one step more, because its first action is lost.)
+    """
+
+    game_duration: npt.ArrayLike = 400
+    end_episode_on_score: npt.ArrayLike = True
+    end_episode_on_out_of_play: npt.ArrayLike = True
+    end_episode_on_possession_change: npt.ArrayLike = True
+    offsides: npt.ArrayLike = False
+    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off again; never
+    left_team_difficulty: npt.ArrayLike = 1.0
+    right_team_difficulty: npt.ArrayLike = 0.6
+    deterministic: npt.ArrayLike = False  # the same random numbers in every episode
+    use_magnet: npt.ArrayLike = True  # a free ball pulls the best placed player whatever his agent's direction
+    control: str | int = "closest1"  # which left players agents move: see `control_modes`
+    right_control: str | int = "none"  # which right ones
+
+
+@dataclass(frozen=True)
+class Roster:
+    """Who plays: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), the left team first.
+
+    `order` [P] is the place of each in the program, which settles ties; None: they come in that order.
+    """
+
+    teams: npt.ArrayLike
+    roles: npt.ArrayLike
+    order: npt.ArrayLike | None = None
+
+
+def kick_off(
+    positions: npt.ArrayLike,
+    ball: npt.ArrayLike,
+    roster: Roster,
+    seeds: npt.ArrayLike,
+    config: MatchConfig = MatchConfig(),
+) -> np.ndarray:
+    """Make matches MATCH [N] about to begin: everyone stands, the ball lies still and is nobody's.
+
+    `positions` [N, P, 2] and `ball` [N, 2] are in metres, `seeds` [N] start the random streams. Raises ValueError
+    if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
+    """
+    positions, ball = np.asarray(positions, float), np.asarray(ball, float)
+    teams, roles = np.asarray(roster.teams, np.int64), np.asarray(roster.roles, np.int64)
+    _check(positions, ball, teams, roles)
+    matches = np.zeros(len(positions), MATCH)
+    for name in NOBODY_YET:
+        matches[name] = NOBODY
+    matches["players"]["kick_mate"] = NOBODY
+    _write_settings(matches, config, seeds)
+    matches["num_players"] = len(teams)
+    for axis, name in enumerate("xy"):
+        matches["ball"][name] = ball[:, axis]
+        matches["ball_start_" + name] = ball[:, axis]
+        matches["mean_ball_" + name] = ball[:, axis]
+    matches["ball"]["z"] = BALL_RADIUS
+    _place_players(matches["players"][:, : len(teams)], positions, teams, roles)
+    matches["starter"] = _starter(positions, ball, teams)
+    _look_at(matches["players"][:, : len(teams)], ball)
+    difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
+    matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
+    matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if roster.order is None else roster.order
+    assign_agents(matches, (config.control, config.right_control))
+    return matches
+
+
+def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
+    if positions.ndim != 3 or positions.shape[2] != 2 or ball.shape != (len(positions), 2):
+        raise ValueError(f"positions must be [N, P, 2] and ball [N, 2], not {positions.shape} and {ball.shape}")
+    if not (teams.shape == roles.shape == positions.shape[1:2]):
+        raise ValueError(f"{positions.shape[1]} players, but teams {teams.shape} and roles {roles.shape}")
+    if not 1 <= len(teams) <= MAX_PLAYERS:
+        raise ValueError(f"a match has 1 to {MAX_PLAYERS} players, not {len(teams)}")
+
+
+def _write_settings(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> None:
+    """Write the settings of the episode; equal seeds, or a deterministic match, give equal streams."""
+    for field in fields(config):
+        if field.name in MATCH.names and field.name != "control":  # type: ignore[operator]
+            matches[field.name] = getattr(config, field.name)
+    matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
+
+
+def _place_players(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
+    """Place players [N, P]."""
+    for axis, name in enumerate("xy"):
+        players[name] = positions[..., axis]
+        players["start_" + name] = positions[..., axis]
+        players["support_" + name] = positions[..., axis]
+    players["team"], players["role"] = teams, roles
+    players["marked_opponent"] = NOBODY
+    for team in (LEFT, RIGHT):
+        own = teams == team
+        players["shirt"][:, own] = np.arange(np.count_nonzero(own))
+        forward = positions[:, own, 0] * (1.0 if team == LEFT else -1.0)
+        depth_and_width = formation_slots(forward, positions[:, own, 1], roles[own])
+        players["slot_x"][:, own], players["slot_y"][:, own] = depth_and_width[:, 0], depth_and_width[:, 1]
+    speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
+    players["top_speed"] = speeds
+
+
+def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are equal."""
+    squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
+    left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
+    return np.where(left < right, LEFT, RIGHT)
+
+
+def _look_at(players: np.ndarray, ball: np.ndarray) -> None:
+    """Let players [N, P] look at the ball [N, 2], on top of it at the goal that they attack."""
+    away = ball[:, None] - np.stack([players["x"], players["y"]], axis=-1)
+    size = np.hypot(away[..., 0], away[..., 1])
+    on_top = size < 1e-9
+    players["facing_x"] = np.where(on_top, np.where(players["team"] == LEFT, 1.0, -1.0), away[..., 0] / (size + on_top))
+    players["facing_y"] = np.where(on_top, 0.0, away[..., 1] / (size + on_top))

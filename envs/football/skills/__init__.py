@@ -1,0 +1,1 @@
+"""What players do to the ball and to each other: touches, kicks, saves, tackles."""
