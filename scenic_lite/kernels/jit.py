@@ -26,7 +26,9 @@ import numba
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("scenic_lite", "envs")
-INSIDE_KNOWN = ((0, 61), (0, 69))  # Numba from the first to before the second: what `parts` knows the inside of
+KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
+# Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
+LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
 KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
 
@@ -55,7 +57,8 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
 
 
 def _dispatcher(function: Callable, parallel: bool) -> Any:
-    if not INSIDE_KNOWN[0] <= numba.version_info[:2] < INSIDE_KNOWN[1]:  # the usual way: compiled twice as long
+    """Return the function as Numba's own dispatcher, or as a `Kernel` where its inside is known."""
+    if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
         return numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
     from scenic_lite.kernels.numba_linking import Kernel
 
@@ -65,7 +68,7 @@ def _dispatcher(function: Callable, parallel: bool) -> Any:
 
 
 def compiled(function: Any) -> bool:
-    """Tell whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
+    """Return whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
     if not hasattr(function, "signatures") or function.signatures:
         return True
     folder = Path(function.stats.cache_path)
@@ -76,25 +79,28 @@ def compiled(function: Any) -> bool:
 def sources() -> list[Path]:
     """List the files that kernels stand in and all of ours that those import: what compiled code depends on."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
-    found: set[Path] = set()
+    seen: set[Path] = set()
     pending = [path for path, text in texts.items() if "scenic_lite.kernels.jit import" in text]
     while pending:
         path = pending.pop()
-        if path in found:
+        if path in seen:
             continue
-        found.add(path)
-        for module, names in _IMPORT.findall(texts[path]):
-            base = ROOT / Path(*module.split("."))
+        seen.add(path)
+        for dotted, names in _IMPORT.findall(texts[path]):
+            base = ROOT / Path(*dotted.split("."))
             modules = [base, *(base / name for name in re.findall(r"\w+", names))]  # a name may be a module, too
             pending += [
-                file for each in modules for file in (each.with_suffix(".py"), each / "__init__.py") if file in texts
+                file
+                for module in modules
+                for file in (module.with_suffix(".py"), module / "__init__.py")
+                if file in texts
             ]
-    return sorted(found)
+    return sorted(seen)
 
 
 def digest() -> str:
     """Name the present state of `sources()` in 16 hexadecimal digits."""
-    state = hashlib.sha256(numba.__version__.encode())
+    state = hashlib.sha256(f"{numba.__version__} {LINKING}".encode())
     for path in sources():
         state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
     return state.hexdigest()[:16]

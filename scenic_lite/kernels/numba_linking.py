@@ -56,7 +56,7 @@ class _PartLibrary(JITCodeLibrary):
         return self._shared_module
 
     def _own_module(self) -> Any:
-        """The module of this part alone, whose functions several programs may hold."""
+        """Return the module of this part alone, whose functions several programs may hold."""
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name == "external":
                 function.linkage = "linkonce_odr"
@@ -64,16 +64,16 @@ class _PartLibrary(JITCodeLibrary):
 
 
 def _below(top: _PartLibrary) -> list[Any]:
-    """All libraries that a part needs, each once."""
-    found: dict[int, Any] = {id(top): top}
+    """Return all libraries that a part needs, each once."""
+    libraries: dict[int, Any] = {id(top): top}
     pending = list(top._linking_libraries)
     while pending:
         library = pending.pop()
-        if id(library) not in found:
-            found[id(library)] = library
+        if id(library) not in libraries:
+            libraries[id(library)] = library
             if isinstance(library, _PartLibrary):
                 pending += library._linking_libraries
-    return [library for library in found.values() if library is not top]
+    return [library for library in libraries.values() if library is not top]
 
 
 class _PartCodegen(JITCPUCodegen):

@@ -30,8 +30,9 @@ def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
 
 def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
     """Return whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
-    across, along = in_frame(x - cx, y - cy, heading)
-    return (np.abs(across) <= width / 2 + CLOSENESS) & (np.abs(along) <= length / 2 + CLOSENESS)
+    c, s = np.cos(heading), np.sin(heading)
+    across, along = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
+    return (abs(across) <= width / 2 + CLOSENESS) & (abs(along) <= length / 2 + CLOSENESS)
 
 
 def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
@@ -96,13 +97,15 @@ def rectangles_meet(
     They are apart exactly if they are apart along one of their four axes. Arrays of any one shape, or scalars.
     """
     ca, sa, cb, sb = np.cos(turn_a), np.sin(turn_a), np.cos(turn_b), np.sin(turn_b)
-    c, s = np.abs(ca * cb + sa * sb), np.abs(sa * cb - ca * sb)  # of the angle between them
+    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)  # of the angle between them
     dx, dy = bx - ax, by - ay
-    half_a, half_b = (width_a / 2, length_a / 2), (width_b / 2, length_b / 2)
-    meets = np.abs(dx * ca + dy * sa) <= half_a[0] + half_b[0] * c + half_b[1] * s
-    meets = meets & (np.abs(dy * ca - dx * sa) <= half_a[1] + half_b[0] * s + half_b[1] * c)
-    meets = meets & (np.abs(dx * cb + dy * sb) <= half_b[0] + half_a[0] * c + half_a[1] * s)
-    return meets & (np.abs(dy * cb - dx * sb) <= half_b[1] + half_a[0] * s + half_a[1] * c)
+    across_a, along_a, across_b, along_b = width_a / 2, length_a / 2, width_b / 2, length_b / 2
+    return (
+        (abs(dx * ca + dy * sa) <= across_a + across_b * c + along_b * s)
+        & (abs(dy * ca - dx * sa) <= along_a + across_b * s + along_b * c)
+        & (abs(dx * cb + dy * sb) <= across_b + across_a * c + along_a * s)
+        & (abs(dy * cb - dx * sb) <= along_b + across_a * s + along_a * c)
+    )
 
 
 def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:

@@ -52,7 +52,7 @@ def of_maximum(a: Interval, b: Interval) -> Interval:
 
 
 def of_clip(a: Interval, low: Interval, high: Interval) -> Interval:
-    return min(max(a[0], low[0]), high[1]), max(min(a[1], high[1]), low[0])
+    return min(max(a[0], low[0]), high[0]), min(max(a[1], low[1]), high[1])
 
 
 def of_radians(a: Interval) -> Interval:

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
 
 from scenic_lite.kernels import jit
+from scenic_lite.kernels.rng import streams, uniform
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
@@ -114,7 +116,7 @@ def test_compiled_functions_of_others_can_call_kernels() -> None:
 def test_a_numba_that_is_not_known_inside_compiles_in_the_usual_way(monkeypatch: pytest.MonkeyPatch) -> None:
     if not hasattr(twice, "signatures"):
         pytest.skip("kernels run uncompiled")
-    monkeypatch.setattr(jit, "INSIDE_KNOWN", ((0, 1), (0, 2)))
+    monkeypatch.setattr(jit, "KNOWN_INSIDE", ((0, 1), (0, 2)))
 
     @jit.kernel
     def thrice(x):
@@ -126,3 +128,34 @@ def test_a_numba_that_is_not_known_inside_compiles_in_the_usual_way(monkeypatch:
 
     assert type(thrice) is type(numba.njit(lambda x: x)) and type(thrice) is not type(twice)
     assert thrice_and_one(3) == 10
+
+
+WITHOUT_LINKING = """
+import numba
+from scenic_lite.kernels import jit, rng
+
+@jit.kernel
+def two_draws(holder):
+    return rng.uniform(holder) + rng.uniform(holder)
+
+import numpy as np
+holder = np.zeros(1, [("random", "u8")]).view(np.recarray)[0]
+holder.random = rng.streams([3])[0]
+assert type(two_draws) is type(numba.njit(lambda: 0)), type(two_draws)
+print(two_draws(holder), jit.digest())
+"""
+
+
+def test_kernels_work_without_the_linking_of_their_own(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(jit.ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    environment["REGISTA_NUMBA_LINKING"] = "0"
+    script = tmp_path / "two_draws.py"
+    script.write_text(WITHOUT_LINKING)
+    result = subprocess.run([sys.executable, str(script)], env=environment, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    total, digest = result.stdout.split()
+    holder = np.zeros(1, [("random", "u8")]).view(np.recarray)[0]
+    holder.random = streams([3])[0]
+    assert float(total) == uniform(holder) + uniform(holder)
+    assert digest != jit.digest()  # neither reads the other's cache

@@ -1,6 +1,7 @@
-"""The machine's longer functions: membership in shapes, the normal quantile, sorting.
+"""The machine's longer functions: membership in shapes, the normal quantile, sorting, powers.
 
-The same formulas as `geometry` and `distributions` have for arrays. Read next: `dynamics.machine.vm`.
+Two formulas of `values.formulas` are compiled as they stand. Where the machine saves by leaving early, or has a list
+of edges, it has its own, and `tests/scenic_lite/test_operations.py` compares both. Read next: `dynamics.machine.vm`.
 """
 
 from __future__ import annotations
@@ -10,16 +11,17 @@ import math
 import numpy as np
 
 from scenic_lite.kernels.jit import kernel
-from scenic_lite.values.formulas import CENTRE, FAR, LEAST_PROBABILITY, MIDDLE
+from scenic_lite.values import formulas
+from scenic_lite.values.formulas import CENTRE, CLOSENESS, FAR, LEAST_PROBABILITY, MIDDLE, TURN
 
-TURN = 2 * math.pi
-CLOSENESS = 1e-9  # as far outside its edge a point still belongs to a region
-_CENTRE, _MIDDLE, _FAR = (np.array(each) for each in (CENTRE, MIDDLE, FAR))
+_CENTRE, _MIDDLE, _FAR = (np.array(coefficients) for coefficients in (CENTRE, MIDDLE, FAR))  # [2, K] each
+point_in_rectangle = kernel(formulas.in_rectangle)
+rectangle_meets_rectangle = kernel(formulas.rectangles_meet)
 
 
 @kernel
 def in_sector(x, y, radius, heading, angle):
-    """Whether the offset (x, y) from the apex lies in a sector."""
+    """Return whether the offset (x, y) from the apex lies in a sector."""
     if x == 0 and y == 0:
         return radius >= 0
     if math.sqrt(x * x + y * y) > radius:
@@ -30,35 +32,25 @@ def in_sector(x, y, radius, heading, angle):
 
 @kernel
 def in_rectangle(registers, lists, at):
-    """(x, y) in (x, y, heading, width, length), edges included."""
-    x = registers[lists[at]] - registers[lists[at + 2]]
-    y = registers[lists[at + 1]] - registers[lists[at + 3]]
-    heading = registers[lists[at + 4]]
-    c, s = math.cos(heading), math.sin(heading)
-    across, along = abs(x * c + y * s), abs(y * c - x * s)
-    return across <= registers[lists[at + 5]] / 2 + CLOSENESS and along <= registers[lists[at + 6]] / 2 + CLOSENESS
+    """Return whether (x, y) lies in (x, y, heading, width, length), edges included."""
+    x, y = registers[lists[at]], registers[lists[at + 1]]
+    cx, cy, heading = registers[lists[at + 2]], registers[lists[at + 3]], registers[lists[at + 4]]
+    return point_in_rectangle(x, y, cx, cy, heading, registers[lists[at + 5]], registers[lists[at + 6]])
 
 
 @kernel
 def rectangles_meet(registers, lists, at):
-    """Two rectangles (x, y, heading, width, length): apart exactly if they are apart along one of their axes."""
-    turn_a, turn_b = registers[lists[at + 2]], registers[lists[at + 7]]
-    ca, sa, cb, sb = math.cos(turn_a), math.sin(turn_a), math.cos(turn_b), math.sin(turn_b)
-    c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)
-    dx, dy = registers[lists[at + 5]] - registers[lists[at]], registers[lists[at + 6]] - registers[lists[at + 1]]
-    width_a, length_a = registers[lists[at + 3]] / 2, registers[lists[at + 4]] / 2
-    width_b, length_b = registers[lists[at + 8]] / 2, registers[lists[at + 9]] / 2
-    return (
-        abs(dx * ca + dy * sa) <= width_a + width_b * c + length_b * s
-        and abs(dy * ca - dx * sa) <= length_a + width_b * s + length_b * c
-        and abs(dx * cb + dy * sb) <= width_b + width_a * c + length_a * s
-        and abs(dy * cb - dx * sb) <= length_b + width_a * s + length_a * c
-    )
+    """Return whether two rectangles meet, each (x, y, heading, width, length)."""
+    ax, ay, turn_a = registers[lists[at]], registers[lists[at + 1]], registers[lists[at + 2]]
+    bx, by, turn_b = registers[lists[at + 5]], registers[lists[at + 6]], registers[lists[at + 7]]
+    width_a, length_a = registers[lists[at + 3]], registers[lists[at + 4]]
+    width_b, length_b = registers[lists[at + 8]], registers[lists[at + 9]]
+    return rectangle_meets_rectangle(ax, ay, turn_a, width_a, length_a, bx, by, turn_b, width_b, length_b)
 
 
 @kernel
 def edge_meets_arc(px, py, dx, dy, radius, heading, angle):
-    """Whether the segment from (px, py) by (dx, dy) crosses the circle round the origin within the sector's angle."""
+    """Return whether a segment from (px, py) by (dx, dy) crosses the circle round the origin within an angle."""
     a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
     if b * b < a * c or a == 0:
         return False
@@ -72,7 +64,7 @@ def edge_meets_arc(px, py, dx, dy, radius, heading, angle):
 
 @kernel
 def edge_meets_ray(px, py, dx, dy, turn, radius):
-    """Whether the segment crosses the one of length `radius` from the origin along a heading."""
+    """Return whether the segment crosses the one of length `radius` from the origin along a heading."""
     ray_x, ray_y = -math.sin(turn), math.cos(turn)
     qx, qy = px + dx, py + dy
     side_p, side_q = ray_x * py - ray_y * px, ray_x * qy - ray_y * qx
@@ -85,7 +77,7 @@ def edge_meets_ray(px, py, dx, dy, turn, radius):
 
 @kernel
 def sector_meets(registers, lists, at):
-    """A sector (x, y, radius, heading, angle) and a rectangle (x, y, heading, width, length)."""
+    """Return whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length)."""
     x, y = registers[lists[at]], registers[lists[at + 1]]
     radius, heading, angle = registers[lists[at + 2]], registers[lists[at + 3]], registers[lists[at + 4]]
     cx, cy, turn = registers[lists[at + 5]], registers[lists[at + 6]], registers[lists[at + 7]]
@@ -111,7 +103,7 @@ def sector_meets(registers, lists, at):
 
 @kernel
 def in_rings(registers, lists, at):
-    """Whether the point lies inside or on edges that close: a ray from it crosses them an odd number of times."""
+    """Return whether a point lies inside or on closed edges: a ray from it crosses them an odd number of times."""
     x, y = registers[lists[at]], registers[lists[at + 1]]
     inside = False
     for edge in range(at + 2, at + lists[at - 1], 4):
@@ -128,7 +120,7 @@ def in_rings(registers, lists, at):
 
 @kernel
 def bucketize(value, registers, lists, at):
-    """How many of the rising numbers of a list are at most `value`."""
+    """Count how many of the rising numbers of a list are at most `value`."""
     count = 0
     while count < lists[at - 1] and registers[lists[at + count]] <= value:
         count += 1
@@ -137,7 +129,7 @@ def bucketize(value, registers, lists, at):
 
 @kernel
 def quotient(x, coefficients):
-    """A quotient of two polynomials, coefficients [2, K] of the highest power first."""
+    """Return a quotient of two polynomials, coefficients [2, K] of the highest power first."""
     top, bottom = 0.0, 0.0
     for i in range(coefficients.shape[1]):
         top = top * x + coefficients[0, i]
@@ -147,7 +139,7 @@ def quotient(x, coefficients):
 
 @kernel
 def quantile(uniform):
-    """Φ⁻¹, by Wichura's algorithm AS 241 as in `distributions`."""
+    """Return Φ⁻¹, by Wichura's algorithm AS 241 as in `values.formulas`."""
     uniform = min(max(uniform, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
     centred = uniform - 0.5
     if abs(centred) <= 0.425:
@@ -170,7 +162,7 @@ def sort_order(registers, out, keys, count):
 
 @kernel
 def power(base, exponent):
-    """base ** exponent and whether Python would give a real number."""
+    """Return base ** exponent and whether Python would give a real number."""
     if base == 0 and exponent < 0:
         return 0.0, False
     if base < 0 and exponent != math.floor(exponent):
