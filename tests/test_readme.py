@@ -1,6 +1,7 @@
 """What the README shows works as it stands there."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -79,9 +80,24 @@ def test_every_command_is_shown_with_flags_that_it_has(command, capsys):
     assert set(re.findall(r"--[a-z.-]+", " ".join(shown))) <= flags
 
 
+def test_pip_takes_the_extras_that_are_named():
+    (extras,) = re.findall(r"^pip install .*\[([\w,]+)\]", "".join(blocks("sh")), re.M)
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert set(extras.split(",")) <= set(project["optional-dependencies"])
+    assert f"Python {project['requires-python'].removeprefix('>=')} or newer" in README
+
+
+def test_the_citation_is_of_this_version():
+    citation = (ROOT / "CITATION.cff").read_text()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert f"\nversion: {project['version']}\n" in citation and f"\nlicense: {project['license']}\n" in citation
+    assert f"## {project['version']} " in (ROOT / "CHANGELOG.md").read_text()
+
+
 def test_links_lead_somewhere():
     targets = [target for target in re.findall(r"\]\(([^)]+)\)", README) if "://" not in target]
-    assert targets and [target for target in targets if not (ROOT / target).exists()] == []
+    headings = {"#" + heading.lower().replace(" ", "-") for heading in re.findall(r"^#+ (.+)$", README, re.M)}
+    assert targets and [name for name in targets if name not in headings and not (ROOT / name).exists()] == []
 
 
 def test_make_can_do_what_is_shown():
