@@ -29,7 +29,7 @@ from envs.football.constants import (
     SPRINT,
 )
 
-TRACES = Path(__file__).resolve().parents[3] / "shared" / "football" / "grf" / "traces"
+TRACES = Path(__file__).parent / "turn_traces.csv"
 
 # What is pressed first, for how many steps, and then; the measured speeds from that moment on.
 WITHOUT_BALL = {
@@ -152,11 +152,9 @@ def test_players_stay_on_the_grass() -> None:
 @pytest.mark.parametrize("name", ["walk_top", "walk_left", "walk_top_right", "sprint_top", "sprint_left"])
 def test_turning_against_the_raw_traces(name: str) -> None:
     """Place 2 s after a turn without the ball, relative to the turn, within 0.6 m of the measured one."""
-    path = TRACES / f"a_turn_noball_{name}.csv"
-    if not path.exists():
-        pytest.skip("the measured traces are not beside the repository")
-    rows = list(csv.DictReader(path.open()))
-    place = np.array([[float(row["L1_x"]) * 54.4, -float(row["L1_y"]) * 83.6] for row in rows])
+    table = csv.DictReader(line for line in TRACES.open() if not line.startswith("#"))
+    rows = [row for row in table if row["run"] == name]
+    place = np.array([[float(row["x"]), float(row["y"])] for row in rows])  # [T, 2]
     turn = max(i for i in range(1, len(rows)) if rows[i]["sticky"] != rows[i - 1]["sticky"])
     direction = 1 + rows[turn]["sticky"].index("1")
     matches = runner()

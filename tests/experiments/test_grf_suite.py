@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,12 +15,27 @@ from experiments.grf.report import FAMILIES, family_module, read_data, render_fa
 from experiments.grf.rows import Row, by_distance, by_factor, by_share
 from experiments.grf.stage import Stage, keys, metres, units
 
+DATA = Path(__file__).parents[2] / "experiments" / "grf" / "data"
+
 
 def test_differences_are_in_the_terms_of_their_tolerance():
     assert by_share("f", "n", 5.5, 5.0, "m/s", 0.05).difference == pytest.approx(0.1)
     assert by_distance("f", "n", 0.01, -0.02, "units", 0.05).difference == pytest.approx(0.03)
     assert by_factor("f", "n", 4.0, 6.0, "", 0.5).difference == pytest.approx(0.5)
     assert by_factor("f", "n", 0.0, 6.0, "", 0.5).difference == math.inf
+
+
+def test_the_page_beside_the_data_names_every_file_and_every_column():
+    page = (DATA / "README.md").read_text()
+    described = {
+        cells[1].strip(" `"): cells for cells in (line.split("|") for line in page.splitlines()) if len(cells) == 6
+    }
+    paths = sorted(DATA.glob("*.csv"))
+    assert {path.name for path in paths} == {name for name in described if name.endswith(".csv")}
+    for path in paths:
+        _, _, family, _, columns, _ = described[path.name]
+        assert family.strip() in FAMILIES
+        assert {f"`{column}`" for column in read_data(path.stem)[0]} <= set(re.findall("`[a-z_]+`", columns)), path.name
 
 
 @pytest.mark.parametrize(("difference", "ok"), [(0.05, True), (0.051, False), (math.nan, False)])

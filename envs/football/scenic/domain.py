@@ -38,7 +38,7 @@ FOOTBALL = Domain(
     library={f"{package}.{name}": path for package in PACKAGES for name, path in MODULES.items()}
     | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()}
     | dict.fromkeys(PACKAGES, LIBRARY / "football.scenic"),
-    default_model="football.model",
+    default_model="football.behaviors",  # with it the model and the actions
     params=SETTINGS | ENGINE,
     world=FOOTBALL_WORLD,
 )
