@@ -107,6 +107,8 @@ class SceneChecks:
     def __init__(self, watches: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
         """`rules` gives the rule of each requirement, None for one that always holds."""
         self.watches = [watch for watch in watches if watch.place is not None and reaches(tape, watch)]
+        for watch in self.watches:
+            tape.keep(watch.node, *watch.node.inputs, *(condition for condition, _ in watch.guards))
         self._tape = tape
         self._rules = rules
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
 from scenic_lite.values.operations import OR, SECTOR_MEETS
@@ -140,11 +140,11 @@ def spread_of(value: Value, dialect: int) -> Value:
     return value if dialect == 2 else as_vector(value)
 
 
-def oriented_point(at: Vector, heading: Value, like: Instance) -> Instance:
-    """A new OrientedPoint that no program text made by itself; `like` lends its place."""
+def oriented_point(at: Vector, heading: Value, place: SourceSpan) -> Instance:
+    """Return a new OrientedPoint that no program text made by itself."""
     properties = {"position": at, "heading": heading, "width": 0.0, "length": 0.0}
     properties |= {"visibleDistance": 50.0, "viewAngle": 2 * math.pi}
-    return Instance(ORIENTED_POINT, like.place, properties=properties)
+    return Instance(ORIENTED_POINT, place, properties=properties)
 
 
 def side_of(instance: Instance, side: str) -> Instance:
@@ -152,7 +152,7 @@ def side_of(instance: Instance, side: str) -> Instance:
     across, along = SIDES[side]
     offset = Vector(instance.properties["width"] * (across / 2), instance.properties["length"] * (along / 2))
     heading = instance.properties["heading"]
-    return oriented_point(instance.properties["position"] + offset.rotated(heading), heading, instance)
+    return oriented_point(instance.properties["position"] + offset.rotated(heading), heading, instance.place)
 
 
 def view_of(instance: Instance) -> SectorRegion:

@@ -14,7 +14,7 @@ from scenic_lite.core.builtin_tables import needs_context, own
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, Instance, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.language.classes import ORIENTED_POINT, is_object, outline
+from scenic_lite.language.classes import is_object, oriented_point, outline
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import along
 from scenic_lite.language.region_functions import fixed_number, number, vector
@@ -236,9 +236,7 @@ def end_of(self: Region, last: bool) -> Instance:
     heading: Value = float(chain.headings[-1 if last else 0])
     if not chain.own_direction:
         heading = 0.0 if chain.orientation is None else chain.orientation.heading_at(place)
-    properties: dict[str, Value] = {"position": place, "heading": heading, "width": 0.0, "length": 0.0}
-    properties |= {"visibleDistance": 50.0, "viewAngle": 2 * np.pi}
-    return Instance(ORIENTED_POINT, SourceSpan("", 1, 0, 1, 1), properties=properties)
+    return oriented_point(place, heading, SourceSpan("", 1, 0, 1, 1))
 
 
 def segments(self: Region) -> list:

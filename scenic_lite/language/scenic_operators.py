@@ -11,7 +11,7 @@ from collections.abc import Callable
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import EPISODE
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import (
     SIDES,
     as_heading,
@@ -119,7 +119,7 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
     """An OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
-        return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base)
+        return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base.place)
     if is_scalar(offset) and scope.state.dialect == 3:
         return offset + heading
     hint = f"write {base.title()}.heading" if is_scalar(offset) else ""
@@ -184,8 +184,8 @@ def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) 
 def follow_field(scope: Scope, field: Value, start: Value, length: Value) -> Value:
     base = ego_of(scope) if start is None else start
     point, heading = follow(field, vector_of("follow ... from", base), length)
-    like = base if isinstance(base, Instance) else ego_of(scope)
-    return oriented_point(point, heading, like)
+    place = base.place if isinstance(base, Instance) else SourceSpan(scope.source.file, 1, 0, 1, 1)
+    return oriented_point(point, heading, place)
 
 
 def visible_part(scope: Scope, region: Value) -> Region:

@@ -22,7 +22,7 @@ from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.polygons import PolygonalRegion
-from scenic_lite.values.regions import RectangularRegion, Region, SectorRegion
+from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
 ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
@@ -57,13 +57,17 @@ def prune(state: LoadState) -> None:
     parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
     for container, (where, label) in containers(state, state.objects).items():
         for instance in [state.objects[i] for i in where] if is_fixed_area(container) else []:
-            found = near_point(points, state, instance.properties["position"])
-            if found is None or not is_fixed_area(state.points[found[0]].region):
+            near = near_point(points, state, instance.properties["position"])
+            if near is None:
                 continue
-            at, right, up = found
-            base, demand = state.points[at].region, Demand(container, right, up, inner_radius(instance))
+            at, right, up = near
+            base = state.points[at].region
             if state.dialect == 3 and base is state.workspace:
                 continue
+            base = base.region if isinstance(base, Filtered) else base  # whose test is a requirement of the point
+            if not is_fixed_area(base):
+                continue
+            demand = Demand(container, right, up, inner_radius(instance))
             known = parts.setdefault(demand, {})
             if base not in known:
                 known[base] = common_part(base, demand)

@@ -8,6 +8,7 @@ then holds the nodes in topological order, so that N scenes cost one array opera
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from scenic_lite.values.operations import (
     to_integers,
 )
 
+MOST_NUMBERS = 1 << 28  # alive at once while a tape runs: 2 GB
 Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
 
 
@@ -215,6 +217,7 @@ class Tape:
             self._slots[id(column)] = self._register(None)
         self.dim = len(self.registers)
         self.slots = {id(output): self._place(output) for output in outputs}
+        self._kept = set(self.slots.values())
 
     def slot(self, value: RandomExpr) -> int:
         return self.slots[id(value)]
@@ -223,13 +226,42 @@ class Tape:
         """The register of any value that is computed on the way to the outputs."""
         return self._slots.get(id(value))
 
+    def keep(self, *values: Value) -> None:
+        """Keep what some values are after a run, though they are no outputs."""
+        self._kept.update(self._slots[id(value)] for value in values if isinstance(value, RandomExpr))
+        vars(self).pop("_schedule", None)
+
     def run(self, columns: Any) -> list[Any]:
-        """Evaluate every node. columns [D, N] (scaled); returns the registers, each [N] or a constant."""
+        """Evaluate every node for columns [D, N] (scaled); return the registers, each [N], a constant, or None.
+
+        Only outputs and what is kept are there afterwards: whatever else the last reader has read makes room.
+        """
+        steps, most = self._schedule
+        if steps and len(columns[0]) * most > MOST_NUMBERS:
+            what = f"{len(columns[0]):,} scenes at once, of {most:,} random values each; ask for fewer at a time"
+            raise ScenicError("budget", f"evaluation budget exceeded: {what}")
         registers = self.registers.copy()
         registers[: self.dim] = columns
-        for operation, inputs, out in self.steps:
+        for operation, inputs, out, read in steps:
             registers[out] = operation(*[registers[i] for i in inputs])
+            for i in read:
+                registers[i] = None
         return registers
+
+    @cached_property
+    def _schedule(self) -> tuple[list[tuple[Callable[..., Any], tuple[int, ...], int, tuple[int, ...]]], int]:
+        """The steps, each with the registers that it is the last to read; and how many are alive at most."""
+        last = {slot: at for at, (_, inputs, out) in enumerate(self.steps) for slot in (out, *inputs)}
+        dying: dict[int, list[int]] = {}
+        for _, _, out in self.steps:
+            if out not in self._kept:
+                dying.setdefault(last[out], []).append(out)
+        alive = most = self.dim
+        for at in range(len(self.steps)):
+            alive += 1
+            most = max(most, alive)
+            alive -= len(dying.get(at, ()))
+        return [(*step, tuple(dying.get(at, ()))) for at, step in enumerate(self.steps)], most
 
     def _register(self, value: Any) -> int:
         self.registers.append(value)
