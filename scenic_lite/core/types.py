@@ -79,6 +79,7 @@ class Instance(Located):
     properties: dict[str, Value] = field(default_factory=dict)
     attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, of no property
     label: str = ""  # unique among the objects of its program
+    parent_heading: Value = 0.0  # in dialect 3, to which its yaw was added
 
     def position_vector(self) -> Vector | None:
         return as_vector(self.properties["position"]) if "position" in self.properties else None

@@ -32,7 +32,7 @@ from scenic_lite.core.types import (
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
 from scenic_lite.evaluation.strings import METHODS as TEXTS
-from scenic_lite.language.classes import SIDES, is_object, is_oriented, side_of
+from scenic_lite.language.classes import ORIENTATION, SIDES, is_object, is_oriented, side_of
 from scenic_lite.language.region_members import (
     CLASS_FUNCTIONS,
     FIELD_FIELDS,
@@ -40,7 +40,7 @@ from scenic_lite.language.region_members import (
     REGION_FIELDS,
     REGION_METHODS,
 )
-from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between
+from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between, is_scalar
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import ABSOLUTE, MAXIMUM
 from scenic_lite.values.regions import Region, VectorField
@@ -54,6 +54,8 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
         return of_instance(scope, value, name)
     if isinstance(value, Namespace):
         return of_namespace(value, name)
+    if name in ("yaw", "pitch", "roll") and scope.state.dialect == 3 and is_scalar(value):  # of an orientation
+        return value if name == "yaw" else 0.0
     if isinstance(value, BehaviorCall) and name in value.names:
         return value.names[name]
     if isinstance(value, ScenicClass):
@@ -158,6 +160,8 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
         return member_of(scope, member, instance)
     if is_oriented(instance) and name in SIDES:
         return side_of(instance, name)
+    if is_oriented(instance) and scope.state.dialect == 3 and name in ORIENTATION:
+        return ORIENTATION[name](instance)
     position = instance.position_vector()
     if name in ("x", "y") and position is not None:
         return position.x if name == "x" else position.y

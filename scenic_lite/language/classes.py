@@ -6,10 +6,11 @@ Spec section 4, the table of properties. Read next: `language.specifiers`, which
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar
+from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
 from scenic_lite.values.operations import OR, SECTOR_MEETS
 from scenic_lite.values.regions import SectorRegion
@@ -102,6 +103,25 @@ def as_heading(value: Value) -> Value:
     return None
 
 
+def as_orientation(value: Value) -> Value:
+    """Return the yaw of what dialect 3 takes for an orientation: as `as_heading`, or (yaw, 0, 0)."""
+    if isinstance(value, tuple | list) and len(value) == 3 and all(is_scalar(part) for part in value):
+        if not all(is_number(part) and part == 0 for part in value[1:]):
+            raise ScenicError("unsupported", "an orientation in two dimensions is (yaw, 0, 0)")
+        return value[0]
+    return as_heading(value)
+
+
+# What an oriented object of dialect 3 knows of its orientation besides its heading.
+ORIENTATION: dict[str, Callable[[Instance], Value]] = {
+    "orientation": lambda self: self.properties["heading"],
+    "parentOrientation": lambda self: self.parent_heading,
+    "yaw": lambda self: normalised(self.properties["heading"] - self.parent_heading),
+    "pitch": lambda self: 0.0,
+    "roll": lambda self: 0.0,
+}
+
+
 def checked(name: str, value: Value, dialect: int) -> Value:
     """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
     if name in SWITCHES and not isinstance(value, RandomExpr | RandomChoice):
@@ -116,6 +136,11 @@ def checked(name: str, value: Value, dialect: int) -> Value:
         if vector is None:
             raise ScenicError("type", f"{name} must be a vector, not {describe_kind(value)}")
         return vector
+    if name == "parentOrientation" and dialect == 3:
+        heading = as_orientation(value)
+        if heading is None:
+            raise ScenicError("type", f"parentOrientation must be a heading, not {describe_kind(value)}")
+        return heading
     if name in NUMBER_PROPERTIES and not is_scalar(value):
         heading = as_heading(value) if name == "heading" else None
         if heading is None:

@@ -1,4 +1,4 @@
-"""The meaning of each specifier: `at`, `in`, `ahead of`, `facing` and the rest.
+"""The specifier of each specifier: `at`, `in`, `ahead of`, `facing` and the rest.
 
 Spec section 5. Each function takes the frame, the node and the evaluated operands. Read next:
 `language.scenic_operators`.
@@ -14,23 +14,23 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Sight
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.classes import as_heading, is_object, view_of
+from scenic_lite.language.classes import as_heading, as_orientation, is_object, view_of
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifiers import FIRM, LOOSE, ResolvedSpecifier
+from scenic_lite.language.specifiers import OPTIONAL, REQUIRED, ResolvedSpecifier
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalised
 from scenic_lite.values.graph import Value, apply
 from scenic_lite.values.operations import NOT
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, VectorField
 
-POSITION = {"position": FIRM}
+POSITION = {"position": REQUIRED}
 # For each direction: its unit step, and the property whose half lies between centre and side.
 DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
 
 
-def optional_heading(scope: Scope, priority: int = LOOSE) -> dict[str, int]:
+def optional_heading(scope: Scope, priority: int = OPTIONAL) -> dict[str, int]:
     """The heading that a position specifier may bring along: dialect 3 sets the parent's."""
-    return {"parentHeading" if scope.state.dialect == 3 else "heading": priority}
+    return {"parentOrientation" if scope.state.dialect == 3 else "heading": priority}
 
 
 def vector_of(words: str, value: Value) -> Vector:
@@ -75,7 +75,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
             return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
     oriented = check_region(words, region)
     gives = POSITION | (
-        optional_heading(scope, 2 if words == "on" and scope.state.dialect == 3 else LOOSE) if oriented else {}
+        optional_heading(scope, 2 if words == "on" and scope.state.dialect == 3 else OPTIONAL) if oriented else {}
     )
     heading_name = next((name for name in gives if name != "position"), "heading")
     point, heading = point_in(scope, node, region)
@@ -93,10 +93,10 @@ def check_region(words: str, region: Value) -> bool:
 
 
 def contained_in(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
-    meaning = inside(scope, node, region)
-    gives = meaning.gives | {"regionContainedIn": FIRM}
+    specifier = inside(scope, node, region)
+    gives = specifier.gives | {"regionContainedIn": REQUIRED}
     return ResolvedSpecifier(
-        meaning.name, node, gives, lambda self: meaning.compute(self) | {"regionContainedIn": region}
+        specifier.name, node, gives, lambda self: specifier.compute(self) | {"regionContainedIn": region}
     )
 
 
@@ -174,7 +174,7 @@ def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) 
     words = node.name  # type: ignore[attr-defined]
     if scope.state.dialect == 3:
         gives = POSITION | optional_heading(scope)
-        return ResolvedSpecifier(words, node, gives, lambda self: {"position": place, "parentHeading": heading})
+        return ResolvedSpecifier(words, node, gives, lambda self: {"position": place, "parentOrientation": heading})
     return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
 
 
@@ -212,7 +212,7 @@ def in_or_out_of_sight(
         if dialect == 3:
             scope.state.sights.append((self, sight))
 
-    gives = {"position": LOOSE if dialect == 3 else FIRM}
+    gives = {"position": OPTIONAL if dialect == 3 else REQUIRED}
     return ResolvedSpecifier(words, node, gives, compute, frozenset({"regionContainedIn"}), demand)
 
 
@@ -234,15 +234,15 @@ def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance:
 def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
     if isinstance(direction, VectorField):
         field = direction
-        return heading_meaning(scope, node, lambda self: field.heading_at(self.properties["position"]), {"position"})
+        return heading_specifier(scope, node, lambda self: field.heading_at(self.properties["position"]), {"position"})
     if isinstance(direction, LazyValue):
-        return heading_meaning(scope, node, direction.compute, direction.needs)
-    heading = as_heading(direction)
+        return heading_specifier(scope, node, direction.compute, direction.needs)
+    heading = as_orientation(direction) if scope.state.dialect == 3 else as_heading(direction)
     if heading is None:
         raise ScenicError(
             "type", f"`facing` needs a heading, not {describe_kind(direction)}", hint=facing_hint(direction)
         )
-    return heading_meaning(scope, node, lambda self: heading, set())
+    return heading_specifier(scope, node, lambda self: heading, set())
 
 
 def facing_hint(value: Value) -> str:
@@ -251,12 +251,12 @@ def facing_hint(value: Value) -> str:
 
 def facing_toward(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
     vector = vector_of("facing toward", target)
-    return heading_meaning(scope, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
+    return heading_specifier(scope, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
 
 
 def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
     vector = vector_of("facing away from", target)
-    return heading_meaning(scope, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
+    return heading_specifier(scope, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
@@ -267,14 +267,16 @@ def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value
     def compute(self: Instance) -> dict[str, Value]:
         return {name: angle_between(start, self.properties["position"]) + turn}
 
-    return ResolvedSpecifier("apparently facing", node, {name: FIRM}, compute, frozenset({"position"}))
+    return ResolvedSpecifier("apparently facing", node, {name: REQUIRED}, compute, frozenset({"position"}))
 
 
-def heading_meaning(scope: Scope, node: ast.AST, compute: Callable[[Instance], Value], needs: Any) -> ResolvedSpecifier:
-    """A firm heading; dialect 3 normalises it."""
+def heading_specifier(
+    scope: Scope, node: ast.AST, compute: Callable[[Instance], Value], needs: Any
+) -> ResolvedSpecifier:
+    """A required heading; dialect 3 normalises it."""
     finish = normalised if scope.state.dialect == 3 else lambda heading: heading
     return ResolvedSpecifier(
-        "facing", node, {"heading": FIRM}, lambda self: {"heading": finish(compute(self))}, frozenset(needs)
+        "facing", node, {"heading": REQUIRED}, lambda self: {"heading": finish(compute(self))}, frozenset(needs)
     )
 
 

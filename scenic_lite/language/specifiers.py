@@ -1,7 +1,7 @@
 """Specifiers: what each gives and needs, and how an instance's properties are resolved from them.
 
 Spec sections 4 and 5; the differences between the dialects are section 13. Read next: `language.specifier_rules`, the
-meaning of each specifier.
+specifier of each specifier.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from scenic_lite.language.alternatives import one_behavior
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalised
-from scenic_lite.values.graph import Value
+from scenic_lite.values.graph import Value, is_number
 
-FIRM, LOOSE = 1, 3  # priorities: a firm specification beats a loose one
+REQUIRED, OPTIONAL = 1, 3  # priorities: the lower number wins
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class ResolvedSpecifier:
     """One specifier with its operands evaluated.
 
     `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given;
-    `always` is what it means besides, even where stronger specifiers give all that it would.
+    `always` is what it means besides, even where specifiers of higher priority give all that it would.
     """
 
     name: str
@@ -45,64 +45,65 @@ class Resolution:
 
     scope: Scope
     instance: Instance
-    winners: dict[str, ResolvedSpecifier]
+    by_property: dict[str, ResolvedSpecifier]
     done: set[int] = field(default_factory=set)
     waiting: list[ResolvedSpecifier] = field(default_factory=list)
 
-    def settle(self, meaning: ResolvedSpecifier) -> None:
-        """Compute what `meaning` gives, after what it needs."""
-        if id(meaning) in self.done:
+    def resolve(self, specifier: ResolvedSpecifier) -> None:
+        """Compute what `specifier` gives, after what it needs."""
+        if id(specifier) in self.done:
             return
-        if meaning in self.waiting:
+        if specifier in self.waiting:
             raise self.scope.error(
-                "specifier", f"`{meaning.name}` depends on itself", meaning.node, self._circle(meaning)
+                "specifier", f"`{specifier.name}` depends on itself", specifier.node, self._circle(specifier)
             )
-        self.waiting.append(meaning)
-        for need in sorted(meaning.needs):
-            if need not in self.winners:
-                raise self._missing(meaning, need)
-            self.settle(self.winners[need])
+        self.waiting.append(specifier)
+        for need in sorted(specifier.needs):
+            if need not in self.by_property:
+                raise self._missing(specifier, need)
+            self.resolve(self.by_property[need])
         self.waiting.pop()
-        self.done.add(id(meaning))
+        self.done.add(id(specifier))
         try:
-            self._compute(meaning)
+            self._compute(specifier)
         except ScenicError as error:
-            raise self.scope.placed(error, meaning.node) from None
+            raise self.scope.placed(error, specifier.node) from None
 
-    def _compute(self, meaning: ResolvedSpecifier) -> None:
-        if meaning.always is not None:
-            meaning.always(self.instance)
-        if not any(self.winners.get(name) is meaning for name in meaning.gives):
+    def _compute(self, specifier: ResolvedSpecifier) -> None:
+        if specifier.always is not None:
+            specifier.always(self.instance)
+        if not any(self.by_property.get(name) is specifier for name in specifier.gives):
             return
-        given = meaning.compute(self.instance)
+        given = specifier.compute(self.instance)
         for name, value in given.items():
-            if self.winners.get(name) is meaning:
+            if self.by_property.get(name) is specifier:
                 self.instance.properties[name] = checked(name, value, self.scope.state.dialect)
 
-    def _missing(self, meaning: ResolvedSpecifier, need: str) -> ScenicError:
-        message = f"`{meaning.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
-        return self.scope.error("specifier", message, meaning.node, near(need, self.winners))
+    def _missing(self, specifier: ResolvedSpecifier, need: str) -> ScenicError:
+        message = f"`{specifier.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
+        return self.scope.error("specifier", message, specifier.node, near(need, self.by_property))
 
-    def _circle(self, meaning: ResolvedSpecifier) -> str:
-        others = [each.name for each in self.waiting[self.waiting.index(meaning) + 1 :]]
+    def _circle(self, specifier: ResolvedSpecifier) -> str:
+        others = [each.name for each in self.waiting[self.waiting.index(specifier) + 1 :]]
         return f"through `{'`, `'.join(others)}`" if others else ""
 
 
-def make(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier], instance: Instance) -> Instance:
+def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
-    refuse_final(scope, cls, meanings)
+    refuse_final(scope, cls, specifiers)
     if scope.state.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
-        refuse_heading(scope, cls, meanings)
-    winners = strongest(scope, meanings)
+        refuse_heading(scope, cls, specifiers)
+    by_property = resolve_priorities(scope, specifiers)
     for name in cls.property_names():
-        if name not in winners:
-            winners[name] = default_of(scope, cls, name, instance)
+        if name not in by_property:
+            by_property[name] = default_of(scope, cls, name, instance)
     if scope.state.dialect == 3 and cls.derives_from(ORIENTED_POINT):
-        split_heading(scope, cls, winners, instance)
-    resolution = Resolution(scope, instance, winners)
-    for meaning in [*meanings, *winners.values()]:
-        resolution.settle(meaning)
-    instance.properties.pop("parentHeading", None)
+        split_heading(scope, cls, by_property, instance)
+    resolution = Resolution(scope, instance, by_property)
+    for specifier in [*specifiers, *by_property.values()]:
+        resolution.resolve(specifier)
+    if scope.state.dialect == 3:
+        instance.parent_heading = instance.properties.pop("parentOrientation", 0.0)
     if cls.derives_from(OBJECT):
         limit = scope.mode.budget.limits.objects
         if len(scope.state.objects) >= limit:
@@ -111,38 +112,42 @@ def make(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier], inst
     return instance
 
 
-def refuse_final(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier]) -> None:
+def refuse_final(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
     """Raise ScenicError where a specifier gives a property that its class calls final, or a name that is taken."""
-    for meaning in meanings:
-        for name in meaning.gives:
+    for specifier in specifiers:
+        for name in specifier.gives:
             if any("final" in default.attributes for default in cls.defaults_of(name)):
-                raise scope.error("specifier", f"the property '{name}' is final: no specifier can set it", meaning.node)
+                raise scope.error(
+                    "specifier", f"the property '{name}' is final: no specifier can set it", specifier.node
+                )
             if name in SIDES:
-                raise scope.error("specifier", f"'{name}' is the place at a side of every object", meaning.node)
+                raise scope.error("specifier", f"'{name}' is the place at a side of every object", specifier.node)
 
 
-def refuse_heading(scope: Scope, cls: ScenicClass, meanings: list[ResolvedSpecifier]) -> None:
+def refuse_heading(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
     """Raise ScenicError where a class without a heading is to face somewhere."""
-    for meaning in meanings:
-        if "facing" in meaning.name:
+    for specifier in specifiers:
+        if "facing" in specifier.name:
             hint = "an OrientedPoint has one"
-            raise scope.error("specifier", f"a {cls.name} has no heading for `{meaning.name}`", meaning.node, hint)
+            raise scope.error("specifier", f"a {cls.name} has no heading for `{specifier.name}`", specifier.node, hint)
 
 
-def strongest(scope: Scope, meanings: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
-    """For each property the specifier that sets it. Raises ScenicError where two are equally strong."""
+def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
+    """Return for each property the specifier that sets it. Raises ScenicError where two have the same priority."""
     seen: dict[str, ResolvedSpecifier] = {}
-    winners: dict[str, ResolvedSpecifier] = {}
-    for meaning in meanings:
-        if meaning.name in seen:
-            raise scope.error("specifier", f"`{meaning.name}` is given twice", meaning.node)
-        seen[meaning.name] = meaning
-        for name in meaning.gives:
-            winners[name] = stronger(scope, name, winners.get(name), meaning)
-    return winners
+    by_property: dict[str, ResolvedSpecifier] = {}
+    for specifier in specifiers:
+        if specifier.name in seen:
+            raise scope.error("specifier", f"`{specifier.name}` is given twice", specifier.node)
+        seen[specifier.name] = specifier
+        for name in specifier.gives:
+            by_property[name] = higher_priority(scope, name, by_property.get(name), specifier)
+    return by_property
 
 
-def stronger(scope: Scope, name: str, old: ResolvedSpecifier | None, new: ResolvedSpecifier) -> ResolvedSpecifier:
+def higher_priority(
+    scope: Scope, name: str, old: ResolvedSpecifier | None, new: ResolvedSpecifier
+) -> ResolvedSpecifier:
     if old is None or new.gives[name] < old.gives[name]:
         return new
     if new.gives[name] == old.gives[name]:
@@ -162,13 +167,17 @@ def default_of(
         return ResolvedSpecifier(
             f"default of {name}",
             instance_node(instance),
-            {name: LOOSE},
+            {name: OPTIONAL},
             lambda self: {name: tuple(default.compute(owning, self) for default in defaults)},
             everything,
         )
     compute = defaults[0].compute
     return ResolvedSpecifier(
-        f"default of {name}", instance_node(instance), {name: LOOSE}, lambda self: {name: compute(owning, self)}, needs
+        f"default of {name}",
+        instance_node(instance),
+        {name: OPTIONAL},
+        lambda self: {name: compute(owning, self)},
+        needs,
     )
 
 
@@ -180,45 +189,51 @@ def instance_node(instance: Instance) -> ast.AST:
     )
 
 
-def split_heading(scope: Scope, cls: ScenicClass, winners: dict[str, ResolvedSpecifier], instance: Instance) -> None:
-    """Dialect 3: unless set firmly, heading = that of the parent + yaw, and the class's default is the parent's."""
+def split_heading(
+    scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
+) -> None:
+    """In dialect 3 heading = that of the parent + yaw, unless required; the class's default is the parent's."""
     node = instance_node(instance)
-    heading, yaw = winners["heading"], winners.get("yaw")
+    heading, yaw = by_property["heading"], by_property.get("yaw")
     if yaw is not None and not heading.name.startswith("default"):
         raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
     if heading.name.startswith("default"):
-        default = default_of(scope, cls, "heading", instance, "parentHeading")
+        default = default_of(scope, cls, "heading", instance, "parentOrientation")
         parent, needs = default.compute, default.needs
-        winners.setdefault(
-            "parentHeading",
+        by_property.setdefault(
+            "parentOrientation",
             ResolvedSpecifier(
                 "parent heading",
                 node,
-                {"parentHeading": LOOSE},
-                lambda self: {"parentHeading": parent(self)["heading"]},
+                {"parentOrientation": OPTIONAL},
+                lambda self: {"parentOrientation": parent(self)["heading"]},
                 needs,
             ),
         )
-        winners.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": LOOSE}, lambda self: {"yaw": 0.0}))
-        winners["heading"] = ResolvedSpecifier(
+        by_property.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": OPTIONAL}, lambda self: {"yaw": 0.0}))
+        by_property["heading"] = ResolvedSpecifier(
             "heading",
             node,
-            {"heading": LOOSE},
-            lambda self: {"heading": normalised(self.properties["parentHeading"] + self.properties["yaw"])},
-            frozenset({"parentHeading", "yaw"}),
+            {"heading": OPTIONAL},
+            lambda self: {"heading": normalised(self.properties["parentOrientation"] + self.properties["yaw"])},
+            frozenset({"parentOrientation", "yaw"}),
         )
 
 
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
+    flat = name != "orientation" and is_number(value) and value == 0
+    if scope.state.dialect == 3 and name in ("orientation", "pitch", "roll") and not flat:
+        hint = "write facing H, or with yaw H"
+        raise scope.error("specifier", f"in two dimensions no specifier sets the {name}", node, hint)
     if name == "behavior":
         value = scope.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(scope, node, value)
     if isinstance(value, LazyValue):
         delayed = value
         return ResolvedSpecifier(
-            f"with {name}", node, {name: FIRM}, lambda self: {name: delayed.compute(self)}, value.needs
+            f"with {name}", node, {name: REQUIRED}, lambda self: {name: delayed.compute(self)}, value.needs
         )
-    return ResolvedSpecifier(f"with {name}", node, {name: FIRM}, lambda self: {name: value})
+    return ResolvedSpecifier(f"with {name}", node, {name: REQUIRED}, lambda self: {name: value})
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:

@@ -1,9 +1,12 @@
 """Hostile programs: each ends quickly with an error that says which limit was passed, or does no harm."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
+from scenic_lite.values import graph
 
 START = "ego = Object at 0 @ 0\n"
 TOO_MUCH = [
@@ -159,3 +162,25 @@ def test_what_fails_in_a_scene_is_raised_by_sampling_with_its_line():
 def test_a_text_that_would_take_long_to_read():
     with pytest.raises(ScenicError, match="the program is longer than 200,000 characters"):
         load("x = 1\n" * 40_000)
+
+
+CHAIN = "x = Range(0, 1)\ny = x\nfor i in range(9000):\n    y = y * 1.0001 + 0.5\nego = new Object at y @ 0"
+
+
+def test_many_operations_on_one_draw_need_little_memory():
+    program = load(CHAIN, dialect=3)
+    theta = np.zeros((4096, 1))
+    tracemalloc.start()
+    program.instantiate(theta)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(program.tape.steps) == 18_000
+    assert peak < 20e6  # all results at once would be 590 MB
+
+
+def test_what_no_memory_holds_is_refused(monkeypatch):
+    monkeypatch.setattr(graph, "MOST_NUMBERS", 10_000)
+    program = load(CHAIN, dialect=3)
+    program.instantiate(np.zeros((1000, 1)))
+    with pytest.raises(ScenicError, match="5,000 scenes at once, of 3 random values each; ask for fewer at a time"):
+        program.instantiate(np.zeros((5000, 1)))

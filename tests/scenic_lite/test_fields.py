@@ -124,3 +124,9 @@ def test_a_field_may_depend_on_a_draw():
 def test_steps_are_bounded():
     with pytest.raises(ScenicError, match="1 to 1000 steps"):
         load("f = VectorField('f', lambda p: 0, minSteps=0)\nego = new Object at 0@0", dialect=3)
+
+
+def test_a_field_is_followed_from_a_vector_without_an_ego():
+    text = "up = VectorField('up', lambda p: 0)\nparam end = (follow up from 1 @ 2 for 5).position\n"
+    program = load(text + "new Object at 9 @ 9, with requireVisible False", dialect=3)
+    assert program.params["end"] == pytest.approx((1, 7))

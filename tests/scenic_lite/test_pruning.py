@@ -197,3 +197,15 @@ def test_small_batches_draw_what_the_acceptance_calls_for(monkeypatch):
     monkeypatch.setattr(Program, "_evaluate", lambda self, theta: rows.append(len(theta)) or count(self, theta))
     program.sample(256, np.random.default_rng(0))
     assert sum(rows) < 256 * 5
+
+
+def test_a_point_out_of_sight_is_drawn_where_its_object_has_room():
+    program = load(
+        "workspace = Workspace(RectangularRegion(0 @ 0, 0, 10, 10))\n"
+        "ego = new Object at 0 @ 0, with visibleDistance 2\n"
+        "a = new Object not visible, with width 2, with length 2, with requireVisible False",
+        dialect=3,
+    )
+    assert [draw[:4] for draw in program.draws] == [("a.x", "point.x", -4, 4), ("a.y", "point.y", -4, 4)]
+    scenes = program.sample(500, np.random.default_rng(0))[1]
+    assert np.hypot(*scenes.positions[:, 1].T).min() > 2

@@ -142,3 +142,33 @@ def test_wrong_specifier(text, message):
         one_scene(f"thing = new Thing {text}")
     assert caught.value.message == message
     assert caught.value.line == 5
+
+
+ORIENTATIONS = [  # specifiers, heading, yaw and the parent's heading in degrees
+    ("with parentOrientation 30 deg", 30, 0, 30),
+    ("with parentOrientation (30 deg, 0, 0)", 30, 0, 30),
+    ("with parentOrientation ego, with yaw 10 deg", 100, 10, 90),
+    ("with parentOrientation 30 deg, facing 10 deg", 10, -20, 30),
+    ("facing (30 deg, 0, 0), with pitch 0", 30, 30, 0),
+    ("left of ego by 2, with parentOrientation 30 deg", 30, 0, 30),
+    ("left of ego by 2, facing 10 deg", 10, -80, 90),
+]
+
+
+@pytest.mark.parametrize(("text", "heading", "yaw", "parent"), ORIENTATIONS)
+def test_orientations_of_dialect_3_are_yaws(text, heading, yaw, parent):
+    params = "param angles = (a.heading, a.yaw, a.parentOrientation, a.orientation.yaw, a.pitch, a.heading.roll)"
+    program = things(f"a = new Thing {text}\n{params}", 3)
+    np.testing.assert_allclose(np.degrees(program.params["angles"]), [heading, yaw, parent, heading, 0, 0], atol=1e-9)
+
+
+@pytest.mark.parametrize("text", ["with orientation 30 deg", "with pitch 1", "with roll Range(0, 1)"])
+def test_orientations_that_the_plane_has_not_are_refused(text):
+    with pytest.raises(ScenicError, match="in two dimensions no specifier sets the"):
+        things(f"a = new Thing {text}", 3)
+
+
+@pytest.mark.parametrize("text", ["facing (1, 2, 0)", "with parentOrientation (0, 0, 1)"])
+def test_an_orientation_is_a_yaw_alone(text):
+    with pytest.raises(ScenicError, match=r"an orientation in two dimensions is \(yaw, 0, 0\)"):
+        things(f"a = new Thing {text}", 3)
