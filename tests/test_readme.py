@@ -1,6 +1,8 @@
 """What the README shows works as it stands there."""
 
 import re
+import shutil
+import subprocess
 import tomllib
 from pathlib import Path
 
@@ -103,3 +105,21 @@ def test_links_lead_somewhere():
 def test_make_can_do_what_is_shown():
     shown = set(re.findall(r"^make ([\w-]+)", "".join(blocks("sh")), re.M))
     assert shown and shown <= set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
+
+
+def test_make_clean_takes_all_that_running_and_testing_leave(tmp_path):
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    left = [
+        "runs/a/b.csv",
+        "demo/c.png",
+        "build/d",
+        "ued/__pycache__/e.pyc",
+        "f.egg-info/g",
+        ".venv/h",
+        ".hypothesis/i",
+    ]
+    for name in [*left, "ued/kept.py"]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    subprocess.run(["make", "clean"], cwd=tmp_path, check=True, capture_output=True)
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["Makefile", "kept.py", "ued"]

@@ -90,7 +90,7 @@ class _Place(NamedTuple):
     without: tuple[str, ...] = ()
 
 
-def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
+def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
     """Add a flag for every field of `config` to `container` and `flags`, a group for every nested configuration."""
     hints = typing.get_type_hints(type(config))
     for item in fields(config):
@@ -104,6 +104,7 @@ def _add(parser: argparse.ArgumentParser, container: Any, config: Any, place: _P
             _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())), flags)
         elif about.get("positional"):
             _add_positional(container, item, hints[item.name], path)
+            parser.words += (item.name.upper(),)
         else:
             help_text += "" if value is None else f" (default {_spell(value)})"
             names = [flag_name(item.name, place.prefix), *filter(None, [about.get("short")])]
@@ -207,12 +208,15 @@ def _unknown(word: str, flags: list[str]) -> str:
 
 
 class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one sentence, and whose usage is one line: `words` are typed without a flag."""
+
+    words: tuple[str, ...] = ()
+
     def error(self, message: str) -> NoReturn:
         raise UsageError(message.removeprefix("argument ") + f"; see {self.prog} --help")
 
     def format_usage(self) -> str:
-        names = [action.metavar for action in self._actions if not action.option_strings]
-        return f"usage: {' '.join([self.prog, *map(str, names)])} [flags]\n"
+        return f"usage: {' '.join([self.prog, *self.words])} [flags]\n"
 
     def format_help(self) -> str:
         body = super().format_help()
