@@ -49,10 +49,6 @@ KNOWN_RINGED: set[str] = {
     "scenic_lite.dynamics.compiler.lists",
     "scenic_lite.dynamics.compiler.setups",
     "scenic_lite.dynamics.compiler.watchers",
-    "scenic_lite.dynamics.reference.agents",
-    "scenic_lite.dynamics.reference.composing",
-    "scenic_lite.dynamics.reference.scenarios",
-    "scenic_lite.dynamics.reference.threads",
 }
 KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/core/types.py: value.name",

@@ -3,8 +3,7 @@
 An episode has a `Mode` of its own, which the scopes of its threads carry: the values of everything random in this
 scene, the draws, and what some statements and functions mean at run time. While its statements run,
 `Episode.playing` gives the objects their live properties. Outside of it the program is as it was loaded, so that many
-episodes of one program can be played in turns. Read next:
-`dynamics.reference.threads`.
+episodes of one program can be played in turns. Read next: `dynamics.reference.threads`.
 """
 
 from __future__ import annotations
@@ -25,9 +24,9 @@ from scenic_lite.core.state import EPISODE, Mode
 from scenic_lite.core.types import Builtin, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
-from scenic_lite.dynamics.reference.episode_rng import Draws
-from scenic_lite.dynamics.reference.program_state import Belongings
+from scenic_lite.dynamics.reference.program_state import ProgramState
 from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.kernels.rng import streams, uniform
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 
@@ -73,7 +72,8 @@ class Episode:
 
     def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int) -> None:
         self.program, self.world = program, world
-        self.draws = Draws(seed)
+        self._rng = np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
+        self._rng.random = streams([seed])[0]
         self.time, self.timestep = 0, world.timestep
         self.active = False  # its statements run: it is being played, and not rejected
         self.objects = list(program.instances)
@@ -86,7 +86,7 @@ class Episode:
         self.scenario: Any = None  # the one whose statements run now
         self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
         self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
-        self._belongings = Belongings(program)
+        self._program_state = ProgramState(program)
         self.mode = self._mode()
         self.state = self.mode.state
 
@@ -94,7 +94,7 @@ class Episode:
         return {name: settled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
 
     def _mode(self) -> Mode:
-        """How the nodes of this episode are evaluated; what its statements make is its own."""
+        """Return how the nodes of this episode are evaluated; what its statements make is its own."""
         loaded = self.program.mode
         state = replace(
             loaded.state,
@@ -112,11 +112,11 @@ class Episode:
         return Mode(EPISODE, state, handlers, Patience(state.budget.limits), self._draw, row=self.row)
 
     def scope(self, environment: Environment) -> Scope:
-        """The same names, as they are in this episode."""
+        """Return a scope with the same names, as they are in this episode."""
         return Scope.at(self.mode, environment)
 
     def install(self, statements: Handlers, expressions: Handlers, suspending: Handlers) -> None:
-        """What nodes mean in an episode: statements that take no time, expressions, statements in which time passes."""
+        """Say what nodes mean in an episode: statements of an instant, expressions, statements in which time passes."""
         handlers = self.mode.handlers
         handlers = replace(
             handlers, statements=handlers.statements | statements, expressions=handlers.expressions | expressions
@@ -126,7 +126,7 @@ class Episode:
 
     @property
     def reward(self) -> float:
-        """What `simulation().scenic_reward` says."""
+        """Return what `simulation().scenic_reward` says."""
         value = None if self.simulation is None else self.simulation.names.get("scenic_reward")
         return float(value) if isinstance(value, int | float) else 0.0
 
@@ -140,7 +140,7 @@ class Episode:
     def playing(self) -> Iterator[None]:
         """Inside, the program means this episode."""
         loaded = [(each, each.properties, each.attributes) for each in self.objects]
-        with self._belongings.lent():
+        with self._program_state.installed():
             for each, _, _ in loaded:
                 each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
             self.active = True
@@ -187,7 +187,7 @@ class Episode:
             update(self.simulation, seen, ("scenic_reward",))
 
     def live_names(self, instance: Instance) -> set[str]:
-        """The properties that the simulator gives an object."""
+        """Return the properties that the simulator gives an object."""
         return set(self.world.properties(instance, dict.fromkeys(self.world.fields, 0.0)))
 
     def admit(self, instance: Instance) -> None:
@@ -196,10 +196,14 @@ class Episode:
         self._properties[id(instance)] = instance.properties
         self._attributes[id(instance)] = instance.attributes
 
+    def uniform(self) -> float:
+        """Draw the next number in [0, 1) of the match's stream, the one that a compiled program draws too."""
+        return float(uniform(self._rng))
+
     def _draw(self, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
-        """A draw with its value at once."""
+        """Make a draw with its value at once."""
         column = ThetaColumn(kind, place, offset, span)
-        self.row[column] = column.offset + column.span * self.draws.uniform()
+        self.row[column] = column.offset + column.span * self.uniform()
         return column
 
 
@@ -214,7 +218,7 @@ def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
 
 
 def settled(value: Value, row: dict[RandomExpr, Value]) -> Value:
-    """A value with everything random in it as it is in one sample; what is not random stays the same container."""
+    """Return a value as it is in one sample; a container without anything random stays the same."""
     value = in_row(value, row)
     if isinstance(value, list | tuple):
         parts = [settled(each, row) for each in value]

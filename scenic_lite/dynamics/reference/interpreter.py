@@ -1,12 +1,12 @@
 """The reference: an episode of a program played by Python's generators, which defines what the language means.
 
-Compiled programs must agree with it, command by command. The order within one step of time (spec section 11.1) is:
+Compiled programs must agree with it, command by command. The order within one step of time is Scenic 3's:
 
 `watch`: 1. the scenario and, inside its compose block, its sub-scenarios take a step (`scenarios`), after the first of
 which `record initial` values are taken; 2. `record` values are taken; 3. monitors run, each to its next `wait`, in
 Scenic 2 also if the scenario has just ended (in Scenic 3 they end with it); 4. if it has, or a monitor terminates, the
 episode ends, else if a `terminate simulation when` is true.
-`act`: 5. the behaviors run (`agents`).
+`act`: 5. the behaviors run (`threads`).
 
 A simulator calls `watch`, then `act`, then moves the world on; one whose monitors look at what an action has led to
 calls `act` first, and then number 1 of the first step is part of `act`: scenarios take one step at each time, by
@@ -17,7 +17,7 @@ The episode starts when it is first asked for anything: the main scenario's guar
 in the order of the scene with their guards, then the monitors in the order of the text. Everything at an instant sees
 the same world; only `lastActions`, attributes that programs assign, and global variables change within it. A
 program's fault at run time is a ScenicError with its place. Read next: `dynamics.reference.scenarios`,
-`dynamics.reference.agents`, `dynamics.reference.threads`.
+`dynamics.reference.threads`.
 """
 
 from __future__ import annotations
@@ -31,12 +31,10 @@ import numpy as np
 
 from scenic_lite.core.types import Instance
 from scenic_lite.core.world import Commands, Verdict, World
-from scenic_lite.dynamics.reference.agents import Agents
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
-from scenic_lite.dynamics.reference.instant_statements import making_objects, statements_of
 from scenic_lite.dynamics.reference.scenarios import Scenario
-from scenic_lite.dynamics.reference.suspending_statements import SUSPENDING
-from scenic_lite.dynamics.reference.threads import End
+from scenic_lite.dynamics.reference.statements import SUSPENDING, instant_statements, making_objects
+from scenic_lite.dynamics.reference.threads import Agents, End
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
@@ -55,7 +53,7 @@ class Reference:
     def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int = 0) -> None:
         self.episode = Episode(program, theta, world, seed)
         self.episode.install(
-            statements_of(self.episode),
+            instant_statements(self.episode),
             {nodes.New: making_objects(self.episode, program.mode.handlers.expressions[nodes.New])},
             SUSPENDING,
         )

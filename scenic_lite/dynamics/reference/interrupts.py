@@ -1,4 +1,4 @@
-"""`try: ... interrupt when c: ...`, the heart of reactive behaviors (spec section 11.4).
+"""`try: ... interrupt when c: ...`, the heart of reactive behaviors.
 
 The statement has a body and handlers h1 .. hk in the order of the text. Whenever it begins or is resumed:
 
@@ -12,7 +12,7 @@ The statement has a body and handlers h1 .. hk in the order of the text. Wheneve
 
 So outer statements decide before inner ones, and a handler is itself interrupted by those below it in the text. A
 condition that cannot be computed because it names a variable of a scenario that has no value yet counts as false. Read
-next: `invoking`, which is built on this.
+next: `dynamics.reference.do`, which is built on this.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Handler(NamedTuple):
 
 
 def try_interrupt(thread: Thread, node: nodes.TryInterrupt) -> Steps:
-    """The statement of the program, without its `except` and `finally`."""
+    """The statement of the program."""
     handlers = [handler_of(thread, each) for each in node.interrupts]
     return interruptible(thread, thread.block(node.body), handlers)
 
@@ -63,7 +63,7 @@ def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
 
 
 def is_unset(error: ScenicError) -> bool:
-    """Whether the error is about a variable that is assigned only later."""
+    """Return whether the error is about a variable that is assigned only later."""
     return error.fault is not None and error.fault.cls.name == "UnboundLocalError"
 
 
@@ -109,7 +109,7 @@ def close_all(*blocks: Steps | None) -> None:
 
 
 def chosen(handlers: list[Handler], running: list[Steps | None]) -> int | None:
-    """The handler to run now."""
+    """Return the index of the handler to run now, None for the body."""
     for at in reversed(range(len(handlers))):
         if running[at] is not None or handlers[at].condition():
             return at

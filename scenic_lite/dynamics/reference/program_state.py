@@ -1,7 +1,7 @@
 """What loading has made and an episode may change: variables, and the contents of lists, dictionaries and sets.
 
 Each episode has its own, so that a list that its behaviors add to begins every episode as the program wrote it. Read
-next: `episode`.
+next: `dynamics.reference.episode`.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
 
-class Belongings:
+class ProgramState:
     """The containers of one program as one episode has them."""
 
     def __init__(self, program: Program) -> None:
-        found = {id(each): each for each in (*variables(program), *containers(program))}
-        self._own = [(each, each.copy()) for each in found.values()]
+        mutable = {id(container): container for container in (*variables(program), *containers(program))}
+        self._own = [(container, container.copy()) for container in mutable.values()]
 
     @contextmanager
-    def lent(self) -> Iterator[None]:
+    def installed(self) -> Iterator[None]:
         """Inside, every container has the contents that it has in this episode."""
-        loaded = [each.copy() for each, _ in self._own]
-        for each, own in self._own:
-            fill(each, own)
+        loaded = [container.copy() for container, _ in self._own]
+        for container, own in self._own:
+            fill(container, own)
         try:
             yield
         finally:
-            self._own = [(each, each.copy()) for each, _ in self._own]
-            for (each, _), contents in zip(self._own, loaded, strict=True):
-                fill(each, contents)
+            self._own = [(container, container.copy()) for container, _ in self._own]
+            for (container, _), contents in zip(self._own, loaded, strict=True):
+                fill(container, contents)
 
 
 def fill(container: Any, contents: Any) -> None:
@@ -48,10 +48,10 @@ def fill(container: Any, contents: Any) -> None:
 
 
 def variables(program: Program) -> list[dict[str, Value]]:
-    """The names that an episode may assign: those of the main scenario, and of modules by `global`."""
+    """Return the names that an episode may assign: those of the main scenario, and of modules by `global`."""
     modules = {id(each.scope.module_names): each.scope.module_names for each in program.behaviors.values()}
-    found = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
-    return found if program.main_frame is None else [*found, program.main_frame.locals]
+    assigned = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+    return assigned if program.main_frame is None else [*assigned, program.main_frame.locals]
 
 
 def assigns_globals(value: Value) -> bool:
@@ -64,11 +64,11 @@ def has_global(tree: ast.AST) -> bool:
 
 
 def containers(program: Program) -> list[Any]:
-    """The lists, dictionaries and sets that behaviors, monitors and conditions can reach."""
+    """Return the lists, dictionaries and sets that behaviors, monitors and conditions can reach."""
     pending: list[Value] = [*program.read_in_episodes, *program.instances, program.mode.state.params]
     if program.main_frame is not None:
         pending += program.main_frame.locals.values()
-    found: list[Any] = []
+    mutable: list[Any] = []
     seen: set[int] = set()
     while pending:
         value = pending.pop()
@@ -76,13 +76,13 @@ def containers(program: Program) -> list[Any]:
         if parts and id(value) not in seen:
             pending += parts
         if isinstance(value, list | dict | set) and id(value) not in seen:
-            found.append(value)
+            mutable.append(value)
         seen.add(id(value))
-    return found
+    return mutable
 
 
 def parts_of(value: Value) -> list[Value]:
-    """What can be reached through a value."""
+    """Return what can be reached through a value."""
     if isinstance(value, list | tuple | set):
         return list(value)
     if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Scenarios while an episode runs: the program's own, and those that compose blocks start (spec section 11.8).
+"""Scenarios while an episode runs: the program's own, and those that compose blocks start.
 
 A scenario starts in this order: its guards are checked, its setup is executed (objects are made and draws done at
 once), its time limit is computed, the behaviors of its objects start in the order of their making, its monitors start.
@@ -8,26 +8,29 @@ One step of a scenario, outer ones before the inner ones that their compose bloc
 
 1. its temporal requirements see the step; one that is false rejects the episode;
 2. its time limit (`terminate after n`): reached after n steps of its own;
-3. its compose block goes on until it lets time pass, which is where its sub-scenarios take their steps, in the order in
-   which they were named; if it has ended, so has the scenario;
+3. its compose block goes on until it lets time pass, which is where its sub-scenarios take their steps; if it has
+   ended, so has the scenario;
 4. its conditions `terminate when`, in the order of the text.
 
-A scenario that ends stops its monitors and sub-scenarios, gives back what it had overridden, and rejects the episode if
-a temporal requirement does not hold. Each scenario has its own `ego`, at first that of its parent. Read next:
-`dynamics.reference.composing`.
+In a compose block `do` runs scenarios, several at once if it names several: all are set up and started one after the
+other in the order of the text, then each takes a step; from then on one step each, until all have ended. `do A() until
+c` stops them when c is true; so does an `abort`. A scenario that ends stops its monitors and sub-scenarios, gives back
+what it had overridden, and rejects the episode if a temporal requirement does not hold. Each scenario has its own
+`ego`, at first that of its parent. Read next: `dynamics.reference.threads`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, describe_kind
-from scenic_lite.dynamics.reference.agents import Agents
-from scenic_lite.dynamics.reference.composing import ComposeThread
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
-from scenic_lite.dynamics.reference.threads import End, Thread
+from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
+from scenic_lite.evaluation.modular import scenario_frame
 from scenic_lite.language.temporal import Check, Truth, formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
@@ -35,12 +38,75 @@ from scenic_lite.values.graph import Value, is_number
 KEPT = ("monitors", "terminations", "records", "temporal")
 
 
+class ComposeThread(Thread):
+    """The compose block of a scenario. A scenario with guards and no compose block waits, and checks its guards."""
+
+    def __init__(self, episode: Episode, call: BehaviorCall, scenario: Scenario) -> None:
+        super().__init__(episode, call)
+        self.scenario = scenario
+        self.ended = False
+
+    def _scope(self) -> Scope:
+        return scenario_frame(self.episode.mode, self.call)
+
+    @property
+    def exists(self) -> bool:
+        node = self.call.behavior.scenario
+        return bool(node.compose or node.preconditions or node.invariants)
+
+    def begin(self, unchecked: bool) -> None:
+        """Stand before the first statement; `unchecked`: the guards have not been checked in a setup."""
+        if unchecked:
+            self.check_guards()
+        self._steps = self.run()
+
+    def run(self) -> Iterator[Step]:
+        if self.call.behavior.scenario.compose:
+            yield from super().run()
+            self.ended = True
+            return
+        while True:
+            yield ()
+            self.check_invariants()
+
+    def close(self) -> None:
+        """Give the block up."""
+        if isinstance(self._steps, Generator):
+            self._steps.close()
+        self.ended = True
+
+    def inner(self, call: BehaviorCall) -> Thread:
+        return ComposeThread(self.episode, replace(call, names={}), self.scenario)
+
+    def invoked(self, calls: list[BehaviorCall]) -> Iterator[Step]:
+        """Run scenarios at the same time until all have ended."""
+        subs: list[Scenario] = []
+        try:
+            for call in calls:
+                subs.append(self.scenario.begin(call))
+            while True:
+                for sub in subs:
+                    end = sub.step() if sub.running else None
+                    if isinstance(end, End) and end.scope == "simulation":
+                        yield end
+                subs = [sub for sub in subs if sub.running]
+                if not subs:
+                    return
+                yield ()
+                subs = [sub for sub in subs if sub.running]
+        except Rejected:
+            subs = []  # the episode is over: what it leaves unsatisfied counts no more
+            raise
+        finally:
+            self.scenario.finish(subs)
+
+
 class Scenario:
     """One running scenario; `parent` is None for the program's own."""
 
     def __init__(self, episode: Episode, agents: Agents, call: BehaviorCall | None, parent: Scenario | None) -> None:
         self.episode, self.agents, self.parent = episode, agents, parent
-        self.compose: ComposeThread | None = None if call is None else ComposeThread(episode, call, None, self)
+        self.compose: ComposeThread | None = None if call is None else ComposeThread(episode, call, self)
         self.ego = episode.state.ego
         self.objects: list[Instance] = []
         self.subs: list[Scenario] = []
@@ -52,6 +118,10 @@ class Scenario:
         self._limit: float | None = None
         self.kept: dict[str, list] = {name: [] for name in KEPT}
 
+    @property
+    def is_outermost(self) -> bool:
+        return self.parent is None
+
     # ------------------------------------------------------------ start
 
     def adopt(self) -> None:
@@ -60,7 +130,7 @@ class Scenario:
         self.kept = {name: list(vars(program)[name]) for name in KEPT}
         self.objects = list(self.episode.objects)
         if self.compose is not None and program.main_frame is not None:
-            self.compose.use(self.episode.scope(program.main_frame))
+            self.compose.scope = self.episode.scope(program.main_frame)  # its setup has been executed
 
     def set_up(self) -> None:
         """Check the guards and execute the setup, inside the parent."""
@@ -73,9 +143,10 @@ class Scenario:
             self.compose.scope.run(self.compose.call.behavior.scenario.setup)
         self.kept = {name: vars(state)[name] for name in KEPT}
         self.objects = state.objects[before:]
-        for each in self.objects:
-            each.properties = {name: settled(value, self.episode.row) for name, value in each.properties.items()}
-            self.episode.admit(each)
+        for instance in self.objects:
+            row = self.episode.row
+            instance.properties = {name: settled(value, row) for name, value in instance.properties.items()}
+            self.episode.admit(instance)
 
     def start(self) -> None:
         """Begin: guards of the program's own scenario, then all that runs."""
@@ -84,13 +155,13 @@ class Scenario:
             self.add_temporal(watched)
         with self.current():
             if self.compose is not None:
-                self.compose.start(self.parent is None)
+                self.compose.begin(unchecked=self.parent is None)
             self._limit = self._time_limit()
-            for each in self.objects:
-                self.agents.belongs(each, self)
-            for each in self.objects:
-                if each.properties["behavior"] is not None:
-                    self.agents.assign(each)
+            for instance in self.objects:
+                self.agents.belongs(instance, self)
+            for instance in self.objects:
+                if instance.properties["behavior"] is not None:
+                    self.agents.assign(instance)
             for call in self.kept["monitors"]:
                 self.add_monitor(call)
 
@@ -112,7 +183,7 @@ class Scenario:
         self.subs = self._running()
 
     def add_monitor(self, call: BehaviorCall) -> None:
-        thread = Thread(self.episode, call, None, self)
+        thread = Thread(self.episode, call)
         thread.start()
         self._monitors.append(thread)
 
@@ -125,7 +196,7 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
-                duration = self.episode.scope(watched.scope).value(tree.duration)
+                duration = self._scope_of(watched).value(tree.duration)
                 if not is_number(duration):
                     message = f"a duration is a number, not {describe_kind(duration)}"
                     raise watched.scope.error("type", message, tree.duration)
@@ -146,12 +217,12 @@ class Scenario:
 
     def _share_ego(self) -> None:
         """Scenarios around this one that have no ego take the first one there is."""
-        at = self.parent
-        while at is not None and at.ego is None and self.ego is not None:
-            at.ego = self.ego
-            if self.episode.scenario is at:
+        around = self.parent
+        while around is not None and around.ego is None and self.ego is not None:
+            around.ego = self.ego
+            if self.episode.scenario is around:
                 self.episode.state.ego = self.ego
-            at = at.parent
+            around = around.parent
 
     # ------------------------------------------------------------ a step
 
@@ -163,7 +234,7 @@ class Scenario:
     def _step(self) -> str | End | None:
         for watched, watch in self._temporal:
             with watched.bindings.restored(self.episode.state):
-                known = watch.step(self.episode.scope(watched.scope).truth)
+                known = watch.step(self._scope_of(watched).truth)
             if known is Truth.FALSE:
                 raise Rejected(watched.label)
         if self._limit is not None and self._elapsed >= self._limit:
@@ -176,13 +247,16 @@ class Scenario:
             if self.compose.ended:
                 return self.stop("finished compose block")
         for watched in self._conditions("scenario"):
-            if self.episode.scope(watched.scope).truth(watched.tree.condition):
+            if self._scope_of(watched).truth(watched.tree.condition):
                 return self.stop(watched.label)
         return None
 
+    def _scope_of(self, watched: Watched) -> Scope:
+        return self.episode.scope(watched.scope)
+
     def _conditions(self, extent: str) -> list[Watched]:
         kept = self.kept["terminations"]
-        return [each for each in kept if isinstance(each.tree, nodes.TerminateWhen) and each.tree.scope == extent]
+        return [item for item in kept if isinstance(item.tree, nodes.TerminateWhen) and item.tree.scope == extent]
 
     def run_monitors(self) -> End | None:
         """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
@@ -209,7 +283,7 @@ class Scenario:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             for watched in self._conditions("simulation"):
-                if self.episode.scope(watched.scope).truth(watched.tree.condition):
+                if self._scope_of(watched).truth(watched.tree.condition):
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
@@ -245,10 +319,8 @@ class Scenario:
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
-                    yield (
-                        watched.label,
-                        settled(self.episode.scope(watched.scope).value(watched.tree.value), self.episode.row),
-                    )
+                    value = self._scope_of(watched).value(watched.tree.value)
+                    yield watched.label, settled(value, self.episode.row)
         for sub in self._running():
             yield from sub.records(when)
 

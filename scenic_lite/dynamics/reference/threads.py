@@ -1,11 +1,16 @@
 """Threads: a behavior, a monitor or the compose block of a scenario that is running, up to where it lets time pass.
 
-A thread is a Python generator over the statements of its body (`execution`). Each time it is resumed it runs until it
-gives its next `Step`: the actions of this step, () for `wait`, or the `End` that a `terminate` asks for. All else is
-part of the same instant: conditions, assignments, calls, draws, the start and the end of sub-behaviors.
+A thread is a Python generator over the statements of its body (`dynamics.reference.statements`). Each time it is
+resumed it runs until it gives its next `Step`: the actions of this step, () for `wait`, or the `End` that a `terminate`
+asks for. All else is part of the same instant: conditions, assignments, calls, draws, the start and the end of
+sub-behaviors. Arguments are values when the behavior is called, the names of the body are looked up when they are read.
+The guards of a thread see its own variables.
 
-Arguments are values when the behavior is called, the names of the body are looked up when they are read. The guards of
-a thread see its own variables. Read next: `dynamics.reference.suspending_statements`.
+`Agents` says which behavior each object runs, and what all of them do in one step. The objects run in the order of the
+scene, those made later after them. A behavior starts with the scenario that made its object, or when an `override`
+gives it to it; one that was overridden stays where it is until it is given back. The actions of an object are its
+`lastActions` at once, so that those after it see them (in Scenic 2 only from the next step on).
+Read next: `dynamics.reference.statements`.
 """
 
 from __future__ import annotations
@@ -13,7 +18,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall, Instance
@@ -23,10 +28,8 @@ from scenic_lite.evaluation.calls import Return
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
-if TYPE_CHECKING:
-    from scenic_lite.dynamics.reference.scenarios import Scenario
-
 DEEPEST = 40  # sub-behaviors inside each other
+PASSING_TIME = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate, nodes.Abort, nodes.TryInterrupt)
 
 
 class End(NamedTuple):
@@ -48,16 +51,16 @@ class Guarded(Rejected):
 
 
 class Thread:
-    """One running behavior, monitor or compose block; `scenario` is the one that it belongs to."""
+    """One running behavior, monitor or compose block; `agent` is the object that a behavior moves."""
 
-    def __init__(self, episode: Episode, call: BehaviorCall, agent: Instance | None, scenario: Scenario) -> None:
-        self.episode, self.call, self.agent, self.scenario = episode, call, agent, scenario
+    def __init__(self, episode: Episode, call: BehaviorCall, agent: Instance | None = None) -> None:
+        self.episode, self.call, self.agent = episode, call, agent
         self.depth = 0
-        self.scope = self._frame()
+        self.scope = self._scope()
         self._steps: Iterator[Step] | None = None
 
-    def _frame(self) -> Scope:
-        """The names of the body: the arguments, `self`, and its variables, which hide those outside from the start."""
+    def _scope(self) -> Scope:
+        """Return the names of the body: the arguments, `self`, and its variables, which hide those outside."""
         behavior = self.call.behavior
         names = {**self.call.arguments, "self": self.agent}
         scope = Scope.inside(self.episode.mode, behavior.scope, names)
@@ -70,13 +73,13 @@ class Thread:
         self._steps = self.run()
 
     def step(self) -> Step:
-        """What the thread does in this step; () once it has ended."""
+        """Return what the thread does in this step; () once it has ended."""
         assert self._steps is not None, "a thread that was not started"
         self.episode.rested()
         return next(self._steps, ())
 
     def run(self) -> Iterator[Step]:
-        """The whole body."""
+        """Run the whole body."""
         node = self.call.behavior.node
         try:
             yield from self.block(node.compose if isinstance(node, nodes.Scenario) else node.body)
@@ -84,7 +87,7 @@ class Thread:
             return
 
     def block(self, statements: Sequence[ast.stmt]) -> Iterator[Step]:
-        """Some statements, in order. Those in which time cannot pass are executed as in a function."""
+        """Run some statements, in order. Those in which time cannot pass are executed as in a function."""
         for node in statements:
             handler = self.episode.suspending.get(type(node)) if lets_time_pass(node) else None
             try:
@@ -113,7 +116,7 @@ class Thread:
                 raise Guarded(f"violated {word} of {name} on line {condition.lineno}")
 
     def _holds(self, condition: ast.expr) -> bool:
-        """Whether a guard holds; one that has nothing to draw from does not."""
+        """Return whether a guard holds; one that has nothing to draw from does not."""
         try:
             return self.scope.truth(condition)
         except ScenicError as error:
@@ -123,17 +126,21 @@ class Thread:
 
     # ------------------------------------------------------------ others inside this one
 
+    def inner(self, call: BehaviorCall) -> Thread:
+        """Return the thread of a sub-behavior of the same agent."""
+        return Thread(self.episode, call, self.agent)
+
     def can_start(self, call: BehaviorCall) -> bool:
-        """Whether the guards of what may be chosen hold now."""
+        """Return whether the guards of what may be chosen hold now."""
         try:
-            Thread(self.episode, call, self.agent, self.scenario).check_guards()
+            self.inner(call).check_guards()
         except Guarded:
             return False
         return True
 
     def invoked(self, calls: list[BehaviorCall]) -> Iterator[Step]:
         """Run a sub-behavior of the same agent in place; the checker has seen that it is only one."""
-        thread = Thread(self.episode, calls[0], self.agent, self.scenario)
+        thread = self.inner(calls[0])
         thread.depth = self.depth + 1
         if thread.depth > DEEPEST:
             raise ScenicError("budget", f"behaviors call each other more than {DEEPEST} deep")
@@ -146,8 +153,78 @@ class Thread:
 
 @lru_cache(maxsize=4096)
 def lets_time_pass(node: ast.stmt) -> bool:
-    """Whether a statement is or contains one that suspends its thread or acts on its blocks."""
-    return any(isinstance(each, SUSPENDING) for each in nodes.walk_own(node))
+    """Return whether a statement is or contains one that suspends its thread or acts on its blocks."""
+    return any(isinstance(part, PASSING_TIME) for part in nodes.walk_own(node))
 
 
-SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate, nodes.Abort, nodes.TryInterrupt)
+# ------------------------------------------------------------ the objects
+
+Actions = list[tuple[Value, ...] | None]  # by object; None: it has no behavior
+
+
+class Home(Protocol):
+    """What `Agents` knows of the scenario that made an object."""
+
+    running: bool
+
+    @property
+    def is_outermost(self) -> bool: ...
+
+    def stop(self) -> object: ...
+
+
+class Agents:
+    """The threads of all objects that have or had a behavior."""
+
+    def __init__(self, episode: Episode) -> None:
+        self.episode = episode
+        self._threads: dict[BehaviorCall, Thread] = {}
+        self._homes: dict[Instance, Home] = {}
+
+    def belongs(self, instance: Instance, scenario: Home) -> None:
+        """Let `terminate` in a behavior of this object end this scenario."""
+        self._homes[instance] = scenario
+
+    def assign(self, instance: Instance) -> Thread:
+        """Start the present behavior of an object, unless it runs. Raises Rejected if its guards do not hold."""
+        call = instance.properties["behavior"]
+        thread = self._threads.get(call)
+        if thread is not None and thread.agent is not instance:
+            where = self.episode.program.error
+            raise where("type", f"{call.behavior.name} already is the behavior of another object", call.place)
+        if thread is None:
+            thread = Thread(self.episode, call, instance)
+            thread.start()
+            self._threads[call] = thread
+        return thread
+
+    def step(self) -> tuple[Actions, End | None]:
+        """Return what every object does; or the End of the episode, at which the others are not asked any more."""
+        objects = list(self.episode.objects)
+        at_once = self.episode.program.dialect == 3
+        for instance in objects if at_once else []:
+            instance.properties["lastActions"] = ()
+        actions: Actions = []
+        for instance in objects:
+            done, end = self._step_of(instance)
+            if end is not None:
+                return actions, end
+            actions.append(done)
+            if at_once and done is not None:
+                instance.properties["lastActions"] = done
+        for instance, done in zip(objects, actions, strict=True) if not at_once else []:
+            instance.properties["lastActions"] = done or ()
+        return actions, None
+
+    def _step_of(self, instance: Instance) -> tuple[tuple[Value, ...] | None, End | None]:
+        if instance.properties["behavior"] is None:
+            return None, None
+        step = self.assign(instance).step()
+        if not isinstance(step, End):
+            return step, None
+        home = self._homes[instance]
+        if step.scope == "scenario" and home.running:
+            home.stop()
+        if step.scope == "simulation" or home.is_outermost:
+            return None, step
+        return (), None

@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.reference.episode_rng import Draws
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.dynamics.toy import first_table, run, toy_world
-from scenic_lite.kernels.rng import streams, uniform
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 
@@ -166,14 +164,6 @@ new Object at 5 @ 5
 
 
 # ------------------------------------------------------------ draws
-
-
-def test_draws_are_those_of_compiled_programs():
-    rng = np.zeros(1, [("random", np.uint64)]).view(np.recarray)
-    for seed in (0, 1, 12345, 2**40):
-        rng.random = streams(seed)
-        draws = Draws(seed)
-        assert [draws.uniform() for _ in range(5)] == [uniform(rng[0]) for _ in range(5)]
 
 
 def test_a_behavior_draws_anew_and_its_arguments_are_drawn_once():

@@ -1,4 +1,4 @@
-"""`do` in all its forms, and `wait for`, `wait until` (spec sections 11.3 and 11.5).
+"""`do` in all its forms, and `wait for`, `wait until`.
 
 `do B(x)`: B and its arguments are evaluated, its preconditions and invariants are checked, then its body runs in place
 until it ends; while it does, the invariants of the behavior that called it are not checked, but afterwards.
@@ -53,29 +53,29 @@ def do(thread: Thread, node: nodes.Do) -> Iterator[Step]:
 
 
 def calls_of(thread: Thread, node: nodes.Do) -> Weighted:
-    """What is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
+    """Return what is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
     scope = thread.scope
-    values = [scope.value(each) for each in node.calls]
+    values = [scope.value(expression) for expression in node.calls]
     places: list[ast.expr] = list(node.calls)
-    weights = [1.0] * len(values) if node.weights is None else [scope.value(each) for each in node.weights]
+    weights = [1.0] * len(values) if node.weights is None else [scope.value(expression) for expression in node.weights]
     if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
         values, weights = list(values[0]), list(values[0].values())
         places *= len(values)
-    wanted = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
+    kind = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
     return [
-        (called(thread, value, place, wanted), weight)
+        (called(thread, value, place, kind), weight)
         for value, place, weight in zip(values, places, checked_weights(thread, weights, node), strict=True)
     ]
 
 
-def called(thread: Thread, value: Value, place: ast.expr, wanted: str) -> BehaviorCall:
-    if isinstance(value, BehaviorCall) and value.behavior.kind == wanted:
+def called(thread: Thread, value: Value, place: ast.expr, kind: str) -> BehaviorCall:
+    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
         return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == wanted else ""
-    found = describe_kind(value)
+    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
+    what = describe_kind(value)
     if isinstance(value, BehaviorCall):
-        found = f"the {value.behavior.kind} {value.behavior.name}"
-    raise thread.scope.error("type", f"`do` needs a {wanted}, not {found}", place, hint)
+        what = f"the {value.behavior.kind} {value.behavior.name}"
+    raise thread.scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
 
 
 def checked_weights(thread: Thread, weights: list[Value], node: nodes.Do) -> list[float]:
@@ -89,13 +89,13 @@ def checked_weights(thread: Thread, weights: list[Value], node: nodes.Do) -> lis
 
 
 def pick(thread: Thread, calls: Weighted) -> BehaviorCall:
-    """One of those that can start now, by weight. Raises Rejected if none can."""
+    """Return one of those that can start now, by weight. Raises Rejected if none can."""
     able = [(call, weight) for call, weight in calls if thread.can_start(call)]
     if not able:
         raise Rejected('deadlock in "do choose/shuffle"')
     if len(able) == 1:
         return able[0][0]
-    mark = thread.episode.draws.uniform() * sum(weight for _, weight in able)
+    mark = thread.episode.uniform() * sum(weight for _, weight in able)
     for call, weight in able:
         mark -= weight
         if mark < 0:
@@ -107,12 +107,12 @@ def shuffled(thread: Thread, calls: Weighted, node: nodes.Do) -> Iterator[Step]:
     left = list(calls)
     while left:
         call = pick(thread, left)
-        left = [each for each in left if each[0] is not call]
+        left = [pair for pair in left if pair[0] is not call]
         yield from invoke(thread, [call], node)
 
 
 def limited(thread: Thread, node: nodes.Do | nodes.Wait, body: Iterator[Step]) -> Iterator[Step]:
-    """A body that ends when the time is over or the condition is true."""
+    """Run a body that ends when the time is over or the condition is true."""
     return interruptible(thread, body, [Handler(condition_of(thread, node), give_up)])
 
 
@@ -122,7 +122,7 @@ def give_up() -> Iterator[Step]:
 
 
 def condition_of(thread: Thread, node: nodes.Do | nodes.Wait) -> Callable[[], bool]:
-    """When to end; a duration is evaluated now, a condition each time."""
+    """Return when to end; a duration is evaluated now, a condition each time."""
     if node.until is not None:
         condition = node.until
         return lambda: bool(thread.scope.truth(condition))

@@ -1,0 +1,176 @@
+"""What statements mean while an episode runs: those in which time may pass, as generators, and those of an instant.
+
+Order of one `take`: its actions are evaluated from left to right, then checked by the world; when the thread is
+resumed its invariants are checked before the next statement. The same after `wait`, `terminate` (a behavior whose own
+scenario has ended may go on) and the end of a `do`. In the setup of a scenario the other statements mean what they mean
+while a program is loaded: what they make is kept by that scenario (`dynamics.reference.scenarios`).
+
+A `print` in a running match goes nowhere, as one of a program that is loaded: a behavior is data, and a thousand
+matches have no one to print to; `record` is the way to see a value.
+Read next: `dynamics.reference.interrupts`, then `dynamics.reference.do`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Generator, Iterator
+from typing import Any
+
+from scenic_lite.core.bindings import Bindings
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import Watched
+from scenic_lite.core.types import BehaviorCall, describe_kind
+from scenic_lite.dynamics.reference.do import do, wait
+from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
+from scenic_lite.dynamics.reference.interrupts import abort, try_interrupt
+from scenic_lite.dynamics.reference.threads import End, Step, Thread
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.assignments import unpack
+from scenic_lite.evaluation.statements import Break, Continue, went_round
+from scenic_lite.language.classes import checked, is_object
+from scenic_lite.language.requirements import source_text
+from scenic_lite.language.specifiers import overridden_property
+from scenic_lite.language.temporal import is_temporal
+from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import Value, is_number
+
+# ------------------------------------------------------------ in which time may pass
+
+
+def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
+    return thread.block(node.body if thread.scope.truth(node.test) else node.orelse)
+
+
+def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
+    """`for`: over the elements that there are when the loop begins."""
+    scope = thread.scope
+    items = scope.value(node.iter)
+    for element in scope.elements(items, node.iter):
+        unpack(scope, node.target, element)
+        if not (yield from one_round(thread, node.body)):
+            return
+        went_round(scope, items)
+    yield from thread.block(node.orelse)
+
+
+def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
+    while thread.scope.truth(node.test):
+        if not (yield from one_round(thread, node.body)):
+            return
+        thread.episode.mode.budget.round()
+    yield from thread.block(node.orelse)
+
+
+def one_round(thread: Thread, body: list[ast.stmt]) -> Generator[Step, None, bool]:
+    """Run the body of a loop; return whether the loop goes on."""
+    try:
+        yield from thread.block(body)
+    except Continue:
+        return True
+    except Break:
+        return False
+    return True
+
+
+def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
+    """`take a, b`; a single tuple or list stands for its elements."""
+    row = thread.episode.row
+    actions = [settled(thread.scope.value(action), row) for action in node.actions]
+    if len(actions) == 1 and isinstance(actions[0], list | tuple):
+        actions = list(actions[0])
+    assert thread.agent is not None, "the checker lets only behaviors take actions"
+    yield tuple(thread.episode.world.command(action, thread.agent) for action in actions)
+    thread.check_invariants()
+
+
+def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
+    """`terminate`, which in Scenic 2 always means the simulation."""
+    extent = "simulation" if thread.episode.program.dialect == 2 else node.scope
+    yield End(extent, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
+    thread.check_invariants()
+
+
+SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
+    ast.If: branch,
+    ast.For: repeat,
+    ast.While: repeat_while,
+    nodes.TryInterrupt: try_interrupt,
+    nodes.Take: take,
+    nodes.Wait: wait,
+    nodes.Do: do,
+    nodes.Terminate: terminate,
+    nodes.Abort: abort,
+}
+
+
+# ------------------------------------------------------------ of an instant
+
+
+def instant_statements(episode: Episode) -> dict[type, Callable[[Scope, Any], None]]:
+    """Return the handlers for one episode."""
+    return {
+        nodes.Require: lambda scope, node: require(episode, scope, node),
+        nodes.RequireMonitor: lambda scope, node: require_monitor(episode, scope, node),
+        nodes.Override: lambda scope, node: override(episode, scope, node),
+    }
+
+
+def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
+    """`require[p] c` holds now, or the episode is rejected; a temporal one is watched by the scenario from now on."""
+    label = node.name or source_text(scope, node)
+    if is_temporal(node.condition):
+        watched = Watched(node, scope.place(node), scope, label, Bindings(scope))
+        if episode.scenario.running:
+            episode.scenario.add_temporal(watched)
+        else:
+            scope.state.temporal.append(watched)
+        return
+    probability = 1.0 if node.probability is None else scope.value(node.probability)
+    if not is_number(probability) or not 0 <= probability <= 1:
+        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+    if probability < 1 and episode.uniform() > probability:
+        return
+    if not scope.truth(node.condition):
+        raise Rejected(label)
+
+
+def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) -> None:
+    """Start a monitor with the scenario, or at once if that is running."""
+    value = scope.value(node.call)
+    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    if episode.scenario.running:
+        episode.scenario.add_monitor(value)
+    else:
+        scope.state.monitors.append(value)
+
+
+def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
+    """`override object with p v, ...`, until the scenario ends."""
+    target = scope.value(node.target)
+    if not is_object(target):
+        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+    values: dict[str, Value] = {}
+    for specifier in node.specifiers:
+        name, value = overridden_property(scope, specifier)
+        if name in episode.live_names(target):
+            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", specifier)
+        if name not in target.properties:
+            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", specifier)
+        values[name] = checked(name, value, scope.state.dialect)
+    episode.scenario.override(target, values)
+
+
+def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -> Callable[[Scope, nodes.New], Value]:
+    """Return the handler of `new`, which may make objects only in the setup of a scenario."""
+
+    def make(scope: Scope, node: nodes.New) -> Value:
+        before = len(episode.objects)
+        made = new(scope, node)
+        if episode.scenario.running and len(episode.objects) > before:
+            del episode.objects[before:]
+            hint = "make it before, or in the setup of a scenario"
+            raise ScenicError("type", "no object can be made in a behavior", hint=hint)
+        return made
+
+    return make
