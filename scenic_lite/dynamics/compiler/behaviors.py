@@ -12,16 +12,14 @@ from functools import partial
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, RandomChoice, describe_kind
+from scenic_lite.core.types import Behavior, BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.core.world import packed
-from scenic_lite.dynamics.compiler.attributes import remember
-from scenic_lite.dynamics.compiler.choices import over_options
+from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, over_options
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
-from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
-from scenic_lite.dynamics.compiler.registers import kept
+from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -52,7 +50,7 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
     """An action as the world wants it: a fault if it is none."""
     if isinstance(action, RandomChoice):
-        return over_options(c, action, lambda each: checked(c, each, node), id(node))
+        return over_options(c, action, lambda each: checked(c, each, node))
     assert c.agent is not None
     action = c.world.command(action, c.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
@@ -68,7 +66,7 @@ def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
         return c.code.constant(-1)
     if c.world.actions is not None:
         return register_of(c.code, packed(actions, c.world.actions))
-    c.commands.append(tuple(kept(c.code, each) for each in actions))
+    c.commands.append(tuple(store_in_register(c.code, each) for each in actions))
     return c.code.constant(len(c.commands) - 1)
 
 
@@ -145,6 +143,32 @@ def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     c.code.put(fine)
 
 
+# ------------------------------------------------------------ what objects did last
+
+LATELY = {2: "(actions of this step)", 3: "lastActions"}
+
+
+def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
+    """Note the actions of the present object, for whoever asks for its `lastActions`."""
+    if c.remembering:
+        assert c.agent is not None
+        c.keep(("object", c.agent.label, LATELY[c.program.dialect]), actions)
+
+
+def forget(c: Compilation, agents: list[Instance]) -> None:
+    """Note at the start of a step, in dialect 3, that nobody has done anything yet."""
+    for each in agents:
+        c.keep(("object", each.label, "lastActions"), ())
+
+
+def reveal(c: Compilation, agents: list[Instance]) -> None:
+    """Let others see what was done at the end of a step, in dialect 2 only now."""
+    for each in agents:
+        lately = ("object", each.label, LATELY[2])
+        c.keep(("object", each.label, "lastActions"), c.shared_variable(lately).load() or ())
+        c.keep(lately, ())
+
+
 # ------------------------------------------------------------ behaviors inside each other
 
 
@@ -154,16 +178,15 @@ def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool
         scope = frame_of(c, call)
         if guards:
             check_guards(c, scope)
-        scope.run(scope.inlined.body)
+        scope.run(call.behavior.node.body)  # type: ignore[union-attr]
         c.code.put(scope.inlined.end)
 
 
 def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
     """The variables of a behavior that begins."""
     behavior = call.behavior
-    names = {name: kept(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
-    body = behavior.node.compose if isinstance(behavior.node, nodes.Scenario) else behavior.node.body
-    inlined = InlinedBody(c.path, body, Label(), behavior)
+    names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
+    inlined = InlinedBody(c.path, Label(), behavior)
     scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, inlined)
     scope.assigned = behavior.assigned
     return scope
@@ -249,7 +272,7 @@ def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Calle
         if is_number(needs_number(weight, "a weight")) and weight < 0:
             raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
     return [
-        (kept(c.code, called(c, scope, value, place)), kept(c.code, weight))
+        (store_in_register(c.code, called(c, scope, value, place)), store_in_register(c.code, weight))
         for value, place, weight in zip(values, places, weights, strict=True)
     ]
 

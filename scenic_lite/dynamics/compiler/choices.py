@@ -2,37 +2,37 @@
 
 What is done to them is done to each of the things: at once if that costs nothing, else behind jumps, so that only what
 is really there is computed. Where it cannot be done to some of them (None has no position) the match stops with the
-program's line if one of those is met. Read next: `dynamics.compiler.conditions`.
+program's line if one of those is met. Conditions are here too: what need not be evaluated is not, so that a guard
+protects what stands behind it and no draw is made in vain. Read next: `dynamics.compiler.lists`.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 
 from scenic_lite.core.scope import PYTHON_FAULTS, Scope, from_python
-from scenic_lite.core.types import Function, RandomChoice, choose
-from scenic_lite.dynamics.compiler.code import Label
+from scenic_lite.core.types import Function, RandomChoice, choose, describe_kind
+from scenic_lite.dynamics.compiler.code import Label, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation
-from scenic_lite.dynamics.compiler.emit import is_live, register_of
-from scenic_lite.dynamics.compiler.registers import Slot
+from scenic_lite.dynamics.compiler.emit import is_live, jump, register_of
+from scenic_lite.dynamics.compiler.registers import Place, materialize, place_for
 from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.expressions import combined, item_of, signed
-from scenic_lite.evaluation.strings import text_of
-from scenic_lite.language.scenic_operators import OPERATORS
+from scenic_lite.evaluation.comparisons import compared
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
-from scenic_lite.values.operations import EQUAL, NOT_EQUAL
+from scenic_lite.values.operations import AND, EQUAL, NOT, NOT_EQUAL, OR
 
-MADE = Callable[[Value], Value]
+Computed = tuple[list[Row], Value]  # a value, and the rows that compute it
 
 
-def over_options(c: Compilation, choice: RandomChoice, of_one: MADE, key: object) -> Value:
-    """`of_one` of whichever option it is in the match. Raises its error if it fails for all."""
-    results: list[tuple[list, Value]] = []
+def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value], Value]) -> Value:
+    """Return `of_one` of whichever option it is in the match. Raises its error if it fails for all."""
+    results: list[Computed] = []
     errors: list[ScenicError | None] = []
     for option in choice.options:
         with c.code.captured() as rows:
@@ -45,21 +45,21 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: MADE, key: object
     if all(errors):
         assert errors[0] is not None
         raise errors[0]
-    refuse(c, choice, errors)
+    for i, failed in enumerate(errors):
+        if failed is not None:
+            differs = apply(NOT_EQUAL, choice.index, i, kind="truth")
+            c.code.fault_unless(register_of(c.code, differs), failed.message)
     good = next(i for i, error in enumerate(errors) if error is None)
-    free = all(not rows and costs_nothing(value) for rows, value in results)
-    filled = [results[good][1] if errors[i] else each for i, (_, each) in enumerate(results)]
-    if free:
-        return choose(choice.index, filled)
+    values = [results[good][1] if errors[i] else value for i, (_, value) in enumerate(results)]
     if not any(rows for rows, _ in results):
-        same = aligned(choice.index, filled)
-        if same is not None:
-            return same
-    return switch(c, choice, [None if errors[i] else each for i, each in enumerate(results)], key)
+        together = aligned(choice.index, values)
+        if together is not None or all(map(costs_nothing, values)):
+            return together
+    return switch(c, choice, {i: each for i, each in enumerate(results) if not errors[i]})
 
 
 def aligned(index: Value, values: list[Value]) -> Value:
-    """values[index] where all are the same computation on other numbers: the numbers are chosen, then computed with.
+    """Return values[index] where all are the same computation on other numbers: those are chosen, then computed with.
 
     None if they are not, or are something that is None.
     """
@@ -79,23 +79,15 @@ def aligned(index: Value, values: list[Value]) -> Value:
 
 
 def columns(index: Value, rows: list[list[Value]]) -> list[Value] | None:
-    """One of several rows, item by item."""
+    """Return one of several rows, item by item."""
     if any(len(row) != len(rows[0]) for row in rows):
         return None
-    found = [aligned(index, list(column)) for column in zip(*rows, strict=True)]
-    return None if any(each is None for each in found) else found
-
-
-def refuse(c: Compilation, choice: RandomChoice, errors: list[ScenicError | None]) -> None:
-    """A fault if the match meets an option for which there is an error."""
-    for i, error in enumerate(errors):
-        if error is not None:
-            differs = apply(NOT_EQUAL, choice.index, i, kind="truth")
-            c.code.fault_unless(register_of(c.code, differs), error.message)
+    chosen = [aligned(index, list(column)) for column in zip(*rows, strict=True)]
+    return None if any(each is None for each in chosen) else chosen
 
 
 def costs_nothing(value: Value) -> bool:
-    """Whether a value needs no computing."""
+    """Return whether a value needs no computing."""
     if isinstance(value, RegisterValue) or not isinstance(value, RandomExpr | RandomChoice):
         apart = None if isinstance(value, RegisterValue) else flatten(value)
         return apart is None or all(map(costs_nothing, apart[1]))
@@ -104,30 +96,22 @@ def costs_nothing(value: Value) -> bool:
     return not is_live(value)
 
 
-def switch(c: Compilation, choice: RandomChoice, results: list[tuple[list, Value] | None], key: object) -> Value:
-    """Rows that compute what belongs to the option that is met, and nothing else."""
-    code = c.code
-    slot = Slot(code, c.shapes, (*c.path, "switch", key))
-    for each in results:
-        if each is not None:
-            slot.widen(each[1])
-    end = Label()
-    index = register_of(code, choice.index)
-    for i, each in enumerate(results):
-        if each is None:
-            continue
-        following = Label()
-        code.row(op.JUMP_NOT_EQUAL, index, code.constant(i), following)
-        code.rows.extend(each[0])
-        slot.store(each[1])
-        code.row(op.JUMP, c=end)
-        code.put(following)
-    code.put(end)
-    return slot.value
+def switch(c: Compilation, choice: RandomChoice, results: dict[int, Computed]) -> Value:
+    """Write rows that compute what belongs to the option that is met, and nothing else."""
+    place = place_for(c.code, [value for _, value in results.values()])
+    cases = {i: partial(compute_into, c, place, computed) for i, computed in results.items()}
+    c.code.dispatch(register_of(c.code, choice.index), cases)
+    return place.load()
+
+
+def compute_into(c: Compilation, place: Place, computed: Computed) -> None:
+    rows, value = computed
+    c.code.rows.extend(rows)
+    place.store(value)
 
 
 def whole_choice(value: Value, c: Compilation) -> Value:
-    """A choice without None: a fault if it is None in the match."""
+    """Return a choice without None: a fault if it is None in the match."""
     if not isinstance(value, RandomChoice) or value.options[-1] is not None:
         return value
     there = apply(NOT_EQUAL, value.index, len(value.options) - 1, kind="truth")
@@ -136,110 +120,128 @@ def whole_choice(value: Value, c: Compilation) -> Value:
     return options[0] if len(options) == 1 else choose(value.index, options)
 
 
-# ------------------------------------------------------------ expressions over choices
+# ------------------------------------------------------------ conditions
 
 
-def attribute_of(c: Compilation, scope: Scope, node: ast.Attribute) -> Value:
-    return attribute_named(c, scope, scope.value(node.value), node)
-
-
-def attribute_named(c: Compilation, scope: Scope, value: Value, node: ast.Attribute) -> Value:
+def truth(value: Value) -> Value:
+    """Return the truth of a value, fixed or live."""
     if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: attribute_named(c, scope, option, node), id(node))
-    return attribute(scope, value, node.attr)
+        return choose(value.index, [truth(option) for option in value.options])
+    if isinstance(value, RegisterList):
+        return apply(NOT_EQUAL, value.length, 0, kind="truth")
+    if isinstance(value, RandomExpr):
+        return apply(NOT_EQUAL, value, "", kind="truth") if value.kind == "text" else value
+    return bool(value)
 
 
-def binary(c: Compilation, scope: Scope, node: ast.BinOp) -> Value:
-    left, right = scope.value(node.left), scope.value(node.right)
-    return combination(c, scope, node, left, right)
+def opposite(value: Value) -> Value:
+    return apply(NOT, value, kind="truth") if isinstance(value, RandomExpr) else not value
 
 
-def combination(c: Compilation, scope: Scope, node: ast.BinOp | ast.AugAssign, left: Value, right: Value) -> Value:
-    """`left sign right`."""
+def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: bool) -> None:
+    """Go to the target if the truth of an expression is `when`, else on."""
+    if isinstance(node, ast.BoolOp):
+        if isinstance(node.op, ast.And) != when:  # any operand decides
+            for operand in node.values:
+                jump_on(c, scope, operand, target, when)
+            return
+        on = Label()
+        for operand in node.values[:-1]:
+            jump_on(c, scope, operand, on, not when)
+        jump_on(c, scope, node.values[-1], target, when)
+        c.code.put(on)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        jump_on(c, scope, node.operand, target, not when)
+    elif c.code.reachable:
+        jump(c.code, truth(scope.value(node)), target, when)
+
+
+@contextmanager
+def branch(c: Compilation, scope: Scope, condition: ast.expr, when: bool = True) -> Iterator[None]:
+    """Rows written inside are executed if the truth of a condition is `when`."""
+    otherwise = Label()
+    jump_on(c, scope, condition, otherwise, not when)
+    yield
+    c.code.put(otherwise)
+
+
+def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
+    """Return the value of `and`, `or`: the operand that decides, or the last one."""
+    is_and = isinstance(node.op, ast.And)
+    value = scope.value(node.values[0])
+    for operand in node.values[1:]:
+        known = truth(value)
+        if not isinstance(known, RandomExpr):
+            if known != is_and:
+                return value
+            value = scope.value(operand)
+            continue
+        with c.code.captured() as rows:
+            other = scope.value(operand)
+        if not rows and is_condition(value) and is_condition(other):
+            value = apply(AND if is_and else OR, value, other, kind="truth")
+        else:
+            yes, no = ((rows, other), ([], value)) if is_and else (([], value), (rows, other))
+            value = either(c, known, yes, no)
+    return value
+
+
+def is_condition(value: Value) -> bool:
+    return isinstance(value, bool) or (isinstance(value, RandomExpr) and value.kind == "truth")
+
+
+def conditional(c: Compilation, scope: Scope, node: ast.IfExp) -> Value:
+    """Return the value of `a if test else b`."""
+    no = Label()
+    jump_on(c, scope, node.test, no, when=False)
+    if not no.used:
+        return scope.value(node.body)
+    if not c.code.reachable:
+        c.code.put(no)
+        return scope.value(node.orelse)
+    with c.code.captured() as yes_rows:
+        yes = scope.value(node.body)
+    with c.code.captured() as no_rows:
+        other = scope.value(node.orelse)
+    return joined(c, no, (yes_rows, yes), (no_rows, other))
+
+
+def either(c: Compilation, test: Value, yes: Computed, no: Computed) -> Value:
+    """Return yes if the test holds, else no; each with the rows that compute it."""
+    otherwise = Label()
+    jump(c.code, materialize(c.code, test), otherwise, when=False)
+    return joined(c, otherwise, yes, no)
+
+
+def joined(c: Compilation, otherwise: Label, yes: Computed, no: Computed) -> Value:
+    """Return the value after two ways: one that follows, one that begins at a label."""
+    place, end = place_for(c.code, [yes[1], no[1]]), Label()
+    compute_into(c, place, yes)
+    c.code.row(op.JUMP, c=end)
+    c.code.put(otherwise)
+    compute_into(c, place, no)
+    c.code.put(end)
+    return place.load()
+
+
+# ------------------------------------------------------------ comparisons of two values
+
+
+def related(c: Compilation, scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Return whether `left sign right`, for all signs but `is` and `in`."""
     if isinstance(left, RandomChoice):
-        return over_options(c, left, lambda each: combination(c, scope, node, each, right), (id(node), 0))
+        return over_options(c, left, lambda each: related(c, scope, node, sign, each, right))
     if isinstance(right, RandomChoice):
-        return over_options(c, right, lambda each: combination(c, scope, node, left, each), (id(node), 1))
+        return over_options(c, right, lambda each: related(c, scope, node, sign, left, each))
     if isinstance(left, RegisterList) or isinstance(right, RegisterList):
-        from scenic_lite.dynamics.compiler.lists import concatenated
-
-        return concatenated(c, node, left, right)
-    return combined(scope, node.op, left, right)
-
-
-def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
-    from scenic_lite.dynamics.compiler.conditions import negation
-
-    if isinstance(node.op, ast.Not):
-        return negation(c, scope, node)
-    return sign(c, node, scope.value(node.operand))
-
-
-def sign(c: Compilation, node: ast.UnaryOp, value: Value) -> Value:
-    if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: sign(c, node, option), id(node))
-    return signed(node.op, value)
-
-
-def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
-    return item(c, scope, node, scope.value(node.value), scope.value(node.slice))
-
-
-def item(c: Compilation, scope: Scope, node: ast.Subscript, container: Value, index: Value) -> Value:
-    """`container[index]`."""
-    from scenic_lite.dynamics.compiler.changing import slice_of
-    from scenic_lite.dynamics.compiler.lists import as_live_list, item_at
-
-    if isinstance(container, RandomChoice):
-        return over_options(c, container, lambda each: item(c, scope, node, each, index), (id(node), 0))
-    if isinstance(index, RandomChoice):
-        return over_options(c, index, lambda each: item(c, scope, node, container, each), (id(node), 1))
-    if isinstance(index, slice) and (isinstance(container, RegisterList) or varies_in(index)):
-        if not isinstance(container, RegisterList | list):
-            raise ScenicError("unsupported", "only lists can be cut where the match decides")
-        return slice_of(c, as_live_list(c, container), index)
-    if isinstance(container, RegisterList) or isinstance(index, RandomExpr):
-        return item_at(c, scope, container, index)
-    return item_of(scope, container, index)
-
-
-def varies_in(part: slice) -> bool:
-    return any(isinstance(each, RandomExpr) for each in (part.start, part.stop, part.step))
-
-
-def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
-    """A value in an f-string."""
-    spec = "" if node.format_spec is None else scope.value(node.format_spec)
-    return text_with(c, scope, node, scope.value(node.value), spec)
-
-
-def text_with(c: Compilation, scope: Scope, node: ast.FormattedValue, value: Value, spec: str) -> Value:
-    if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: text_with(c, scope, node, option, spec), id(node))
-    if node.conversion != -1:
-        raise ScenicError("unsupported", "conversions such as !r in a behavior", hint="leave it out")
-    return text_of(scope, value, spec)
-
-
-def scenic_operator(c: Compilation, scope: Scope, node) -> Value:
-    """An operator of Scenic; operands may be choices."""
-    operation = OPERATORS.get(node.name)
-    if operation is None:
-        raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
-    operands = [None if each is None else whole_choice(scope.value(each), c) for each in node.operands]
-    try:
-        return operation(scope, *operands)
-    except ScenicError:
-        at = next((i for i, each in enumerate(operands) if isinstance(each, RandomChoice)), None)
-        if at is None:
-            raise
-    choice, before, after = operands[at], operands[:at], operands[at + 1 :]
-    assert isinstance(choice, RandomChoice)
-    return over_options(c, choice, lambda each: operation(scope, *before, each, *after), (id(node), at))
+        raise ScenicError("unsupported", "lists whose length varies cannot be compared in a match")
+    if type(left) is not type(right) and None in (left, right) and isinstance(sign, ast.Eq | ast.NotEq):
+        return isinstance(sign, ast.NotEq)
+    return compared(scope, node, sign, left, right)  # type: ignore[arg-type]
 
 
 def same_thing(left: Value, right: Value) -> Value:
-    """`left is right`."""
+    """Return whether `left is right`."""
     if isinstance(left, RandomChoice) and isinstance(right, RandomChoice):
         things = list({id(each): each for each in (*left.options, *right.options)}.values())
         if not any(isinstance(each, RandomExpr | str | int | float) for each in things):
@@ -249,9 +251,8 @@ def same_thing(left: Value, right: Value) -> Value:
         return choose(left.index, [same_thing(option, right) for option in left.options])
     if isinstance(right, RandomChoice):
         return choose(right.index, [same_thing(left, option) for option in right.options])
-    if isinstance(left, RandomExpr) and isinstance(right, RandomExpr | bool | int | float | str):
-        return apply(EQUAL, left, right, kind="truth")
-    if isinstance(right, RandomExpr) and isinstance(left, bool | int | float | str):
+    live = isinstance(left, RandomExpr) or isinstance(right, RandomExpr)
+    if live and all(isinstance(each, RandomExpr | bool | int | float | str) for each in (left, right)):
         return apply(EQUAL, left, right, kind="truth")
     if isinstance(left, Function) and isinstance(right, Function):
         return left.body is right.body
@@ -259,6 +260,12 @@ def same_thing(left: Value, right: Value) -> Value:
 
 
 def numbered(choice: RandomChoice, things: list[Value]) -> Value:
-    """The place of what is chosen in a list of things."""
+    """Return the place of what is chosen in a list of things."""
     places = [next(i for i, each in enumerate(things) if each is option) for option in choice.options]
     return choice.index if places == list(range(len(places))) else choose(choice.index, places)
+
+
+def needs_number(value: Value, what: str) -> Value:
+    if isinstance(value, RandomChoice | RegisterList) or not isinstance(value, int | float | RandomExpr):
+        raise ScenicError("type", f"{what} is a number, not {describe_kind(value)}")
+    return value

@@ -7,7 +7,7 @@ inputs, the world and the threads' variables keep their values, intermediate res
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from scenic_lite.core.budget import exceeded
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import FIRST_FREE
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
@@ -94,8 +95,6 @@ class Assembler:
     texts: dict[str, int] = field(default_factory=dict)
     notes: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
-    relied_on: set[tuple] = field(default_factory=set)  # slots, by their keys
-    widened: set[tuple] = field(default_factory=set)  # slots whose shape has changed after rows had relied on it
     known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way to here, by id
 
     # ------------------------------------------------------------ rows
@@ -135,6 +134,39 @@ class Assembler:
 
     def fault_unless(self, register: int, message: str, told: int = 0) -> None:
         self.row(op.FAULT_UNLESS, register, told, note=message)
+
+    @contextmanager
+    def when(self, register: int) -> Iterator[None]:
+        """Rows written inside are executed if the register is not 0."""
+        otherwise = Label()
+        self.row(op.JUMP_UNLESS, register, c=otherwise)
+        yield
+        self.put(otherwise)
+
+    def dispatch(self, register: int, cases: Mapping[int, Callable[[], object]]) -> None:
+        """Write the rows of each case; the register says which of them are executed."""
+        end = Label()
+        for number, write in cases.items():
+            following = Label()
+            self.row(op.JUMP_NOT_EQUAL, register, self.constant(number), following)
+            write()
+            self.row(op.JUMP, c=end)
+            self.put(following)
+        self.put(end)
+
+    @contextmanager
+    def rounds(self, count: int, at_least_one: bool = False) -> Iterator[tuple[RegisterValue, Label]]:
+        """Rows written inside are executed for 0, 1, ... below the value of a register; the label begins the next."""
+        counter, again, following, over = RegisterValue(self.variables.take(), whole=True), Label(), Label(), Label()
+        self.row(op.COPY, counter.register, self.constant(0))
+        if not at_least_one:
+            self.row(op.JUMP_NOT_LESS, counter.register, count, over)
+        self.put_loop(again)
+        yield counter, following
+        self.put(following)
+        self.row(op.ADD, counter.register, counter.register, self.constant(1))
+        self.row(op.JUMP_LESS, counter.register, count, again)
+        self.put(over)
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:

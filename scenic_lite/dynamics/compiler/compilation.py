@@ -20,8 +20,7 @@ from scenic_lite.core.types import Behavior, Function, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance
-from scenic_lite.dynamics.compiler.registers import Slot, kept
-from scenic_lite.dynamics.compiler.types import Shape
+from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_to, store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.errors import ScenicError
@@ -29,9 +28,8 @@ from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
-MUTATORS = frozenset(
-    {"append", "extend", "insert", "pop", "remove", "clear", "reverse", "sort", "update", "setdefault"}
-)
+# "object" and its label, "simulation" and "", "global" and its module's number; then the attribute or variable
+Key = tuple[str, str | int, str]
 DEEPEST = 40  # behaviors and functions inside each other
 
 
@@ -41,7 +39,6 @@ class Loop:
 
     exit: Label
     again: Label
-    leave: Callable[[], None] | None = None
     parts: int = 0  # scenarios in the compose block that are written before it
 
 
@@ -49,11 +46,10 @@ class Loop:
 class InlinedBody:
     """One inlined behavior or function, besides its names."""
 
-    path: tuple  # of calls and rounds that lead here: what it is known by from one compilation to the next
-    body: list[ast.stmt]
+    path: tuple  # of calls and rounds that lead here: what it is known by from one walk to the next
     end: Label
     behavior: Behavior | None = None
-    result: Slot | None = None  # of a function that returns from several places
+    result: Variable | None = None  # of a function that returns from several places
     loops: list[Loop] = field(default_factory=list)
     aborts: list[Label] = field(default_factory=list)
     level: int = 0  # intermediate results in use when a function gives its value back
@@ -63,7 +59,7 @@ class InlinedBody:
 class CompiledScope(Scope):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "given", "inlined", "slots")
+    __slots__ = ("compilation", "given", "inlined", "undecided", "variables")
 
     def __init__(
         self,
@@ -75,8 +71,9 @@ class CompiledScope(Scope):
     ) -> None:
         super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
-        self.slots: dict[str, Slot] = {}
+        self.variables: dict[str, Variable] = {}
         self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
+        self.undecided: set[str] = set()  # targets of loops that a `break` may have left with any element
 
     def inner(self, names: dict[str, Value]) -> Scope:
         return Scope(self.mode, self.source, names, self)
@@ -96,14 +93,21 @@ class CompiledScope(Scope):
             owner = self.owner_of(name)
             owner.assign(name, value)
             return
-        slot = self.slots.get(name)
-        if slot is not None:
-            slot.store(value)
-            self.locals[name] = slot.value
-            if name in self.given:
-                self.compilation.code.row(op.COPY, self.given[name], self.compilation.code.constant(1))
-        else:
-            self.locals[name] = kept(self.compilation.code, value)
+        self.undecided.discard(name)
+        variable, code = self.variables.get(name), self.compilation.code
+        if variable is None:
+            self.locals[name] = store_in_register(code, value)
+            return
+        variable.store(value)
+        self.locals[name] = variable.load()
+        if name in self.given:
+            code.row(op.COPY, self.given[name], code.constant(1))
+
+    def lookup(self, name: str) -> Value:
+        if name in self.undecided:
+            message = f"what '{name}' is after a loop with `break` the match decides"
+            raise ScenicError("unsupported", message, hint="assign it to a variable of its own before the break")
+        return super().lookup(name)
 
     def owner_of(self, name: str) -> CompiledScope:
         """The frame around this one whose variable it is."""
@@ -132,14 +136,15 @@ class CompiledScope(Scope):
         """From here on these variables stand in registers: what assigns them is decided during a match."""
         for name in sorted(names):
             others = name in self.globals or name in self.nonlocals or name not in self.assigned | self.locals.keys()
-            if others or name in self.slots:
+            if others or name in self.variables:
                 continue
-            slot = Slot(self.compilation.code, self.compilation.shapes, (*self.inlined.path, name), varying=True)
-            self.slots[name] = slot
+            c = self.compilation
+            variable = Variable(c.code, c.types, (*self.inlined.path, name), fluid=True)
+            self.variables[name] = variable
             if name in self.locals:
-                slot.store(self.locals[name])
-            if slot.shape is not None:
-                self.locals[name] = slot.value
+                variable.store(self.locals[name])
+            if variable.place is not None:
+                self.locals[name] = variable.load()
 
     @contextmanager
     def in_dynamic_branch(self) -> Iterator[None]:
@@ -153,16 +158,16 @@ class CompiledScope(Scope):
 
 @dataclass(eq=False)
 class Compilation:
-    """One walk over a program's behaviors, monitors and conditions; repeated until no variable's shape widens."""
+    """One walk over a program's behaviors, monitors and conditions."""
 
     program: Program
     world: World
     code: Assembler
-    shapes: dict[tuple, Shape]
+    types: TypeTable
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
     modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
     mode: Mode = field(init=False)  # how nodes are evaluated for the compiler
-    shared: dict[tuple, Slot] = field(default_factory=dict)  # attributes that the program sets, by owner and name
+    shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     path: tuple = ()
     slot: int = 0  # register of the innermost block: where it goes on
     agent: Instance | None = None
@@ -240,7 +245,7 @@ class Compilation:
             self.slot = outer
 
     @contextmanager
-    def guarded(self) -> Iterator[None]:
+    def suspends_others(self) -> Iterator[None]:
         """Inside, blocks are suspended while others run: none of their variables may share a register."""
         self.guarding += 1
         try:
@@ -248,13 +253,58 @@ class Compilation:
         finally:
             self.guarding -= 1
 
-    def keep_global(self, scope: Scope, name: str, value: Value) -> None:
-        """Assign a variable of a module, which all behaviors of a match see."""
-        from scenic_lite.dynamics.compiler.attributes import keep
+    # ------------------------------------------------------------ what all behaviors of a match see
 
+    def keep_global(self, scope: Scope, name: str, value: Value) -> None:
+        """Assign a variable of a module."""
         number = id(scope.module_names)
         self.modules[number] = scope.module_names
-        keep(self, ("global", number, name), value)
+        self.keep(("global", number, name), value)
+
+    def keep(self, key: Key, value: Value) -> None:
+        """Assign an attribute or variable that lasts as long as the match."""
+        variable = self.shared_variable(key)
+        variable.store(value)
+        self.table_of(key)[key[2]] = variable.load()
+
+    def table_of(self, key: Key) -> dict[str, Value]:
+        """Return where an attribute is looked up."""
+        kind, label, name = key
+        if kind == "global":
+            assert isinstance(label, int)
+            return self.modules[label]
+        if kind == "simulation":
+            return self.simulation.names
+        owner = next(each for each in self.program.instances if each.label == label)
+        return owner.properties if name in owner.properties else owner.attributes
+
+    def shared_variable(self, key: Key) -> Variable:
+        """Return the variable of an attribute; at the start of a match it holds what the program gave it."""
+        if key in self.shared:
+            return self.shared[key]
+        table, name = self.table_of(key), key[2]
+        if key[0] == "global" and name in table:
+            assert isinstance(key[1], int)
+            self.before.setdefault(key[1], {})[name] = table[name]
+        if key not in self.types.types:  # what was read of it before was taken for fixed
+            self.types.outdated.add(key)
+        variable = self.shared[key] = Variable(self.code, self.types, key, shared=True)
+        if name in table:
+            place = variable.declare(table[name])
+            for register, first in moves_to(place.type, iter(place.registers), table[name]):
+                self.code.begin_with(register, first)
+        return variable
+
+    def refuse_live(self, owner: Instance, name: str) -> None:
+        """Raise the error for an attribute that is the world's."""
+        if name in ("x", "y") or name in self.live_names:
+            hint = "players move by what they do: take an action"
+            raise ScenicError("type", f"the {name} of {owner.title()} belongs to the world", hint=hint)
+
+    def show_shared(self) -> None:
+        """Let the attributes that a program is known to set be read from their registers."""
+        for key in [key for key in self.types.types if key[0] in ("object", "simulation", "global")]:
+            self.table_of(key)[key[2]] = self.shared_variable(key).load()
 
     def flag_of(self, thing: Any) -> int | None:
         """The register that says whether the statement that made something was come to; None if that is certain."""
@@ -314,31 +364,7 @@ class Compilation:
         return self.code.constant(1 + self.reasons.index(message))
 
 
-class Snapshot:
-    """How far a walk has come, to go back to if one way to compile a statement turns out not to do."""
-
-    def __init__(self, c: Compilation, scope: CompiledScope) -> None:
-        code = c.code
-        self.c, self.scope, self.names, self.slots = c, scope, dict(scope.locals), dict(scope.slots)
-        lists: list[list] = [code.rows, c.doubts, c.commands, c.reasons, c.broken, *c.drivers.values()]
-        lists += [] if c.part is None else c.part.lists()
-        self.lists = [(each, len(each)) for each in lists]
-        self.known, self.reachable, self.result = dict(code.known), code.reachable, scope.inlined.result
-        self.used = [(area, area.used) for area in (code.variables, code.scratch, code.temporaries)]
-
-    def restore(self) -> None:
-        code = self.c.code
-        for each, length in self.lists:
-            del each[length:]
-        for area, used in self.used:
-            area.used = used
-        code.known, code.reachable = self.known, self.reachable
-        self.scope.locals.clear()
-        self.scope.locals.update(self.names)
-        self.scope.slots, self.scope.inlined.result = self.slots, self.result
-
-
-def guarded(
+def with_location(
     compilation: Compilation, handler: Callable[[Compilation, CompiledScope, Any], None]
 ) -> Callable[[CompiledScope, Any], None]:
     """A handler of statements that notes the place of the rows it writes.
@@ -388,9 +414,7 @@ def assigned_names(*trees: ast.AST) -> frozenset[str]:
             targets: list[ast.expr] = each.targets
         elif isinstance(each, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
             targets = [each.target]
-        elif isinstance(each, ast.Delete):
-            targets = each.targets
-        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and each.func.attr in MUTATORS:
+        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and each.func.attr == "append":
             targets = [each.func.value]
         else:
             continue

@@ -21,21 +21,17 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
-from scenic_lite.dynamics.compiler.attributes import forget, reveal, show_shared
-from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, run_behavior
-from scenic_lite.dynamics.compiler.calls import call_node, call_value, certain
-from scenic_lite.dynamics.compiler.choices import attribute_of, binary, formatted, scenic_operator, subscript, unary
+from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, forget, reveal, run_behavior
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, guarded
+from scenic_lite.dynamics.compiler.compilation import Compilation, with_location
 from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
-from scenic_lite.dynamics.compiler.comprehensions import comprehension, dictionary_comprehension
-from scenic_lite.dynamics.compiler.conditions import boolean, comparison, conditional
 from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary
 from scenic_lite.dynamics.compiler.layout import Thread, finished
 from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance, Temporal, WatchedItem
+from scenic_lite.dynamics.compiler.registers import TypeTable
 from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
-from scenic_lite.dynamics.compiler.types import Shape
 from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED
@@ -50,39 +46,23 @@ from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import ThetaColumn, Value
 
-MOST_WALKS = 40
-EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {
-    ast.Call: call_node,
-    ast.Attribute: attribute_of,
-    ast.BinOp: binary,
-    ast.UnaryOp: unary,
-    ast.Subscript: subscript,
-    ast.FormattedValue: formatted,
-    ast.BoolOp: boolean,
-    ast.IfExp: conditional,
-    ast.Compare: comparison,
-    ast.ListComp: comprehension,
-    ast.GeneratorExp: comprehension,
-    ast.SetComp: comprehension,
-    ast.DictComp: dictionary_comprehension,
-    nodes.Operator: scenic_operator,
-}
-HASHING = (ast.Set, ast.SetComp, ast.Dict, ast.DictComp, ast.Name)  # and `calls`
+MOST_WALKS = 12
 
 
 def compile_program(program: Program, world: World) -> Compiled:
     """The code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
-    shapes: dict[tuple, Shape] = {}
+    types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
     modules: dict[int, dict[str, Value]] = {}
     for _ in range(MOST_WALKS):
-        compilation = Compilation(program, world, Assembler(), shapes, simulation, modules)
+        types.begin_walk()
+        compilation = Compilation(program, world, Assembler(), types, simulation, modules)
         compilation.mode = compile_mode(compilation)
         with live_objects(compilation):
             threads = walk(compilation)
-        if not compilation.code.widened:
+        if not types.outdated:
             return finished(compilation, threads)
-    raise ScenicError("budget", "the variables of the program's behaviors can be too many things")
+    raise ScenicError("budget", "the variables of the program's behaviors take their types from too many others")
 
 
 @contextmanager
@@ -106,12 +86,11 @@ def live_objects(c: Compilation) -> Iterator[None]:
 
 
 def compile_mode(c: Compilation) -> Mode:
-    """How nodes are evaluated while a program is compiled; what statements make is the walk's own."""
+    """Return how nodes are evaluated while a program is compiled; what statements make is the walk's own."""
     loaded = c.program.mode
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
-    for kind in HASHING:
-        own[kind] = partial(hashed, own.get(kind, loaded.handlers.expressions[kind]))
-    statements = {kind: guarded(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
+    own |= {kind: partial(dictionary, loaded.handlers.expressions[kind]) for kind in (ast.Dict, ast.DictComp, ast.Name)}
+    statements = {kind: with_location(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
     simulation = Builtin("simulation", lambda: c.simulation, over_choices=False)
 
     def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
@@ -135,11 +114,6 @@ def compile_mode(c: Compilation) -> Mode:
     )
     state.forget_watched()
     return Mode(COMPILE, state, handlers, Budget(state.budget.limits), partial(draw, c), symbolic=True)
-
-
-def hashed(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
-    """What may be a set or a dictionary; an error if what is in it is not the same in all matches."""
-    return certain(handler(scope, node))
 
 
 def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
@@ -177,9 +151,9 @@ def walk(c: Compilation) -> list[Thread]:
     code.reachable = False
     show_world(c)
     threads: list[Thread] = []
-    show_shared(c)
+    c.show_shared()
     main = main_part(c)
-    adopt(c, main)
+    import_loaded(c, main)
     scenarios = scenario_threads(c, threads, main)
     recorders: list[Thread] = []
     records = record_threads(c, recorders, main)
@@ -193,7 +167,7 @@ def walk(c: Compilation) -> list[Thread]:
     return threads
 
 
-def adopt(c: Compilation, main: ScenarioInstance) -> None:
+def import_loaded(c: Compilation, main: ScenarioInstance) -> None:
     """Take over what loading the program has made."""
     program = c.program
     main.monitors = [monitor_of(c, call, None) for call in program.monitors]
@@ -291,7 +265,7 @@ def monitors_of(c: Compilation, threads: list[Thread], part: ScenarioInstance) -
     ending = any(ends_scenario(each.call) for each in part.monitors)
     before = c.code.fixed.take()
     if ending:
-        every(c, threads, f"before the monitors{where}", lambda: put_aside(c, before))
+        every(c, threads, f"before the monitors{where}", lambda: save_end_flags(c, before))
     for monitor in part.monitors:
         title = f"monitor {monitor.call.behavior.name}{where}"
         with c.within(part):
@@ -307,7 +281,7 @@ def ends_scenario(call: BehaviorCall) -> bool:
     return any(isinstance(each, nodes.Terminate) for each in ast.walk(call.behavior.node))
 
 
-def put_aside(c: Compilation, before: int) -> None:
+def save_end_flags(c: Compilation, before: int) -> None:
     """What others have asked for so far, to see whether a monitor of a scenario or inside it asks for an end."""
     register_of(c.code, RegisterValue(TERMINATED), before)
     register_of(c.code, 0, TERMINATED)

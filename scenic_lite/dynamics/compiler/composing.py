@@ -39,7 +39,7 @@ def main_part(c: Compilation) -> ScenarioInstance:
     part.ego = c.state.ego
     if main is not None and program.main_frame is not None:
         loaded, behavior = program.main_frame, main.behavior
-        inlined = InlinedBody((id(behavior.node),), behavior.scenario.compose, Label(), behavior)
+        inlined = InlinedBody((id(behavior.node),), Label(), behavior)
         assert loaded.outer is not None
         part.scope = CompiledScope(c, loaded.source, loaded.locals, loaded.outer, inlined)
         part.scope.assigned = behavior.assigned

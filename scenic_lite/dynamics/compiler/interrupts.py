@@ -13,9 +13,9 @@ import ast
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, assigned_names
-from scenic_lite.dynamics.compiler.conditions import jump_on
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
@@ -45,7 +45,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
                 if readable:
                     jump_on(c, scope, handler.condition, start, when=True)
     code.row(op.RESUME, body)
-    with scope.in_dynamic_branch(), c.guarded():
+    with scope.in_dynamic_branch(), c.suspends_others():
         code.put(begin)
         begin.used = code.reachable = True
         with c.block(body):
@@ -92,9 +92,9 @@ def once_set(c: Compilation, scope: CompiledScope, names: set[str]) -> Iterator[
     before = dict(scope.locals)
     for name in sorted(names):
         c.code.row(op.JUMP_UNLESS, scope.given[name], c=unset)
-        c.code.relied_on.add(scope.slots[name].key)  # also while nothing is known of it
-        scope.locals[name] = scope.slots[name].value
-    yield all(scope.slots[name].shape is not None for name in names)
+        c.types.read.add(scope.variables[name].key)  # also while nothing is known of it
+        scope.locals[name] = scope.variables[name].load()
+    yield all(scope.variables[name].place is not None for name in names)
     scope.locals.clear()
     scope.locals.update(before)
     c.code.put(unset)
@@ -127,7 +127,7 @@ def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[],
     code.row(op.RESUME, body)
     code.put(begin)
     begin.used = code.reachable = True
-    with scope.in_dynamic_branch(), c.guarded(), c.block(body):
+    with scope.in_dynamic_branch(), c.suspends_others(), c.block(body):
         run()
     code.put(end)
     c.give_up(written)

@@ -1,33 +1,34 @@
-"""Storing values by their shapes, and the slots of variables that keep theirs in registers.
+"""Values into registers and back: moves that happen as if at once, places for values, variables with their types.
 
-Read next: `dynamics.compiler.compilation`, whose variables these are.
+Read next: `dynamics.compiler.compilation`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import islice
 
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.code import Assembler
+from scenic_lite.dynamics.compiler.code import Area, Assembler
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.types import (
-    CAPACITY,
-    Items,
-    Leaf,
-    Parts,
+    ListType,
+    OneOf,
     RegisterList,
-    Same,
-    Shape,
-    Variant,
+    Scalar,
+    Struct,
+    Type,
+    common_type,
     flatten,
     join,
     loaded,
     option_for,
-    shape_of,
+    sorts_of,
+    type_of,
     unflatten,
     varies,
-    varying,
+    with_registers,
 )
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -35,75 +36,74 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, Value
 
 FEW = 4  # registers: more are copied by one row
-Pair = tuple[int, Value]  # a register, and the number, truth value or text that goes there
+Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
 
 
-def pairs(shape: Shape, registers: Iterator[int], value: Value) -> Iterator[Pair]:
-    """What must be put where, so that some registers hold a value that fits the shape."""
-    if isinstance(shape, Same):
-        return
-    if isinstance(shape, Leaf):
+def moves_to(type: Type, registers: Iterator[int], value: Value) -> Iterator[Move]:
+    """Yield what must be put where, so that some registers hold a value that fits the type."""
+    if isinstance(type, Scalar):
         yield next(registers), value
-    elif isinstance(shape, Parts):
-        for part, each in zip(shape.parts, parts_of_value(shape, value), strict=True):
-            yield from pairs(part, registers, each)
-    elif isinstance(shape, Variant):
-        yield from variant_pairs(shape, registers, value)
-    elif isinstance(shape, Items):
-        yield from list_pairs(shape, list(islice(registers, shape.size)), value)
+    elif isinstance(type, Struct):
+        for part, each in zip(type.parts, parts_of_value(type, value), strict=True):
+            yield from moves_to(part, registers, each)
+    elif isinstance(type, OneOf):
+        yield from option_moves(type, registers, value)
+    elif isinstance(type, ListType):
+        yield from list_moves(type, list(islice(registers, type.size)), value)
 
 
-def parts_of_value(shape: Parts, value: Value) -> list[Value]:
+def parts_of_value(type: Struct, value: Value) -> list[Value]:
     if isinstance(value, RandomChoice):
-        columns = zip(*(parts_of_value(shape, option) for option in value.options), strict=True)
+        columns = zip(*(parts_of_value(type, option) for option in value.options), strict=True)
         return [choose(value.index, list(column)) for column in columns]
     apart = flatten(value)
-    if apart is None or apart[0] != shape.head:
+    if apart is None or apart[0] != type.head:
         raise ScenicError("type", f"{describe_kind(value)} where something else was expected")
     return apart[1]
 
 
-def variant_pairs(shape: Variant, registers: Iterator[int], value: Value) -> Iterator[Pair]:
+def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterator[Move]:
     tag = next(registers)
     options = value.options if isinstance(value, RandomChoice) else (value,)
-    places = [option_for(shape, option) for option in options]
+    places = [option_for(type, option) for option in options]
     if isinstance(value, RandomChoice):
         yield tag, value.index if places == list(range(len(places))) else choose(value.index, places)
     else:
         yield tag, places[0]
-    for i, option in enumerate(shape.options):
+    for i, option in enumerate(type.options):
         own = list(islice(registers, option.size))
         chosen = [each for each, place in zip(options, places, strict=True) if place == i]
         if not chosen or not own:
             continue
         if isinstance(value, RandomChoice) and len(chosen) > 1:
             filled = [each if place == i else chosen[0] for each, place in zip(options, places, strict=True)]
-            yield from pairs(option, iter(own), choose(value.index, filled))
+            yield from moves_to(option, iter(own), choose(value.index, filled))
         else:
-            yield from pairs(option, iter(own), chosen[0])
+            yield from moves_to(option, iter(own), chosen[0])
 
 
-def list_pairs(shape: Items, registers: list[int], value: Value) -> Iterator[Pair]:
+def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[Move]:
     length, cells = registers[0], registers[1:]
+    if isinstance(value, RegisterList) and value.type == type:
+        yield from zip(registers, map(RegisterValue, value.registers), strict=True)
+        return
     if isinstance(value, RegisterList):
-        if value.element == shape.element:
-            yield from zip(registers, (RegisterValue(each) for each in value.registers), strict=True)
-            return
         yield length, value.length
-        count = CAPACITY if value.element is not None else 0
-        elements = [loaded(value.element, iter(value.registers[1 + i :: CAPACITY])) for i in range(count)]  # type: ignore[arg-type]
+        elements = [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
     else:
         elements = list(value)
-        if len(elements) > CAPACITY:
-            raise ScenicError("budget", f"a list of more than {CAPACITY} elements whose length varies")
         yield length, len(elements)
-    if shape.element is None:
-        return
-    for i, element in enumerate(elements):
-        yield from pairs(shape.element, iter(cells[i::CAPACITY]), element)
+    if len(elements) > type.capacity:
+        raise ScenicError("budget", f"a list of more than {type.capacity} elements whose length varies")
+    if type.element is not None:
+        for i, element in enumerate(elements):
+            yield from moves_to(type.element, iter(cells[i :: type.capacity]), element)
 
 
-def store(code: Assembler, moves: list[Pair]) -> None:
+# ------------------------------------------------------------ moving
+
+
+def store(code: Assembler, moves: list[Move]) -> None:
     """Put all values into their registers, as if at once."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
@@ -114,26 +114,21 @@ def store(code: Assembler, moves: list[Pair]) -> None:
             else:
                 code.row(op.COPY_MANY, to, value.register, count)
         return
-    found = [register_of(code, value) for _, value in moves]
-    for i, register in enumerate(found):
+    sources = [register_of(code, value) for _, value in moves]
+    for i, register in enumerate(sources):
         if register in targets:
-            found[i] = code.temporaries.take()
-            register_of(code, RegisterValue(register), found[i])
-    for (to, _), register in zip(moves, found, strict=True):
+            sources[i] = code.temporaries.take()
+            register_of(code, RegisterValue(register), sources[i])
+    for (to, _), register in zip(moves, sources, strict=True):
         register_of(code, RegisterValue(register), to)
 
 
-def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
-    """The moves, those of many neighbours to neighbours as one: target, value, how many."""
+def runs(moves: list[Move]) -> Iterator[tuple[int, Value, int]]:
+    """Yield the moves, those of many neighbours to neighbours as one: target, value, how many."""
     at = 0
     while at < len(moves):
-        to, value = moves[at]
-        count = 1
-        while (
-            at + count < len(moves)
-            and isinstance(value, RegisterValue)
-            and follows(moves[at], moves[at + count], count)
-        ):
+        (to, value), count = moves[at], 1
+        while at + count < len(moves) and follows(moves[at], moves[at + count], count):
             count += 1
         if count >= FEW:
             yield to, value, count
@@ -142,108 +137,142 @@ def runs(moves: list[Pair]) -> Iterator[tuple[int, Value, int]]:
         at += count
 
 
-def follows(first: Pair, other: Pair, distance: int) -> bool:
+def follows(first: Move, other: Move, distance: int) -> bool:
     (to, value), (after, following) = first, other
-    return (
-        after == to + distance
-        and isinstance(following, RegisterValue)
-        and following.register == value.register + distance
-    )
+    if not isinstance(value, RegisterValue) or not isinstance(following, RegisterValue):
+        return False
+    return after == to + distance and following.register == value.register + distance
 
 
 def registers_in(value: Value) -> set[int]:
-    """The registers that computing a value reads."""
-    found: set[int] = set()
+    """Return the registers that computing a value reads."""
+    registers: set[int] = set()
     pending, seen = [value], set()
     while pending:
         node = pending.pop()
         if isinstance(node, RegisterValue):
-            found.add(node.register)
+            registers.add(node.register)
         elif isinstance(node, RandomExpr) and id(node) not in seen:
             seen.add(id(node))
             pending.extend(node.inputs)
-    return found
+    return registers
 
 
-def kept(code: Assembler, value: Value) -> Value:
-    """A value with everything in it that varies copied into registers of its own, where it lasts."""
+# ------------------------------------------------------------ places for values
+
+
+class Place:
+    """Registers that hold a value of a type."""
+
+    def __init__(self, code: Assembler, type: Type, area: Area) -> None:
+        self.code, self.type = code, type
+        start = area.take(type.size)
+        self.registers = range(start, start + type.size)
+
+    def load(self) -> Value:
+        return loaded(self.type, iter(self.registers))
+
+    def store(self, value: Value) -> None:
+        store(self.code, list(moves_to(self.type, iter(self.registers), value)))
+
+
+def place_for(code: Assembler, values: list[Value]) -> Place:
+    """Return a place for whichever it is of some values."""
+    common = common_type(values)
+    assert common is not None
+    return Place(code, common, code.variables)
+
+
+def store_in_register(code: Assembler, value: Value) -> Value:
+    """Return a value with everything in it that varies copied into registers of its own, where it lasts."""
+    return copied_to(code, value, code.variables)
+
+
+def snapshot(code: Assembler, value: Value) -> Value:
+    """Return a value as it is now, whatever is assigned before the statement ends."""
+    return copied_to(code, value, code.temporaries)
+
+
+def copied_to(code: Assembler, value: Value, area: Area) -> Value:
     if not varies(value):
         return value
-    shape = shape_of(value)
-    start = code.variables.take(shape.size)
-    registers = range(start, start + shape.size)
-    store(code, list(pairs(shape, iter(registers), value)))
-    return loaded(shape, iter(registers))
+    place = Place(code, type_of(value), area)
+    place.store(value)
+    return place.load()
 
 
-def copied(code: Assembler, value: Value) -> Value:
-    """A value as it is now, whatever is assigned before the statement ends."""
-    if not varies(value):
-        return value
-    shape = shape_of(value)
-    start = code.temporaries.take(shape.size)
-    store(code, list(pairs(shape, iter(range(start, start + shape.size)), value)))
-    return loaded(shape, iter(range(start, start + shape.size)))
-
-
-def settled(code: Assembler, value: Value) -> Value:
-    """A value with everything in it computed now, so that it is not computed again wherever it is read."""
-    if isinstance(value, RegisterValue) or not varies(value):
-        return value
-    if isinstance(value, RegisterList):
+def materialize(code: Assembler, value: Value) -> Value:
+    """Return a value with everything in it computed now, so that it is not computed again wherever it is read."""
+    if isinstance(value, RegisterValue | RegisterList) or not varies(value):
         return value
     if isinstance(value, RandomChoice):
-        return RandomChoice(settled(code, value.index), tuple(settled(code, each) for each in value.options))
+        return RandomChoice(materialize(code, value.index), tuple(materialize(code, each) for each in value.options))
     apart = flatten(value)
     if apart is not None:
-        return unflatten(apart[0], [settled(code, each) for each in apart[1]])
+        return unflatten(apart[0], [materialize(code, each) for each in apart[1]])
     return RegisterValue(register_of(code, value), value.kind, is_whole(value), lasting=False)
 
 
-class Slot:
-    """A variable in registers. Its shape is remembered from one compilation to the next, until nothing widens it.
+# ------------------------------------------------------------ variables
 
-    `varying`: its numbers will hardly stay the same, so that they are given registers at once.
-    """
+
+@dataclass
+class TypeTable:
+    """The types of all variables by their keys, as the walks over a program have found them so far."""
+
+    types: dict[tuple, Type] = field(default_factory=dict)
+    read: set[tuple] = field(default_factory=set)  # in this walk
+    outdated: set[tuple] = field(default_factory=set)  # rows of this walk have relied on a type that was not the last
+
+    def begin_walk(self) -> None:
+        self.read.clear()
+        self.outdated.clear()
+
+    def declare(self, key: tuple, type: Type) -> bool:
+        """Note that a variable can hold this; return whether its type is another one now. Raises ScenicError."""
+        before = self.types.get(key)
+        after = join(before, type)
+        if after == before:
+            return False
+        assert after is not None
+        if before is not None and len(sorts_of(after)) > max(1, len(sorts_of(before))):
+            was, becomes = (" or ".join(sorts_of(each)) or "None" for each in (before, type))
+            message = f"'{key[-1]}' was {was} and becomes {becomes}"
+            raise ScenicError("unsupported", f"{message}: no variable changes its type in a match", hint=ANOTHER)
+        self.types[key] = after
+        if key in self.read:
+            self.outdated.add(key)
+        return True
+
+
+ANOTHER = "give the other value a variable of its own"
+
+
+class Variable:
+    """A variable in registers; `fluid`: its numbers will hardly stay the same and have registers at once."""
 
     def __init__(
-        self, code: Assembler, shapes: dict[tuple, Shape], key: tuple, shared: bool = False, varying: bool = False
+        self, code: Assembler, table: TypeTable, key: tuple, shared: bool = False, fluid: bool = False
     ) -> None:
-        self.code, self.shapes, self.key, self.varying = code, shapes, key, varying
+        self.code, self.table, self.key, self.fluid = code, table, key, fluid
         self.area = code.fixed if shared else code.variables
-        self._place()
+        type = table.types.get(key)
+        self.place = None if type is None else Place(code, type, self.area)
 
-    def _place(self) -> None:
-        size = 0 if self.shape is None else self.shape.size
-        start = self.area.take(size)
-        self.registers = range(start, start + size)
-
-    @property
-    def shape(self) -> Shape | None:
-        return self.shapes.get(self.key)
-
-    @property
-    def value(self) -> Value:
-        shape = self.shape
-        if shape is None:
+    def load(self) -> Value:
+        if self.place is None:
             return None
-        self.code.relied_on.add(self.key)
-        return loaded(shape, iter(self.registers))
+        self.table.read.add(self.key)
+        return self.place.load()
 
-    def widen(self, value: Value) -> None:
+    def declare(self, value: Value) -> Place:
         """Make room for a value."""
-        own = shape_of(value)
-        shape = join(self.shape, varying(own) if self.varying else own)
-        if shape != self.shape:
-            assert shape is not None
-            self.shapes[self.key] = shape
-            if self.key in self.code.relied_on:
-                self.code.widened.add(self.key)
-            self._place()
+        own = type_of(value)
+        if self.table.declare(self.key, with_registers(own) if self.fluid else own) or self.place is None:
+            self.place = Place(self.code, self.table.types[self.key], self.area)
+        return self.place
 
     def store(self, value: Value) -> None:
-        self.widen(value)
-        shape = self.shape
-        assert shape is not None
-        self.code.relied_on.add(self.key)
-        store(self.code, list(pairs(shape, iter(self.registers), value)))
+        place = self.declare(value)
+        self.table.read.add(self.key)
+        place.store(value)

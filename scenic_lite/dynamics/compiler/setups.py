@@ -13,7 +13,6 @@ from typing import Any
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
-from scenic_lite.dynamics.compiler.attributes import keep, refuse_live, shared
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
@@ -26,7 +25,7 @@ from scenic_lite.dynamics.compiler.parts import (
     Temporal,
     WatchedItem,
 )
-from scenic_lite.dynamics.compiler.registers import Slot, kept
+from scenic_lite.dynamics.compiler.registers import Variable, store_in_register
 from scenic_lite.dynamics.compiler.watchers import Automaton
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -102,7 +101,9 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
     """A behavior or monitor whose arguments stay as they are now."""
-    return BehaviorCall(call.behavior, {name: kept(c.code, each) for name, each in call.arguments.items()}, call.place)
+    return BehaviorCall(
+        call.behavior, {name: store_in_register(c.code, each) for name, each in call.arguments.items()}, call.place
+    )
 
 
 def monitor_of(c: Compilation, call: BehaviorCall, flag: int | None) -> Monitor:
@@ -160,12 +161,12 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
 
 def change(c: Compilation, part: ScenarioInstance, target: Instance, name: str, value: Value) -> None:
     """Another value for a property that no simulator knows."""
-    refuse_live(c, target, name)
+    c.refuse_live(target, name)
     key = ("object", target.label, name)
-    before = Slot(c.code, c.shapes, (*part.scope.inlined.path, "before", *key), shared=True)
-    save = lambda: before.store(shared(c, key).value)  # noqa: E731
-    note_first(c, part, (target.label, name), save, lambda: keep(c, key, before.value))
-    keep(c, key, value)
+    before = Variable(c.code, c.types, (*part.scope.inlined.path, "before", *key), shared=True)
+    save = lambda: before.store(c.shared_variable(key).load())  # noqa: E731
+    note_first(c, part, (target.label, name), save, lambda: c.keep(key, before.load()))
+    c.keep(key, value)
 
 
 def note_first(
@@ -263,11 +264,11 @@ def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require
     outside, code.variables = code.variables, code.fixed
     while isinstance(at, CompiledScope):
         for name in sorted(used & set(at.locals) - set(names)):
-            names[name] = kept(code, at.locals[name])
+            names[name] = store_in_register(code, at.locals[name])
         at = at.outer
     code.variables = outside
     return CompiledScope(
-        c, scope.source, names, scope, InlinedBody((*c.path, id(node)), [], Label(), scope.inlined.behavior)
+        c, scope.source, names, scope, InlinedBody((*c.path, id(node)), Label(), scope.inlined.behavior)
     )
 
 

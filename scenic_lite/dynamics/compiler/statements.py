@@ -1,4 +1,4 @@
-"""Python's statements: branches, loops, assignments, `return`.
+"""Python's statements: assignments, branches, loops, `return`, `assert`.
 
 What is fixed is decided now: a branch on `self.team == "right"` leaves one side, a loop over a fixed list is unrolled.
 What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
@@ -7,51 +7,53 @@ What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
-from scenic_lite.core.exceptions import ExceptionClass, Fault, raised
-from scenic_lite.core.types import BehaviorCall, RandomChoice, describe_kind
-from scenic_lite.dynamics.compiler.attributes import set_attribute
-from scenic_lite.dynamics.compiler.cases import SUBJECT, branches_of
-from scenic_lite.dynamics.compiler.changing import mutated
-from scenic_lite.dynamics.compiler.choices import combination
-from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import (
-    Compilation,
-    CompiledScope,
-    Loop,
-    Snapshot,
-    assigned_names,
-    suspends,
-)
-from scenic_lite.dynamics.compiler.conditions import jump_on, live_branch
+from scenic_lite.core.scope import near
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
+from scenic_lite.dynamics.compiler.choices import jump_on
+from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, Loop, assigned_names, suspends
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.lists import LiveRange, among_objects, changed_item, element_at, elements
-from scenic_lite.dynamics.compiler.registers import Slot, copied, kept, settled
-from scenic_lite.dynamics.compiler.types import RegisterList, varies
+from scenic_lite.dynamics.compiler.expressions import combination
+from scenic_lite.dynamics.compiler.lists import (
+    LiveRange,
+    appended,
+    elements,
+    loop,
+    many,
+    one_list,
+    put_with_room,
+    with_item,
+)
+from scenic_lite.dynamics.compiler.registers import Variable, materialize, snapshot, store_in_register
+from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, type_of
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import TRACKED
 from scenic_lite.evaluation.calls import Return
-from scenic_lite.evaluation.expressions import item_of
-from scenic_lite.evaluation.matching import chosen_case
 from scenic_lite.evaluation.statements import define_function, nothing
+from scenic_lite.language.classes import checked
+from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import walk_own
-from scenic_lite.values.graph import RandomExpr, Value
-
-MOST_UNROLLED = 64  # rounds of a loop over a fixed list
+from scenic_lite.values.graph import Value, kind_of
 
 
 def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
-    value = scope.value(node.value)
-    settled(c.code, value)
+    if isinstance(node.value, ast.Call) and append(c, scope, node.value):
+        return
+    value = materialize(c.code, scope.value(node.value))
     if isinstance(value, BehaviorCall):
         name = value.behavior.name
         message = f'the behavior "{name}" is named here, but not run'
         c.doubts.append(scope.error("warning", message, node, f"write do {name}(...)"))
+
+
+# ------------------------------------------------------------ assignments
 
 
 def assign(c: Compilation, scope: CompiledScope, node: ast.Assign) -> None:
@@ -67,16 +69,13 @@ def annotated(c: Compilation, scope: CompiledScope, node: ast.AnnAssign) -> None
 
 def augmented(c: Compilation, scope: CompiledScope, node: ast.AugAssign) -> None:
     target = node.target
-    old = scope.lookup(target.id) if isinstance(target, ast.Name) else scope.value(loading(target))
-    bind(c, scope, target, combination(c, scope, node, old, scope.value(node.value)))
-
-
-def loading(target: ast.expr) -> ast.expr:
-    """The expression that reads what an assignment writes."""
-    if isinstance(target, ast.Subscript):
-        return ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target)
-    assert isinstance(target, ast.Attribute)
-    return ast.copy_location(ast.Attribute(target.value, target.attr, ast.Load()), target)
+    if isinstance(target, ast.Name):
+        old = scope.lookup(target.id)
+    elif isinstance(target, ast.Subscript):
+        old = scope.value(ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target))
+    else:
+        old = scope.value(ast.copy_location(ast.Attribute(target.value, target.attr, ast.Load()), target))
+    bind(c, scope, target, combination(c, scope, node.op, old, scope.value(node.value)))
 
 
 def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
@@ -85,22 +84,29 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
         track(c, scope, target, value)
         scope.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
-        parts = elements(c, scope, value, target)
-        parts = spread(scope, target, parts)
-        parts = [copied(c.code, each) for each in parts]  # `a, b = b, a`
+        parts = spread(scope, target, elements(c, scope, value, target))
+        parts = [snapshot(c.code, each) for each in parts]  # `a, b = b, a`
         for each, part in zip(target.elts, parts, strict=True):
             bind(c, scope, each.value if isinstance(each, ast.Starred) else each, part)
     elif isinstance(target, ast.Attribute):
         set_attribute(c, scope, target, scope.value(target.value), value)
     elif isinstance(target, ast.Subscript):
         container, index = scope.value(target.value), scope.value(target.slice)
-        bind_item(c, scope, target, changed_item(c, scope, container, index, value))
+        rebind(c, scope, target.value, with_item(c, scope, container, index, value))
     else:
         raise scope.error("syntax", "this cannot be assigned to", target)
 
 
+def rebind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
+    """Assign what has changed, to a variable wherever that belongs."""
+    if isinstance(target, ast.Name):
+        scope.assign_where_it_is(target.id, value)
+    else:
+        bind(c, scope, target, value)
+
+
 def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) -> None:
-    """`ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
+    """Heed `ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
     if target.id not in TRACKED:
         return
     if not c.setting_up or scope.inlined.live or scope.inlined.behavior is not c.part_behavior:
@@ -110,7 +116,7 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
 
 
 def spread(scope: CompiledScope, target: ast.Tuple | ast.List, parts: list[Value]) -> list[Value]:
-    """One value for each of several names; what stands behind a star takes those that are left."""
+    """Return one value for each of several names; what stands behind a star takes those that are left."""
     count = len(target.elts)
     star = next((i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)), None)
     if star is not None and len(parts) >= count - 1:
@@ -121,49 +127,90 @@ def spread(scope: CompiledScope, target: ast.Tuple | ast.List, parts: list[Value
     return parts
 
 
-def bind_item(c: Compilation, scope: CompiledScope, target: ast.Subscript, container: Value) -> None:
-    """Assigning an element assigns a changed container, to a variable wherever that belongs."""
-    if container is None:
-        return
-    if isinstance(target.value, ast.Name):
-        scope.assign_where_it_is(target.value.id, container)
+def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
+    """Compile `items.append(x)` where `items` is a variable or an attribute; return whether it is that."""
+    function = node.func
+    if not (isinstance(function, ast.Attribute) and function.attr == "append" and len(node.args) == 1):
+        return False
+    target = function.value
+    items = scope.value(target) if isinstance(target, ast.Name | ast.Attribute) else None
+    if not isinstance(items, list | RegisterList):
+        return False
+    item = scope.value(node.args[0])
+    variable = scope.variables.get(target.id) if isinstance(target, ast.Name) else None
+    if variable is not None and isinstance(items, RegisterList):
+        variable.declare(RegisterList(ListType(type_of(item), LONGEST), ()))
+        put_with_room(c.code, variable.load(), item)
     else:
-        bind(c, scope, target.value, container)
+        rebind(c, scope, target, appended(c, items, item))
+    return True
+
+
+# ------------------------------------------------------------ attributes
+
+
+def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
+    """Compile `owner.name = value`: all behaviors of the match see it."""
+    name = target.attr
+    if owner is c.simulation and name == "scenic_reward":
+        if kind_of(value) not in ("number", "truth"):
+            raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
+        register_of(c.code, value, REWARD)
+    elif owner is c.simulation:
+        own = {key[2] for key in c.types.types if key[0] == "simulation"}  # assigned, as an earlier walk saw
+        known = [each for each in c.simulation.names if each not in own]
+        if hint := near(name, known) if name not in known else "":
+            c.doubts.append(scope.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
+        c.keep(("simulation", "", name), value)
+    elif isinstance(owner, Instance) and owner.label:
+        c.refuse_live(owner, name)
+        value = checked(name, value, c.program.dialect) if name in owner.properties else value
+        c.keep(("object", owner.label, name), value)
+    elif isinstance(owner, RandomChoice):
+        raise ScenicError("unsupported", "attributes are set of one object, not of whichever a match finds")
+    else:
+        raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
 
 
 # ------------------------------------------------------------ branches and loops
 
 
-def branch(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
-    def run(no: Label, live: bool) -> None:
-        end = Label()
-        with scope.in_dynamic_branch() if live else nullcontext():
-            scope.run(node.body)
-            c.code.row(op.JUMP, c=end)
-            c.code.put(no)
-            scope.run(node.orelse)
-        c.code.put(end)
+def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
+    no, end = Label(), Label()
+    with c.code.captured() as rows:
+        jump_on(c, scope, node.test, no, when=False)
+        reachable = c.code.reachable
+    c.code.reachable = True
+    live = no.used and reachable
+    if live:  # before the test: a side that assigns a variable may not be come to
+        scope.pin(assigned_names(*node.body, *node.orelse))
+    c.code.rows.extend(rows)
+    c.code.reachable = reachable
+    with scope.in_dynamic_branch() if live else nullcontext():
+        scope.run(node.body)
+        c.code.row(op.JUMP, c=end)
+        c.code.put(no)
+        scope.run(node.orelse)
+    c.code.put(end)
 
-    live_branch(c, scope, node.test, [node.body, node.orelse], run)
 
-
-def repeat_while(c: Compilation, scope: CompiledScope, node: ast.While) -> None:
+def compile_while(c: Compilation, scope: CompiledScope, node: ast.While) -> None:
     scope.pin(assigned_names(node.test, *node.body))
-    again, failed, loop = Label(), Label(), Loop(Label(), Label())
+    again, failed, around = Label(), Label(), Loop(Label(), Label())
     c.code.put_loop(again)
     jump_on(c, scope, node.test, failed, when=False)
     with scope.in_dynamic_branch():
-        in_loop(scope, loop, node.body)
-        c.code.put(loop.again)
+        in_loop(scope, around, node.body)
+        c.code.put(around.again)
         c.code.row(op.LOOP_BACK, c=again)
         c.code.put(failed)
         scope.run(node.orelse)
-    c.code.put(loop.exit)
+    c.code.put(around.exit)
 
 
-def in_loop(scope: CompiledScope, loop: Loop, body: list[ast.stmt]) -> None:
-    loop.parts = scope.compilation.written()
-    scope.inlined.loops.append(loop)
+def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
+    around.parts = scope.compilation.written()
+    scope.inlined.loops.append(around)
     try:
         with scope.compilation.repeated():
             scope.run(body)
@@ -171,194 +218,117 @@ def in_loop(scope: CompiledScope, loop: Loop, body: list[ast.stmt]) -> None:
         scope.inlined.loops.pop()
 
 
-def repeat(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
+def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
+    """Compile a loop: one body for numbers, for a list of the match and for many objects, else one for each element."""
     items = scope.value(node.iter)
+    items = one_list(c, items) if isinstance(items, RandomChoice) else items
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
     if isinstance(items, LiveRange):
-        count_through(c, scope, node, items)
+        rounds = numbers(c.code, items)
     elif isinstance(items, RegisterList):
-        go_through(c, scope, node, items)
+        rounds = loop(c.code, store_in_register(c.code, items))  # the list is as it was when the loop began
     else:
-        go_through_fixed(c, scope, node, elements(c, scope, items, node.iter))
+        items = elements(c, scope, items, node.iter)
+        if not many(items) or needs_one_object(node):
+            unroll(c, scope, node, items)
+            return
+        rounds = loop(c.code, items)
+    scope.pin(assigned_names(*node.body))
+    exit_ = Label()
+    with scope.in_dynamic_branch():
+        with rounds as (item, _, following):
+            bind(c, scope, node.target, item)
+            in_loop(scope, Loop(exit_, following), node.body)
+        scope.run(node.orelse)
+    c.code.put(exit_)
 
 
-def count_through(c: Compilation, scope: CompiledScope, node: ast.For, numbers: LiveRange) -> None:
-    """`for i in range(...)`."""
-    code = c.code
+def needs_one_object(node: ast.For) -> bool:
+    """Return whether what a loop does to its element can be compiled for a known object only."""
+    names = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
+
+    def of_one(each: ast.AST) -> bool:
+        if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store):
+            return isinstance(each.value, ast.Name) and each.value.id in names
+        return isinstance(each, nodes.Override | nodes.Do | nodes.RequireMonitor)
+
+    return any(map(of_one, walk_own(*node.body)))
+
+
+@contextmanager
+def numbers(code: Assembler, numbers: LiveRange) -> Iterator[tuple[Value, RegisterValue, Label]]:
+    """Rows written inside are executed for each number; the label begins the next round."""
     counter, stop = code.variables.take(), code.variables.take()
     register_of(code, numbers.start, counter)
     register_of(code, numbers.stop, stop)
-
-    def done(label: Label) -> None:
-        first, second = (counter, stop) if numbers.step > 0 else (stop, counter)
-        code.row(op.JUMP_NOT_LESS, first, second, label)
-
-    def count() -> None:
-        code.row(op.ADD, counter, counter, code.constant(numbers.step))
-
-    live_loop(c, scope, node, done, count, lambda: RegisterValue(counter, whole=numbers.whole), op.LOOP_BACK)
-
-
-def go_through(c: Compilation, scope: CompiledScope, node: ast.For, items: RegisterList) -> None:
-    """`for x in items` of a list whose length varies; the list is as it was when the loop began."""
-    code = c.code
-    items = kept(code, items)
-    counter = code.variables.take()
-    register_of(code, 0, counter)
-
-    def done(label: Label) -> None:
-        code.row(op.JUMP_NOT_LESS, counter, items.length.register, label)
-
-    def count() -> None:
-        code.row(op.ADD, counter, counter, code.constant(1))
-
-    live_loop(c, scope, node, done, count, lambda: element_at(c, items, RegisterValue(counter, whole=True)))
-
-
-def go_through_fixed(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
-    """`for x in items` of a fixed list: one body for many objects if that can be done, else one for each."""
-    if among_objects(items, 0) is None:
-        unroll(c, scope, node, items)
-        return
-    before = Snapshot(c, scope)
-    try:
-        go_through_objects(c, scope, node, items)
-    except ScenicError as error:
-        if error.kind != "unsupported":
-            raise
-        before.restore()
-        unroll(c, scope, node, items)
-
-
-def go_through_objects(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
-    code = c.code
-    counter = code.variables.take()
-    register_of(code, 0, counter)
-
-    def done(label: Label) -> None:
-        code.row(op.JUMP_NOT_LESS, counter, code.constant(len(items)), label)
-
-    def count() -> None:
-        code.row(op.ADD, counter, counter, code.constant(1))
-
-    live_loop(c, scope, node, done, count, lambda: among_objects(items, counter))
-
-
-def live_loop(
-    c: Compilation,
-    scope: CompiledScope,
-    node: ast.For,
-    done: Callable[[Label], None],
-    count: Callable[[], None],
-    element: Callable[[], Value],
-    back: int = op.JUMP,
-) -> None:
-    """A loop whose rounds share their rows; `back` leads from one to the next."""
-    code = c.code
-    scope.pin(assigned_names(*node.body))
-    again, over, loop = Label(), Label(), Loop(Label(), Label())
+    again, following, over = Label(), Label(), Label()
     code.put_loop(again)
-    done(over)
-    with scope.in_dynamic_branch():
-        bind(c, scope, node.target, element())
-        in_loop(scope, loop, node.body)
-        code.put(loop.again)
-        count()
-        code.row(back, c=again)
-        code.put(over)
-        scope.run(node.orelse)
-    code.put(loop.exit)
+    code.row(op.JUMP_NOT_LESS, *((counter, stop) if numbers.step > 0 else (stop, counter)), over)
+    value = RegisterValue(counter, whole=True)
+    yield value, value, following
+    code.put(following)
+    code.row(op.ADD, counter, counter, code.constant(numbers.step))
+    code.row(op.LOOP_BACK, c=again)
+    code.put(over)
 
 
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
-    """A loop over a fixed list: every round has rows of its own, in which the element is known."""
+    """Compile a loop over a fixed list: every round has rows of its own, in which the element is known."""
     code = c.code
-    if suspends(node.body):
-        items = [kept(code, each) for each in items]
-    else:
-        items = [settled(code, each) for each in items]
+    keep = store_in_register if suspends(node.body) else materialize
+    items = [keep(code, each) for each in items]
     jumps = [each for each in walk_own(*node.body) if isinstance(each, ast.Break | ast.Continue)]
     if jumps:
         scope.pin(assigned_names(*node.body))
     exit_ = Label()
-    last = LastTarget(c, scope, node) if any(isinstance(each, ast.Break) for each in jumps) else None
     for i, item in enumerate(items):
-        loop = Loop(exit_, Label(), last.store if last is not None else None)
+        around = Loop(exit_, Label())
         with c.round(node, i), code.statement():
             bind(c, scope, node.target, item)
-            in_loop(scope, loop, node.body)
-            code.put(loop.again)
-    if last is not None and items:
-        last.store()
+            in_loop(scope, around, node.body)
+            code.put(around.again)
     scope.run(node.orelse)
     code.put(exit_)
-    if last is not None:
-        last.load()
+    if exit_.used:
+        targets = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
+        scope.undecided |= targets - scope.variables.keys()
 
 
-class LastTarget:
-    """The target of an unrolled loop after it: which element it holds depends on where the loop was left."""
-
-    def __init__(self, c: Compilation, scope: CompiledScope, node: ast.For) -> None:
-        names = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
-        inside = sum(1 for each in ast.walk(node) if is_read(each, names))
-        read_after = sum(1 for tree in scope.inlined.body for each in ast.walk(tree) if is_read(each, names)) > inside
-        self.scope = scope
-        self.slots = {
-            name: Slot(c.code, c.shapes, (*c.path, id(node), "last", name))
-            for name in sorted(names)
-            if read_after and name not in scope.slots
-        }
-
-    def store(self) -> None:
-        for name, slot in self.slots.items():
-            if name in self.scope.locals:
-                slot.store(self.scope.locals[name])
-
-    def load(self) -> None:
-        for name, slot in self.slots.items():
-            if slot.shape is not None:
-                self.scope.locals[name] = slot.value
+def compile_break(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
+    around = scope.inlined.loops[-1]
+    c.give_up(around.parts)
+    c.code.row(op.JUMP, c=around.exit)
 
 
-def is_read(node: ast.AST, names: set[str]) -> bool:
-    return isinstance(node, ast.Name) and node.id in names and isinstance(node.ctx, ast.Load)
+def compile_continue(c: Compilation, scope: CompiledScope, node: ast.Continue) -> None:
+    around = scope.inlined.loops[-1]
+    c.give_up(around.parts)
+    c.code.row(op.JUMP, c=around.again)
 
 
-def leave_loop(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
-    loop = scope.inlined.loops[-1]
-    if loop.leave is not None:
-        loop.leave()
-    c.give_up(loop.parts)
-    c.code.row(op.JUMP, c=loop.exit)
-
-
-def next_round(c: Compilation, scope: CompiledScope, node: ast.Continue) -> None:
-    loop = scope.inlined.loops[-1]
-    c.give_up(loop.parts)
-    c.code.row(op.JUMP, c=loop.again)
-
-
-def give_back(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
-    """`return`: of a behavior its end; of a function its value, in registers if it returns from several places."""
+def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
+    """End a behavior; give the value of a function, in registers if it returns from several places."""
     inlined = scope.inlined
     if inlined.behavior is not None:
         c.code.row(op.JUMP, c=inlined.end)
         return
     value = None if node.value is None else scope.value(node.value)
     if inlined.live == 0 and inlined.result is None and not inlined.loops:
-        value = settled(c.code, value)
+        value = materialize(c.code, value)
         inlined.level = c.code.temporaries.used
         raise Return(value)
     if inlined.result is None:
-        inlined.result = Slot(c.code, c.shapes, (*inlined.path, "return"), varying=True)
+        inlined.result = Variable(c.code, c.types, (*inlined.path, "return"), fluid=True)
     inlined.result.store(value)
     c.code.row(op.JUMP, c=inlined.end)
 
 
-def certify(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
-    """`assert`: a fault of the match if it does not hold."""
+# ------------------------------------------------------------ others
+
+
+def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
+    """Stop the match with a fault if a condition does not hold."""
     fine = Label()
     jump_on(c, scope, node.test, fine, when=True)
     c.code.fault("the assertion does not hold")
@@ -366,9 +336,9 @@ def certify(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
 
 
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
-    words = {ast.Try: "`except`", ast.With: "`with`"}
-    word = words.get(type(node), f"`{type(node).__name__.lower()}`")
-    raise ScenicError("unsupported", f"{word} cannot be compiled for a match")
+    words = {ast.Delete: ("`del`", "leave it, or give what changes a name of its own"), ast.With: ("`with`", "")}
+    word, hint = words.get(type(node), (f"`{type(node).__name__.lower()}`", "write it outside of behaviors"))
+    raise ScenicError("unsupported", f"{word} cannot be compiled for a match", hint=hint)
 
 
 def define(c: Compilation, scope: CompiledScope, node: ast.FunctionDef) -> None:
@@ -376,58 +346,8 @@ def define(c: Compilation, scope: CompiledScope, node: ast.FunctionDef) -> None:
     define_function(scope, node)
 
 
-def delete(c: Compilation, scope: CompiledScope, node: ast.Delete) -> None:
-    """`del x`, `del items[i]`."""
-    for target in node.targets:
-        if isinstance(target, ast.Name):
-            if scope.inlined.live:
-                raise ScenicError("unsupported", f"whether '{target.id}' is deleted cannot be decided in a match")
-            scope.lookup(target.id)
-            scope.locals.pop(target.id, None)
-            scope.slots.pop(target.id, None)
-        elif isinstance(target, ast.Subscript):
-            bind_item(c, scope, target, without_item(c, scope, target))
-        else:
-            raise ScenicError("unsupported", "attributes cannot be deleted in a match")
-
-
-def without_item(c: Compilation, scope: CompiledScope, target: ast.Subscript) -> Value:
-    container, index = scope.value(target.value), scope.value(target.slice)
-    if isinstance(container, dict) and not isinstance(index, RandomExpr | RandomChoice):
-        item_of(scope, container, index)
-        return {key: value for key, value in container.items() if key != index}
-    if isinstance(container, list | RegisterList) and not isinstance(index, slice):
-        return mutated(c, scope, target, container, "pop", [index], {})[0]
-    raise ScenicError("unsupported", "this cannot be deleted in a match")
-
-
-def throw(c: Compilation, scope: CompiledScope, node: ast.Raise) -> None:
-    """`raise`: a fault of the match, since nothing catches it there; no slip of the program that is to be warned of."""
-    value = None if node.exc is None else scope.value(node.exc)
-    if isinstance(value, ExceptionClass):
-        value = Fault(value)
-    if not isinstance(value, Fault):
-        raise scope.error("type", f"`raise` needs an exception, not {describe_kind(value)}", node)
-    fixed = not any(map(varies, value.arguments))
-    c.code.fault(raised(value if fixed else Fault(value.cls)).message)
-
-
-def match(c: Compilation, scope: CompiledScope, node: ast.Match) -> None:
-    """`match`, as the branches that it is."""
-    subject = scope.value(node.subject)
-    if not varies(subject):
-        scope.run(chosen_case(scope, node))
-        return
-    scope.assign(SUBJECT, subject)
-    scope.run(branches_of(node))
-
-
-def declare_global(c: Compilation, scope: CompiledScope, node: ast.Global) -> None:
-    scope.globals.update(node.names)
-
-
-def declare_nonlocal(c: Compilation, scope: CompiledScope, node: ast.Nonlocal) -> None:
-    scope.nonlocals.update(node.names)
+def declare(c: Compilation, scope: CompiledScope, node: ast.Global | ast.Nonlocal) -> None:
+    (scope.globals if isinstance(node, ast.Global) else scope.nonlocals).update(node.names)
 
 
 def skip(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
@@ -439,21 +359,18 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Assign: assign,
     ast.AnnAssign: annotated,
     ast.AugAssign: augmented,
-    ast.If: branch,
-    ast.While: repeat_while,
-    ast.For: repeat,
-    ast.Break: leave_loop,
-    ast.Continue: next_round,
-    ast.Return: give_back,
-    ast.Assert: certify,
+    ast.If: compile_if,
+    ast.While: compile_while,
+    ast.For: compile_for,
+    ast.Break: compile_break,
+    ast.Continue: compile_continue,
+    ast.Return: compile_return,
+    ast.Assert: compile_assert,
     ast.Pass: skip,
     ast.FunctionDef: define,
-    ast.Try: refuse,
-    ast.Raise: throw,
     ast.With: refuse,
-    ast.Delete: delete,
-    ast.Global: declare_global,
-    ast.Nonlocal: declare_nonlocal,
-    ast.Match: match,
+    ast.Delete: refuse,
+    ast.Global: declare,
+    ast.Nonlocal: declare,
     ast.ClassDef: refuse,
 }

@@ -1,10 +1,9 @@
-"""Shapes: what is known of a variable while a program is compiled, and which registers hold the rest.
+"""Types: what is known of a variable before a match, and how many registers hold the rest.
 
-A variable that is assigned under control flow that is decided during a match has one shape throughout: the least that
-all its values fit into. `Same` is one fixed value and needs no register, `Leaf` is a number, truth value or text,
-`Parts` a vector, tuple, region, ... of such, `Variant` one of several (an object or None), `Items` a list whose
-length varies. A program is compiled again until no shape widens. Read next: `dynamics.compiler.registers`, which
-stores values by shapes.
+A variable has one type, declared by what the program assigns to it: `Const` is one fixed value and needs no register,
+`Scalar` a number, truth value or text, `Struct` a vector, tuple, region, ... of such, `ListType` a list whose length
+varies, `OneOf` one of several things of a sort, such as an object or None. Read next: `dynamics.compiler.registers`,
+which stores values by their types.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Bound, Function, Instance, RandomChoice, describe_kind
+from scenic_lite.core.types import BehaviorCall, Bound, Builtin, Function, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
@@ -24,18 +23,19 @@ from scenic_lite.values.operations import SELECT
 from scenic_lite.values.regions import Region
 
 MOST_OPTIONS = 256
-CAPACITY = 64  # elements of a list whose length is not known before the match
+LONGEST = 64  # elements of a list that grows while a match runs
+SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
 
 
-class Shape:
-    """What is known of a value."""
+class Type:
+    """What is known of a value; `size`: the registers that hold the rest."""
 
-    size = 0  # registers
+    size = 0
 
 
 @dataclass(frozen=True)
-class Leaf(Shape):
-    """One register."""
+class Scalar(Type):
+    """A number, truth value or text in one register; `whole`: an integer, written without a point."""
 
     kind: str
     whole: bool
@@ -43,21 +43,21 @@ class Leaf(Shape):
 
 
 @dataclass(frozen=True, eq=False)
-class Same(Shape):
+class Const(Type):
     """A fixed value, or one that the scene fixes."""
 
     value: Any
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is Same and (self.value is other.value or alike(self.value, other.value))
+        return type(other) is Const and (self.value is other.value or alike(self.value, other.value))
 
 
 @dataclass(frozen=True)
-class Parts(Shape):
+class Struct(Type):
     """A structure whose parts may differ; `head` says how to put it together again."""
 
     head: tuple
-    parts: tuple[Shape, ...]
+    parts: tuple[Type, ...]
 
     @property
     def size(self) -> int:  # type: ignore[override]
@@ -65,10 +65,10 @@ class Parts(Shape):
 
 
 @dataclass(frozen=True)
-class Variant(Shape):
-    """One of some shapes; the first register says which. None, if it is among them, comes last."""
+class OneOf(Type):
+    """One of several; the first register says which. None, if it is among them, comes last."""
 
-    options: tuple[Shape, ...]
+    options: tuple[Type, ...]
 
     @property
     def size(self) -> int:  # type: ignore[override]
@@ -76,30 +76,36 @@ class Variant(Shape):
 
 
 @dataclass(frozen=True)
-class Items(Shape):
-    """A list of at most CAPACITY elements of one shape: its length, then each register of the elements in turn."""
+class ListType(Type):
+    """A list of at most `capacity` elements of one type: its length, then each register of the elements in turn."""
 
-    element: Shape | None  # None: no element has ever been seen
+    element: Type | None  # None: it never has any
+    capacity: int
 
     @property
     def size(self) -> int:  # type: ignore[override]
-        return 1 + CAPACITY * (0 if self.element is None else self.element.size)
+        return 1 + self.capacity * (0 if self.element is None else self.element.size)
 
 
 @dataclass(frozen=True, eq=False)
 class RegisterList:
-    """A list in registers: as long as `registers[0]` says."""
+    """A list in registers: as long as the first one says."""
 
-    element: Shape | None
+    type: ListType
     registers: tuple[int, ...]
 
     @property
     def length(self) -> RegisterValue:
         return RegisterValue(self.registers[0], whole=True)
 
+    def at(self, index: int) -> Value:
+        """The element in a place that is known."""
+        element = self.type.element
+        return None if element is None else loaded(element, iter(self.registers[1 + index :: self.type.capacity]))
+
 
 def alike(a: Value, b: Value) -> bool:
-    """Whether two fixed values are the same for every purpose."""
+    """Return whether two fixed values are the same for every purpose."""
     if a is b:
         return True
     if isinstance(a, RandomExpr) or isinstance(b, RandomExpr) or type(a) is not type(b):
@@ -114,11 +120,11 @@ def alike(a: Value, b: Value) -> bool:
     return all(map(alike, first[1], second[1]))
 
 
-# ------------------------------------------------------------ taking apart, putting together
+# ------------------------------------------------------------ structures
 
 
 def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
-    """How a structure is put together, and its parts; None if it is none."""
+    """Return how a structure is put together, and its parts; None if it is none."""
     if type(value) in SIMPLE or (type(value) is Instance and value.label):
         return None
     if isinstance(value, Vector):
@@ -141,19 +147,8 @@ def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
     return None
 
 
-def builds_text(value: Value) -> bool:
-    """Whether a text is made of parts in the match, so that it has no number."""
-    if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
-        return False
-    if value.operation is SELECT.array:
-        return any(map(builds_text, value.inputs[1:]))
-    return bool(value.inputs) and not isinstance(value.operation, Table)
-
-
-SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
-
-
 def unflatten(head: tuple, parts: list[Value]) -> Value:
+    """Put a structure together again."""
     kind, *rest = head
     if kind is Vector:
         return Vector(*parts)
@@ -175,8 +170,17 @@ def unflatten(head: tuple, parts: list[Value]) -> Value:
     return region
 
 
+def builds_text(value: Value) -> bool:
+    """Return whether a text is made of parts in the match, so that it has no number."""
+    if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
+        return False
+    if value.operation is SELECT.array:
+        return any(map(builds_text, value.inputs[1:]))
+    return bool(value.inputs) and not isinstance(value.operation, Table)
+
+
 def varies(value: Value) -> bool:
-    """Whether anything in a value depends on the running match."""
+    """Return whether anything in a value depends on the running match."""
     if type(value) in SIMPLE:
         return type(value) is RegisterValue
     if isinstance(value, RandomExpr):
@@ -189,153 +193,183 @@ def varies(value: Value) -> bool:
     return apart is not None and any(map(varies, apart[1]))
 
 
-# ------------------------------------------------------------ shapes of values
+# ------------------------------------------------------------ types of values
 
 
-def shape_of(value: Value) -> Shape:
-    """The narrowest shape of a value."""
+def type_of(value: Value) -> Type:
+    """Return the narrowest type of a value."""
     if not varies(value):
-        return Same(value)
+        return Const(value)
     if isinstance(value, RegisterList):
-        return Items(value.element)
+        return value.type
     if isinstance(value, RandomChoice):
-        return variant(None, [shape_of(option) for option in value.options])
+        return one_of([type_of(option) for option in value.options])
     apart = flatten(value)
     if apart is not None:
-        return Parts(apart[0], tuple(map(shape_of, apart[1])))
-    return Leaf(value.kind, is_whole(value))
+        return Struct(apart[0], tuple(map(type_of, apart[1])))
+    return Scalar(value.kind, is_whole(value))
 
 
-def varying(shape: Shape) -> Shape:
-    """The same shape with registers for its fixed numbers, truth values and texts."""
-    leaf = leaf_of(shape)
-    if leaf is not None:
-        return leaf
-    parts = parts_of(shape)
-    if parts is None or parts.head[0] not in (tuple, Vector):
-        return shape
-    return Parts(parts.head, tuple(map(varying, parts.parts)))
+def common_type(values: list[Value]) -> Type | None:
+    """Return the type of whichever it is of some values."""
+    common: Type | None = None
+    for each in values:
+        common = join(common, type_of(each))
+    return common
 
 
-def join(a: Shape | None, b: Shape | None) -> Shape | None:
-    """The least shape for the values of both."""
+def with_registers(type: Type) -> Type:
+    """Return the same type with registers for fixed numbers, truth values and texts, which will hardly stay so."""
+    scalar = scalar_of(type)
+    if scalar is not None:
+        return scalar
+    struct = struct_of(type)
+    if struct is None or struct.head[0] not in (tuple, Vector):
+        return type
+    return Struct(struct.head, tuple(map(with_registers, struct.parts)))
+
+
+def join(a: Type | None, b: Type | None) -> Type | None:
+    """Return the least type for the values of both."""
     if a is None or b is None or a == b:
         return b if a is None else a
-    united = united_shape(a, b)
-    return united if united is not None else variant(None, [a, b])
+    return merged(a, b) or one_of([a, b])
 
 
-def united_shape(a: Shape, b: Shape) -> Shape | None:
-    """One shape for both that is no choice between them, if there is one."""
+def merged(a: Type, b: Type) -> Type | None:
+    """Return one type for both that is no choice between them, if there is one."""
     if a == b:
         return a
-    if isinstance(a, Variant) or isinstance(b, Variant):
-        options = [*(a.options if isinstance(a, Variant) else [a]), *(b.options if isinstance(b, Variant) else [b])]
-        return variant(None, options)
-    left, right = leaf_of(a), leaf_of(b)
+    if isinstance(a, OneOf) or isinstance(b, OneOf):
+        return one_of([a, b])
+    left, right = scalar_of(a), scalar_of(b)
     if left is not None and right is not None:
-        return united_leaf(left, right)
-    if is_list(a) and is_list(b):
-        return united_list(a, b)
-    first, second = parts_of(a), parts_of(b)
-    if first is not None and second is not None and first.head == second.head:
-        joined = [join(x, y) for x, y in zip(first.parts, second.parts, strict=True)]
-        return Parts(first.head, tuple(each for each in joined if each is not None))
-    return None
-
-
-def leaf_of(shape: Shape) -> Leaf | None:
-    """The shape of a register that can hold it, if one can."""
-    if isinstance(shape, Leaf):
-        return shape
-    if isinstance(shape, Same) and kind_of(shape.value) in ("number", "truth", "text"):
-        if builds_text(shape.value):
+        if "text" in (left.kind, right.kind) and left.kind != right.kind:
             return None
-        return Leaf(kind_of(shape.value), is_whole(shape.value))
+        return Scalar(left.kind if left.kind == right.kind else "number", left.whole and right.whole)
+    first, second = struct_of(a), struct_of(b)
+    if first is not None and second is not None and first.head == second.head:
+        return Struct(first.head, tuple(map(join, first.parts, second.parts)))  # type: ignore[arg-type]
+    if is_list(a) and is_list(b):
+        fixed = [each for each in (a, b) if not isinstance(each, ListType)]
+        capacity = LONGEST if len(fixed) == 2 else max(capacity_of(a), capacity_of(b))
+        return ListType(join(element_type(a), element_type(b)), capacity)
     return None
 
 
-def united_leaf(a: Leaf, b: Leaf) -> Leaf | None:
-    if "text" in (a.kind, b.kind) and a.kind != b.kind:
-        return None
-    return Leaf(a.kind if a.kind == b.kind else "number", a.whole and b.whole)
+def scalar_of(type: Type) -> Scalar | None:
+    """Return the type of a register that can hold it, if one can."""
+    if isinstance(type, Scalar):
+        return type
+    if isinstance(type, Const) and kind_of(type.value) in ("number", "truth", "text") and not builds_text(type.value):
+        return Scalar(kind_of(type.value), is_whole(type.value))
+    return None
 
 
-def parts_of(shape: Shape) -> Parts | None:
-    if isinstance(shape, Same):
-        apart = flatten(shape.value)
-        return None if apart is None else Parts(apart[0], tuple(map(shape_of, apart[1])))
-    return shape if isinstance(shape, Parts) else None
+def struct_of(type: Type) -> Struct | None:
+    if isinstance(type, Const):
+        apart = flatten(type.value)
+        return None if apart is None else Struct(apart[0], tuple(map(type_of, apart[1])))
+    return type if isinstance(type, Struct) else None
 
 
-def is_list(shape: Shape) -> bool:
-    if isinstance(shape, Parts):
-        return shape.head[0] is list
-    return isinstance(shape, Items) or (isinstance(shape, Same) and isinstance(shape.value, list))
+def is_list(type: Type) -> bool:
+    if isinstance(type, Struct):
+        return type.head[0] is list
+    return isinstance(type, ListType) or (isinstance(type, Const) and isinstance(type.value, list))
 
 
-def united_list(a: Shape, b: Shape) -> Shape:
-    """Of lists of one length each element has its own shape, otherwise they have one in common."""
-    first, second = parts_of(a), parts_of(b)
-    if first is not None and second is not None and len(first.parts) == len(second.parts):
-        joined = [join(x, y) for x, y in zip(first.parts, second.parts, strict=True)]
-        return Parts(first.head, tuple(each for each in joined if each is not None))
-    return Items(join(element_of(a), element_of(b)))
+def capacity_of(type: Type) -> int:
+    struct = struct_of(type)
+    return type.capacity if isinstance(type, ListType) else len(struct.parts) if struct is not None else 0
 
 
-def element_of(shape: Shape) -> Shape | None:
-    """One shape for all elements of a list."""
-    if isinstance(shape, Items):
-        return shape.element
-    parts = parts_of(shape)
-    found: Shape | None = None
-    for each in parts.parts if parts is not None else ():
-        found = join(found, each)
-    return found
+def element_type(type: Type) -> Type | None:
+    """Return one type for all elements of a list."""
+    if isinstance(type, ListType):
+        return type.element
+    element: Type | None = None
+    for each in struct_of(type).parts:  # type: ignore[union-attr]
+        element = join(element, each)
+    return element
 
 
-def variant(first: Shape | None, shapes: list[Shape]) -> Shape:
-    """A choice among shapes; those that go well together become one."""
-    options: list[Shape] = [] if first is None else [first]
-    for shape in shapes:
-        for each in shape.options if isinstance(shape, Variant) else (shape,):
+def one_of(types: list[Type]) -> Type:
+    """Return a choice among types; those that go well together become one."""
+    options: list[Type] = []
+    for type in types:
+        for each in type.options if isinstance(type, OneOf) else (type,):
             add_option(options, each)
     if len(options) > MOST_OPTIONS:
         raise ScenicError("budget", f"a variable can be more than {MOST_OPTIONS} different things")
-    options.sort(key=lambda each: isinstance(each, Same) and each.value is None)
-    return options[0] if len(options) == 1 else Variant(tuple(options))
+    options.sort(key=lambda each: isinstance(each, Const) and each.value is None)
+    return options[0] if len(options) == 1 else OneOf(tuple(options))
 
 
-def add_option(options: list[Shape], shape: Shape) -> None:
+def add_option(options: list[Type], type: Type) -> None:
     for i, each in enumerate(options):
-        if each == shape:
+        together = merged(each, type)
+        if together is not None:
+            options[i] = together
             return
-        united = united_shape(each, shape)
-        if united is not None:
-            options[i] = united
-            return
-    options.append(shape)
+    options.append(type)
 
 
-def option_for(shape: Variant, value: Value) -> int:
-    """Which option of a variant holds a value."""
-    own = shape_of(value)
-    for i, option in enumerate(shape.options):
-        if option == own or (not isinstance(option, Same) and united_shape(option, own) == option):
+def option_for(type: OneOf, value: Value) -> int:
+    """Return which option of a type holds a value."""
+    own = type_of(value)
+    for i, option in enumerate(type.options):
+        if option == own or (not isinstance(option, Const) and merged(option, own) == option):
             return i
     raise ScenicError("type", f"{describe_kind(value)} where something else was expected")
 
 
-def loaded(shape: Shape, registers: Iterator[int]) -> Value:
-    """The value that stands in some registers."""
-    if isinstance(shape, Same):
-        return shape.value
-    if isinstance(shape, Leaf):
-        return RegisterValue(next(registers), shape.kind, shape.whole)
-    if isinstance(shape, Parts):
-        return unflatten(shape.head, [loaded(part, registers) for part in shape.parts])
-    if isinstance(shape, Items):
-        return RegisterList(shape.element, tuple(next(registers) for _ in range(shape.size)))
-    assert isinstance(shape, Variant)
+def loaded(type: Type, registers: Iterator[int]) -> Value:
+    """Return the value that stands in some registers."""
+    if isinstance(type, Const):
+        return type.value
+    if isinstance(type, Scalar):
+        return RegisterValue(next(registers), type.kind, type.whole)
+    if isinstance(type, Struct):
+        return unflatten(type.head, [loaded(part, registers) for part in type.parts])
+    if isinstance(type, ListType):
+        return RegisterList(type, tuple(next(registers) for _ in range(type.size)))
+    assert isinstance(type, OneOf)
     tag = RegisterValue(next(registers), whole=True)
-    return RandomChoice(tag, tuple(loaded(option, registers) for option in shape.options))
+    return RandomChoice(tag, tuple(loaded(option, registers) for option in type.options))
+
+
+# ------------------------------------------------------------ sorts, for messages
+
+SORTS: tuple[tuple[Any, str], ...] = (
+    (type(None), "None"),
+    (str, "a text"),
+    ((bool, int, float), "a number"),
+    (Instance, "an object"),
+    ((list, tuple), "a list"),
+    (Region, "a region"),
+    (BehaviorCall, "a behavior"),
+    ((Function, Bound, Builtin), "a function"),
+    (Vector, "a vector"),
+    (dict, "a dictionary"),
+)
+
+
+def sorts_of(type: Type) -> list[str]:
+    """Return what a variable of this type can be, None aside: more than one is no type for a variable."""
+    options = type.options if isinstance(type, OneOf) else (type,)
+    return sorted({sort_of(each) for each in options} - {"None"})
+
+
+def sort_of(type: Type) -> str:
+    scalar = scalar_of(type)
+    if scalar is not None:
+        return "a text" if scalar.kind == "text" else "a number"
+    if isinstance(type, ListType):
+        return "a list"
+    struct = struct_of(type)
+    if struct is not None:
+        kind = str if struct.head[0] is RandomExpr else struct.head[0]
+    else:
+        kind = type.value.__class__ if isinstance(type, Const) else object
+    return next((words for kinds, words in SORTS if issubclass(kind, kinds)), f"a {kind.__name__.lower()}")

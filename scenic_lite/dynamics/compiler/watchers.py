@@ -14,13 +14,13 @@ from itertools import product
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
+from scenic_lite.dynamics.compiler.choices import jump_on, needs_number
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
-from scenic_lite.dynamics.compiler.conditions import jump_on, needs_number
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.parts import ScenarioInstance, Temporal, WatchedItem
-from scenic_lite.dynamics.compiler.registers import kept
-from scenic_lite.dynamics.compiler.types import CAPACITY, RegisterList, flatten, loaded, unflatten
+from scenic_lite.dynamics.compiler.registers import store_in_register
+from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import TERMINATED
 from scenic_lite.dynamics.machine.compiled import Record
@@ -50,7 +50,7 @@ def start(c: Compilation, main: ScenarioInstance, calls: list[tuple[Instance | N
 def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
     """The names that a statement outside of behaviors sees."""
     c.code.place = watched.place
-    inlined = InlinedBody((*c.path, id(watched.tree)), [], Label())
+    inlined = InlinedBody((*c.path, id(watched.tree)), Label())
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
 
 
@@ -133,7 +133,7 @@ def take_record(c: Compilation, each: WatchedItem) -> None:
     code, tree, out = c.code, each.watched.tree, Label()
     if each.flag is not None:
         code.row(op.JUMP_UNLESS, each.flag, c=out)
-    value = in_registers(c, kept(code, frame_for(c, each.watched).value(tree.value)))
+    value = in_registers(c, store_in_register(code, frame_for(c, each.watched).value(tree.value)))
     taken = code.fixed.take()
     code.begin_with(taken, -1)
     code.notes[taken] = f"{each.watched.label}.taken"
@@ -145,9 +145,8 @@ def take_record(c: Compilation, each: WatchedItem) -> None:
 def in_registers(c: Compilation, value: Value) -> Value:
     """A value whose random parts all stand in registers, also those of the scene; a list of varying length in full."""
     if isinstance(value, RegisterList):
-        count = CAPACITY if value.element is not None else 0
-        cells = [iter(value.registers[1 + i :: CAPACITY]) for i in range(count)]
-        return Listed(value.length, [in_registers(c, loaded(value.element, each)) for each in cells])  # type: ignore[arg-type]
+        capacity = 0 if value.type.element is None else value.type.capacity
+        return Listed(value.length, [in_registers(c, value.at(i)) for i in range(capacity)])
     if isinstance(value, RandomChoice):
         return RandomChoice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
     apart = flatten(value)

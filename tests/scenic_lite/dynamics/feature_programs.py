@@ -58,15 +58,15 @@ BODIES = {
     "lists": """
     far = []
     for i in range(12):
-        near = [o for o in things if (distance from o to (1 @ i)) < 5]
-        near = near + [foe]
+        near = [o for o in things if (distance from o to (1 @ i)) < 5 or o is foe]
         order = sorted(near, key=lambda o: -(distance from o to (0 @ 3)))
         first = min(near, key=lambda o: abs(o.position.y - i))
         far.append(first.position.y)
         take f'{len(near)} {order[0].position.x:.9g} {order[-1].position.y:.9g} {first.position.x:.9g} {len(far)}'
         take f'{sum(far):.9g} {max(far):.9g} {far[i // 2]:.9g} {mate in near} {any([o is mate for o in near])}'
         numbers = [1, 5, i]
-        numbers[i % 3] = 7
+        numbers[2] = i + 1
+        near.append(mate)
         take f'{numbers[0]} {sum(numbers[:2])} {[3, 1, 2][i % 3]} {sorted(numbers, reverse=True)[0]}'
 """,
     "none": """

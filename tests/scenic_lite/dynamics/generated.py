@@ -58,7 +58,7 @@ class Generator:
             f"[{a}, {b}, 2][{self.random.randrange(3)}]",
             f"sorted([{a}, {b}, 0.5])[1]",
             f"sum([{a}, {b}, 3, self.position.y][{self.random.randrange(-3, 3)}:])",
-            f"sum([o.position.y for o in things if o.position.y > {a}][{self.part()}])",
+            f"sum([o.position.y for o in things if o.position.y > {a}])",
             f"abs({a}) ** 0.5",
             f"(shared + {a})",
             "len(log)",
@@ -66,14 +66,10 @@ class Generator:
             f"sqrt(abs({a}))",
             f"sin({a})",
             f"({a} deg)",
-            f"([o for o in things if o.position.y > {a}] + [ego])[0].position.x",
+            f"[o for o in things if o is ego or o.position.y > {a}][-1].position.x",
             "max([o.position.y for o in things])",
         ]
         return self.pick(*forms)
-
-    def part(self) -> str:
-        """What stands between the brackets of a slice."""
-        return self.pick("-2:", "1:", ":-1", "::-1", "::2")
 
     def nearest(self, key: str) -> str:
         return self.pick(
@@ -191,19 +187,10 @@ class Generator:
     def change(self, indent: int, names: list[str]) -> None:
         """A variable that all behaviors see, or a list that they share, is another."""
         number = self.number(names, 1)
-        self.write(
-            indent,
-            self.pick(
-                f"bump({number})",
-                f"log.append({number})",
-                f"log.insert({self.random.randrange(3)}, {number})",
-                "log.reverse()",
-                "log.sort()",
-            ),
-        )
+        self.write(indent, self.pick(f"bump({number})", f"log.append({number})", f"log.append({number})"))
         if self.chance(0.5):
             self.write(indent, f"if len(log) > {self.random.randrange(1, 6)}:")
-            self.write(indent + 1, self.pick("log.pop(0)", "log.pop()", "log.clear()", f"log[0] = {number}"))
+            self.write(indent + 1, self.pick("bump(log[0])", "bump(log[-1])", f"bump(sum(log) + {number})"))
 
     def branch(self, indent: int, names: list[str], depth: int, loop: bool, handler: bool) -> None:
         self.write(indent, f"if {self.truth(names)}:")
@@ -234,9 +221,12 @@ class Generator:
             name = f"p{self.loops}"
             self.write(indent, f"for {name} in things:")
             self.write(indent + 1, f"if {name}.position.y > {self.number(names, 1)}:")
-            self.write(indent + 2, self.pick("break", "continue", f"take f'{name}{{{name}.position.x:.6g}}'"))
+            first = self.pick("break", "continue", f"take f'{name}{{{name}.position.x:.6g}}'")
+            self.write(indent + 2, first)
+            lines = len(self.lines)
             self.block(indent + 1, names, depth - 1, True, handler)
-            if self.chance(0.5):
+            left = any(line.strip() == "break" for line in (first, *self.lines[lines:]))
+            if self.chance(0.5) and not left:  # what it is after a `break` only the reference can tell
                 self.write(indent, f"take f'last{{{name}.position.x:.6g}}'")
         else:
             name = f"q{self.loops}"

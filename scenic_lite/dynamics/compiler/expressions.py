@@ -1,0 +1,344 @@
+"""Expressions: the evaluator's own, over choices and lists of the match; functions of the program are inlined.
+
+Only what may meet a value that is one of several things, or a list whose length the match decides, has code here; all
+else is the evaluator's. Read next: `dynamics.compiler.statements`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from scenic_lite.core.scope import Scope
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice
+from scenic_lite.dynamics.compiler.choices import (
+    boolean,
+    conditional,
+    either,
+    opposite,
+    over_options,
+    related,
+    same_thing,
+    truth,
+    whole_choice,
+)
+from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
+from scenic_lite.dynamics.compiler.list_functions import FUNCTIONS
+from scenic_lite.dynamics.compiler.lists import DECIDED, comprehension, contains, item_at, refused
+from scenic_lite.dynamics.compiler.registers import materialize, moves_to, registers_in, snapshot
+from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.attributes import attribute
+from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
+from scenic_lite.evaluation.expressions import combined, item_of, signed
+from scenic_lite.evaluation.strings import text_of
+from scenic_lite.language.scenic_operators import OPERATORS
+from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
+from scenic_lite.values.operations import AND
+
+
+def attribute_of(c: Compilation, scope: Scope, node: ast.Attribute) -> Value:
+    return attribute_named(c, scope, scope.value(node.value), node.attr)
+
+
+def attribute_named(c: Compilation, scope: Scope, value: Value, name: str) -> Value:
+    if isinstance(value, RandomChoice):
+        return over_options(c, value, lambda option: attribute_named(c, scope, option, name))
+    return attribute(scope, value, name)
+
+
+def binary(c: Compilation, scope: Scope, node: ast.BinOp) -> Value:
+    return combination(c, scope, node.op, scope.value(node.left), scope.value(node.right))
+
+
+def combination(c: Compilation, scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
+    """Return `left sign right`."""
+    if isinstance(left, RandomChoice):
+        return over_options(c, left, lambda each: combination(c, scope, sign, each, right))
+    if isinstance(right, RandomChoice):
+        return over_options(c, right, lambda each: combination(c, scope, sign, left, each))
+    if isinstance(left, RegisterList) or isinstance(right, RegisterList):
+        raise refused(f"a list {DECIDED} cannot be added to another or repeated", "append to it, or write one filter")
+    return combined(scope, sign, left, right)
+
+
+def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
+    value = scope.value(node.operand)
+    return opposite(truth(value)) if isinstance(node.op, ast.Not) else with_sign(c, node.op, value)
+
+
+def with_sign(c: Compilation, sign: ast.unaryop, value: Value) -> Value:
+    if isinstance(value, RandomChoice):
+        return over_options(c, value, lambda option: with_sign(c, sign, option))
+    return signed(sign, value)
+
+
+def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
+    return item(c, scope, scope.value(node.value), scope.value(node.slice))
+
+
+def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
+    """Return `container[index]`."""
+    if isinstance(container, RandomChoice):
+        return over_options(c, container, lambda each: item(c, scope, each, index))
+    if isinstance(index, RandomChoice):
+        return over_options(c, index, lambda each: item(c, scope, container, each))
+    ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
+    if isinstance(container, RegisterList) or any(isinstance(each, RandomExpr) for each in ends):
+        return item_at(c, scope, container, index)
+    return item_of(scope, container, index)
+
+
+def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
+    """Return a value as it stands in an f-string."""
+    spec = "" if node.format_spec is None else scope.value(node.format_spec)
+    if node.conversion != -1:
+        raise ScenicError("unsupported", "conversions such as !r in a behavior", hint="leave it out")
+    return text_with(c, scope, scope.value(node.value), spec)
+
+
+def text_with(c: Compilation, scope: Scope, value: Value, spec: str) -> Value:
+    if isinstance(value, RandomChoice):
+        return over_options(c, value, lambda option: text_with(c, scope, option, spec))
+    if isinstance(value, RegisterList):
+        raise refused(f"a list {DECIDED} cannot be written as text", "write its elements one by one")
+    return text_of(scope, value, spec)
+
+
+def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value:
+    """Return the value of an operator of Scenic; operands may be choices."""
+    operation = OPERATORS.get(node.name)
+    if operation is None:
+        raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
+    operands = [None if each is None else whole_choice(scope.value(each), c) for each in node.operands]
+    try:
+        return operation(scope, *operands)
+    except ScenicError:
+        at = next((i for i, each in enumerate(operands) if isinstance(each, RandomChoice)), None)
+        if at is None:
+            raise
+    choice, before, after = operands[at], operands[:at], operands[at + 1 :]
+    assert isinstance(choice, RandomChoice)
+    return over_options(c, choice, lambda each: operation(scope, *before, each, *after))
+
+
+def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
+    """Return the truth of a chain of comparisons; what stands behind a link that fails is not evaluated."""
+    left = materialize(c.code, scope.value(node.left))
+    result: Value = True
+    for sign, operand in zip(node.ops, node.comparators, strict=True):
+        with c.code.captured() as rows:
+            right = materialize(c.code, scope.value(operand))
+            holds = link(c, scope, node, sign, left, right)
+        if result is True or not rows:
+            c.code.rows.extend(rows)
+            result = both(result, holds)
+        else:
+            result = either(c, result, (rows, holds), ([], False))
+        if result is False:
+            return False
+        left = right
+    return result
+
+
+def both(a: Value, b: Value) -> Value:
+    if a is True or b is True:
+        return b if a is True else a
+    return False if b is False else apply(AND, a, b, kind="truth")
+
+
+def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Return the truth of one comparison."""
+    if isinstance(sign, ast.Is | ast.IsNot):
+        same = same_thing(left, right)
+        return same if isinstance(sign, ast.Is) else opposite(same)
+    if isinstance(sign, ast.In | ast.NotIn):
+        inside = contains(c, scope, node, right, left)
+        return inside if isinstance(sign, ast.In) else opposite(inside)
+    return related(c, scope, node, sign, left, right)
+
+
+def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
+    """Return what may be a dictionary; an error if its keys are not the same in all matches."""
+    return certain(handler(scope, node))
+
+
+# ------------------------------------------------------------ calls
+
+
+def call_node(c: Compilation, scope: Scope, node: ast.Call) -> Value:
+    function = scope.value(node.func)
+    return call_value(c, scope, function, *arguments_of(scope, function, node), node)
+
+
+def call_value(
+    c: Compilation, scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Call whatever can be called."""
+    if isinstance(function, RandomChoice):
+        return over_options(c, function, lambda each: call_value(c, scope, each, arguments, keywords, node))
+    if isinstance(function, Bound):
+        refuse_method(function, arguments)
+        return call_value(c, scope, function.function, [function.receiver, *arguments], keywords, node)
+    if isinstance(function, Function):
+        return inlined(c, scope, function, arguments, keywords, node)
+    if isinstance(function, Behavior):
+        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        values = {name: materialize(c.code, value) for name, value in bound.items()}
+        return BehaviorCall(function, values, scope.place(node))
+    if isinstance(function, Builtin):
+        return call_builtin(c, scope, function, arguments, keywords, node)
+    return certain(call(scope, function, arguments, keywords, node))
+
+
+def call_builtin(
+    c: Compilation, scope: Scope, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    own = FUNCTIONS.get(function.name)
+    result = NotImplemented if own is None else own(c, scope, node, arguments, keywords)
+    if result is not NotImplemented:
+        return result
+    if any(isinstance(each, RegisterList) for each in arguments):
+        raise refused(f"{function.name}() of a list {DECIDED}")
+    at = next((i for i, each in enumerate(arguments) if isinstance(each, RandomChoice)), None)
+    if at is None or function.name in ("Uniform", "Discrete", "print"):
+        return certain(call(scope, function, arguments, keywords, node))
+    before, after = arguments[:at], arguments[at + 1 :]
+    return over_options(
+        c, arguments[at], lambda each: call_value(c, scope, function, [*before, each, *after], keywords, node)
+    )
+
+
+CHANGING = frozenset(
+    {"append", "extend", "insert", "remove", "pop", "clear", "reverse", "sort", "update", "setdefault", "popitem"}
+)
+
+
+def refuse_method(method: Bound, arguments: list) -> None:
+    """Raise the error for methods that change a container, or ask a dictionary for what a match decides."""
+    if not isinstance(method.receiver, list | dict) or not isinstance(method.function, Builtin):
+        return
+    name, kind = method.function.name, "list" if isinstance(method.receiver, list) else "dictionary"
+    if name in CHANGING:
+        raise refused(f"{name}() of a {kind} cannot be done in a match", "a variable's list can be appended to")
+    if kind == "dictionary" and any(map(undecided, arguments[:1])):
+        raise refused(f"{name}() of a dictionary with what the match decides", "write d[key]")
+
+
+def certain(value: Value) -> Value:
+    """Return a set or dictionary if its elements or keys are the same in all matches. Raises ScenicError."""
+    if isinstance(value, set | dict) and any(map(undecided, value)):
+        kind = "set whose elements" if isinstance(value, set) else "dictionary whose keys"
+        raise refused(f"a {kind} the match decides", "write a list: [ ... ]")
+    return value
+
+
+def undecided(value: Value) -> bool:
+    """Return whether matches may disagree about what a value is equal to: never about a behavior or a draw's mark."""
+    if isinstance(value, BehaviorCall | ThetaColumn):
+        return False
+    if isinstance(value, list | tuple):
+        return any(map(undecided, value))
+    return isinstance(value, RandomExpr | RandomChoice | RegisterList) or varies(value)
+
+
+# ------------------------------------------------------------ functions of the program
+
+
+def inlined(
+    c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
+) -> Value:
+    """Write the rows of a function of the program in place. Its variables last until it has given its value."""
+    bound = bind(function.name, function.arguments, function, arguments, keywords)
+    code, outside, before = c.code, c.code.variables, c.code.place
+    used = code.scratch.used
+    code.variables = code.scratch
+    try:
+        with c.entered(function, node):
+            names = {name: materialize(code, value) for name, value in bound.items()}
+            receiver = arguments[0] if function.owner is not None and arguments else None
+            result, level = settled_result(c, function, names, receiver)
+    except ScenicError as error:
+        raise seen_from(scope, function, node, error) from None
+    finally:
+        code.place, code.variables = before, outside
+        code.known.clear()
+    code.temporaries.used = max(code.temporaries.used, level)
+    result = out_of_the_way(code, result, used)
+    code.scratch.used = used
+    return result
+
+
+def settled_result(c: Compilation, function: Function, names: dict[str, Value], receiver: Value) -> tuple[Value, int]:
+    """Write the body; again if a variable of its own had not its last type, which is sooner done than a whole walk."""
+    code, doubts, known = c.code, len(c.doubts), dict(c.code.known)
+    temporaries, scratch = code.temporaries.used, code.scratch.used
+    while True:
+        inner = scope_of(c, function, dict(names))
+        if function.owner is not None:
+            inner.method = (function.owner, receiver)
+        with code.captured() as rows:
+            result = result_of(inner, function)
+        own = {key for key in c.types.outdated if key[: len(c.path)] == c.path}
+        if not own:
+            code.rows.extend(rows)
+            return result, inner.inlined.level
+        c.types.outdated -= own
+        c.types.read = {key for key in c.types.read if key[: len(c.path)] != c.path}
+        del c.doubts[doubts:]
+        code.reachable, code.known = True, dict(known)
+        code.temporaries.used, code.scratch.used = temporaries, scratch
+
+
+def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> CompiledScope:
+    """Return the variables of a function that begins."""
+    body = InlinedBody(c.path, Label())
+    inner = CompiledScope(c, function.scope.source, names, function.scope, body)
+    inner.assigned = function.assigned
+    return inner
+
+
+def result_of(inner: CompiledScope, function: Function) -> Value:
+    """Write the body of a function and return its value."""
+    if isinstance(function.body, ast.expr):
+        return inner.value(function.body)
+    try:
+        inner.run(function.body)
+    except Return as result:
+        return result.value
+    body, code = inner.inlined, inner.compilation.code
+    if body.result is None:
+        return None
+    if code.reachable:
+        body.result.store(None)
+    code.put(body.end)
+    return body.result.load()
+
+
+def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
+    """Return a function's value, copied out of the registers of its variables, which are free again."""
+    if not varies(value):
+        return value
+    freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
+    type = type_of(value)
+    parts = [part for _, part in moves_to(type, iter(range(type.size)), value)]
+    return snapshot(code, value) if any(each in freed for part in parts for each in registers_in(part)) else value
+
+
+EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {
+    ast.Call: call_node,
+    ast.Attribute: attribute_of,
+    ast.BinOp: binary,
+    ast.UnaryOp: unary,
+    ast.Subscript: subscript,
+    ast.FormattedValue: formatted,
+    ast.BoolOp: boolean,
+    ast.IfExp: conditional,
+    ast.Compare: comparison,
+    ast.ListComp: comprehension,
+    ast.GeneratorExp: comprehension,
+    nodes.Operator: scenic_operator,
+}
