@@ -1,7 +1,7 @@
 """Functions of the program that branch on random values, walked once along each path through them.
 
 Each walk decides every branch beforehand; the results are joined by the branches' conditions, so that what the
-function computes stays a node over arrays. Read next: `language.field_rows`, for functions with too many paths.
+function computes stays a node over arrays. Read next: `language.fields`, for functions with too many paths.
 """
 
 from __future__ import annotations

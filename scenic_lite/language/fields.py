@@ -1,6 +1,7 @@
 """Vector fields made of regions, fields given by functions of the program, and the way along a field.
 
-Read next: `language.scenic_operators`, which has the other uses of fields.
+A function that branches on the point is called row by row. Read next: `language.scenic_operators`, which has the other
+uses of fields.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.paths import PathEnumerator
-from scenic_lite.core.scope import Scope
+from scenic_lite.core.per_sample import PerSampleOperation, body_of, definitions_in, reached
+from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.language.field_rows import heading_by_row
 from scenic_lite.values.geometry import Vector, is_scalar
-from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
-from scenic_lite.values.operations import WHERE
-from scenic_lite.values.regions import Region, VectorField
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
+from scenic_lite.values.regions import Region, VectorField, patched
 
 MOST_STEPS = 1000
 UNPLACED = SourceSpan("", 1, 0, 1, 1)  # of the stand-ins for a point under way
@@ -49,6 +50,45 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
     return VectorField(name, heading_at)
 
 
+def heading_by_row(
+    scope: Scope, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
+) -> RandomExpr:
+    """What a function of the program says at a random point, called once for each sample."""
+    pending = [(part.scope, each) for part in definitions_in(function) for each in body_of(part)]
+    columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
+    result = RandomExpr(HeadingByRow(scope, node, function, columns, heading), (point.x, point.y, *columns))
+    scope.watch(result)
+    return result
+
+
+class HeadingByRow(PerSampleOperation):
+    """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]; nan where it fails."""
+
+    def __init__(
+        self,
+        scope: Scope,
+        node: ast.AST,
+        function: Value,
+        columns: tuple[ThetaColumn, ...],
+        heading: Callable[[Value], Value],
+    ) -> None:
+        super().__init__(scope, node, columns)
+        self.function, self.heading = function, heading
+
+    def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
+        rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
+        with self.bindings.restored(self.scope.state):
+            headings = [self._one(*row) for row in self.scenes(each.tolist() for each in rows)]
+        return np.array(headings, float)
+
+    def _one(self, x: float, y: float, *draws: Value) -> float:
+        return self.per_sample(draws, lambda scope: self._asked(scope, x, y), float("nan"))
+
+    def _asked(self, scope: Scope, x: float, y: float) -> Value:
+        result = self.heading(scope.call(self.function, [Vector(x, y)], {}, self.node))
+        return in_row(result, scope.mode.row or {})
+
+
 def cells_field(
     name: str, cells: Sequence[tuple[Region, Value]], otherwise: Callable[[Vector], Value], default: Value
 ) -> VectorField:
@@ -56,20 +96,20 @@ def cells_field(
 
     Outside all cells `default`; if that is None the field has no heading there, and scenes that need it are rejected.
     """
+    pieces = [(region, otherwise if heading is None else constant_heading(heading)) for region, heading in cells]
+    field = patched(name, pieces, default)
 
     def heading_at(point: Vector) -> Value:
-        result = math.nan if default is None else default
-        for region, heading in reversed(cells):
-            inside = region.contains(point)
-            if inside is True:
-                result = otherwise(point) if heading is None else heading
-            elif inside is not False:
-                result = apply(WHERE, inside, otherwise(point) if heading is None else heading, result)
+        result = field.heading_at(point)
         if is_number(result) and math.isnan(result):
             raise ScenicError("value", f"the vector field {name} has no heading at {point!r}")
         return result
 
     return VectorField(name, heading_at)
+
+
+def constant_heading(heading: Value) -> Callable[[Vector], Value]:
+    return lambda point: heading
 
 
 # ------------------------------------------------------------ following

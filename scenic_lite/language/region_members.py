@@ -28,8 +28,32 @@ MOST_POINTS = 100_000  # along one polyline
 COST = 10_000  # elements of memory that the combination of two regions counts for
 
 
-def contains_point(self: Region, point: Value) -> Value:
-    return self.contains(vector(point))
+def algebra() -> Any:
+    """Return `values.algebra`, which is heavy: it loads shapely."""
+    from scenic_lite.values import algebra as module
+
+    return module
+
+
+def region(value: Value) -> Region:
+    if not isinstance(value, Region):
+        raise ScenicError("type", f"a region is needed here, not {describe_kind(value)}")
+    return value
+
+
+def line(value: Region) -> PolylineRegion:
+    if not isinstance(value, PolylineRegion):
+        raise ScenicError("name", f"{describe_kind(value)} that is no polyline has no such method")
+    return value
+
+
+def limited(count: float) -> float:
+    if not 0 <= count <= MOST_POINTS:
+        raise ScenicError("budget", f"evaluation budget exceeded: {count:,.0f} points along a polyline")
+    return count
+
+
+# ------------------------------------------------------------ methods
 
 
 def contains_object(self: Region, instance: Value) -> Value:
@@ -38,65 +62,19 @@ def contains_object(self: Region, instance: Value) -> Value:
     return self.contains_corners(outline(instance))
 
 
-def contains_region(self: Region, reg: Value, tolerance: Value = 0) -> Value:
-    from scenic_lite.values import algebra
-
-    return algebra.holds(self, region(reg), fixed_number("tolerance", tolerance))
-
-
-def intersect(scope: Scope, node: Any, self: Region, other: Value) -> Region:
-    from scenic_lite.values import algebra
-
+def combining(scope: Scope) -> Any:
+    """Return `values.algebra` to combine regions with, which counts as much as many elements."""
     scope.mode.budget.spend(COST)
-    return algebra.common_part(self, region(other), scope.state.dialect)
-
-
-def difference(scope: Scope, node: Any, self: Region, other: Value) -> Region:
-    from scenic_lite.values import algebra
-
-    scope.mode.budget.spend(COST)
-    return algebra.remainder(self, region(other))
-
-
-def union(scope: Scope, node: Any, self: Region, other: Value, buf: Value = 0) -> Region:
-    from scenic_lite.values import algebra
-
-    scope.mode.budget.spend(COST)
-    return algebra.union(self, region(other))
-
-
-def intersects(self: Region, other: Value) -> Value:
-    from scenic_lite.values import algebra
-
-    return algebra.meet(self, region(other))
-
-
-def buffer(scope: Scope, node: Any, self: Region, amount: Value) -> Region:
-    from scenic_lite.values import algebra
-
-    scope.mode.budget.spend(COST)
-    return algebra.grown(self, number(amount))
-
-
-def distance_to(self: Region, point: Value) -> Value:
-    return self.distance(vector(point))
+    return algebra()
 
 
 def bounds(self: Region) -> tuple:
     """((low x, low y), (high x, high y))."""
-    found = self.bounds()
-    if found is None:
+    limits = self.bounds()
+    if limits is None:
         raise ScenicError("unsupported", "this can be asked of a fixed, bounded region only")
-    low_x, high_x, low_y, high_y = found
+    low_x, high_x, low_y, high_y = limits
     return (low_x, low_y), (high_x, high_y)
-
-
-def signed_distance(self: Region, point: Value) -> Value:
-    return line(self).signed_distance(vector(point))
-
-
-def project(self: Region, point: Value) -> Vector:
-    return line(self).projected(vector(point))
 
 
 def nearest_segment(self: Region, point: Value) -> tuple[Vector, Vector]:
@@ -106,10 +84,6 @@ def nearest_segment(self: Region, point: Value) -> tuple[Vector, Vector]:
     which = int(chain.nearest(at.x, at.y)[0])
     start, end = chain.starts[which], chain.starts[which] + chain.steps[which]
     return Vector(*map(float, start)), Vector(*map(float, end))
-
-
-def point_along(self: Region, distance: Value, normalized: bool = False) -> Vector:
-    return line(self).along(number(distance), normalized)
 
 
 def spaced_points(scope: Scope, node: Any, self: Region, num: Value) -> list[Vector]:
@@ -130,24 +104,6 @@ def points_at(scope: Scope, self: Region, distances: Any) -> list[Vector]:
     return [line(self).along(float(distance)) for distance in distances]
 
 
-def limited(count: float) -> float:
-    if not 0 <= count <= MOST_POINTS:
-        raise ScenicError("budget", f"evaluation budget exceeded: {count:,.0f} points along a polyline")
-    return count
-
-
-def region(value: Value) -> Region:
-    if not isinstance(value, Region):
-        raise ScenicError("type", f"a region is needed here, not {describe_kind(value)}")
-    return value
-
-
-def line(value: Region) -> PolylineRegion:
-    if not isinstance(value, PolylineRegion):
-        raise ScenicError("name", f"{describe_kind(value)} that is no polyline has no such method")
-    return value
-
-
 def follow_from(self: VectorField, pos: Value, dist: Value, steps: Value = None, stepSize: Value = None) -> Vector:
     field = VectorField(self.name, self.heading_at, self.least_steps, self.longest_step)
     if steps is not None:
@@ -157,13 +113,34 @@ def follow_from(self: VectorField, pos: Value, dist: Value, steps: Value = None,
     return along(field, vector(pos), number(dist))
 
 
+REGION_METHODS = own(
+    containsPoint=lambda self, point: self.contains(vector(point)),
+    containsObject=contains_object,
+    containsRegion=lambda self, reg, tolerance=0: algebra().holds(
+        self, region(reg), fixed_number("tolerance", tolerance)
+    ),
+    intersects=lambda self, other: algebra().meet(self, region(other)),
+    distanceTo=lambda self, point: self.distance(vector(point)),
+    getAABB=bounds,
+    signedDistanceTo=lambda self, point: line(self).signed_distance(vector(point)),
+    project=lambda self, point: line(self).projected(vector(point)),
+    nearestSegmentTo=nearest_segment,
+    pointAlongBy=lambda self, distance, normalized=False: line(self).along(number(distance), normalized),
+)
+REGION_METHODS |= needs_context(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
+COMBINATIONS: dict[str, Callable[..., Value]] = {
+    "intersect": lambda scope, node, self, other: combining(scope).common_part(
+        self, region(other), scope.state.dialect
+    ),
+    "difference": lambda scope, node, self, other: combining(scope).remainder(self, region(other)),
+    "union": lambda scope, node, self, other, buf=0: combining(scope).union(self, region(other)),
+    "buffer": lambda scope, node, self, amount: combining(scope).grown(self, number(amount)),
+}
+REGION_METHODS |= {name: Builtin(name, combine, needs_context=True) for name, combine in COMBINATIONS.items()}
+FIELD_METHODS = own(followFrom=follow_from)
+
+
 # ------------------------------------------------------------ of classes
-
-
-def union_all(scope: Scope, node: Any, regions: Value, buf: Value = 0) -> Region:
-    from scenic_lite.values import algebra
-
-    return algebra.union_of(region(each) for each in scope.elements(regions, node))
 
 
 def chain_all(scope: Scope, node: Any, regions: Value) -> Region:
@@ -174,21 +151,36 @@ def chain_all(scope: Scope, node: Any, regions: Value) -> Region:
     return PolylineRegion([chain.tolist() for part in parts for chain in part.chains])
 
 
-def uniform_point(scope: Scope, node: Any, region: Value) -> Vector:
-    return point_in(scope, node, region)[0]
-
-
-def field_of_union(scope: Scope, node: Any, regions: Value, tolerance: Value = 0) -> VectorField | None:
-    return patchwork([region(each) for each in scope.elements(regions, node)])
+CLASS_FUNCTIONS = {
+    "PolygonalRegion": needs_context(
+        unionAll=lambda scope, node, regions, buf=0: algebra().union_of(map(region, scope.elements(regions, node)))
+    ),
+    "PolylineRegion": needs_context(unionAll=chain_all),
+    "Region": needs_context(uniformPointIn=lambda scope, node, region: point_in(scope, node, region)[0]),
+    "VectorField": needs_context(
+        forUnionOf=lambda scope, node, regions, tolerance=0: patchwork(
+            [region(each) for each in scope.elements(regions, node)]
+        )
+    ),
+}
 
 
 # ------------------------------------------------------------ attributes
 
 
-def boundary(self: Region) -> Region:
-    from scenic_lite.values import algebra
+def parameter(name: str) -> Callable[[Region], Value]:
+    """A parameter of a rectangle, disc, sector or polyline."""
 
-    return algebra.boundary(self)
+    def read(self: Region) -> Value:
+        if isinstance(self, SectorRegion) and name == "position":
+            return self.center
+        if isinstance(self, RectangularRegion) and name in ("radius", "corners"):
+            return tuple(self.corners()) if name == "corners" else Vector(self.width / 2, self.length / 2).length()
+        if name not in vars(self):
+            raise ScenicError("name", f"{type(self).__name__} has no attribute '{name}'")
+        return vars(self)[name]
+
+    return read
 
 
 def polygons(self: Region) -> Region:
@@ -206,15 +198,7 @@ def is_endless(self: Region) -> bool:
 
 
 def area(self: Region) -> Value:
-    from scenic_lite.values import algebra
-
-    return None if is_endless(self) else algebra.size_of(self)
-
-
-def inradius(self: Region) -> Value:
-    from scenic_lite.values import algebra
-
-    return algebra.depth_of_middle(self)
+    return None if is_endless(self) else algebra().size_of(self)
 
 
 def points(self: Region) -> Value:
@@ -244,31 +228,30 @@ def segments(self: Region) -> list:
     return [(tuple(a.tolist()), tuple((a + step).tolist())) for a, step in zip(chain.starts, chain.steps, strict=True)]
 
 
-def parameter(name: str) -> Callable[[Region], Value]:
-    """A parameter of a rectangle, disc, sector or polyline."""
-
-    def read(self: Region) -> Value:
-        if isinstance(self, SectorRegion) and name == "position":
-            return self.center
-        if isinstance(self, RectangularRegion) and name == "radius":
-            return Vector(self.width / 2, self.length / 2).length()
-        if name not in vars(self):
-            raise ScenicError("name", f"{type(self).__name__} has no attribute '{name}'")
-        return vars(self)[name]
-
-    return read
-
-
-def rectangle_corners(self: Region) -> tuple[Vector, ...]:
-    if not isinstance(self, RectangularRegion):
-        raise ScenicError("name", f"{type(self).__name__} has no attribute 'corners'")
-    return tuple(self.corners())
-
-
-def circumcircle(self: Region) -> tuple[Vector, Value]:
-    if isinstance(self, SectorRegion):
-        return self.center, self.radius
-    return parameter("position")(self), parameter("radius")(self)
+PARAMETERS = ("position", "center", "heading", "width", "length", "radius", "angle", "corners")
+REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
+    **{name: parameter(name) for name in PARAMETERS},
+    "hw": lambda self: parameter("width")(self) / 2,
+    "hl": lambda self: parameter("length")(self) / 2,
+    "circumcircle": lambda self: (parameter("position")(self), parameter("radius")(self)),
+    "orientation": lambda self: self.orientation,
+    "name": lambda self: None,
+    "z": lambda self: 0.0,
+    "polygons": polygons,
+    "polygon": polygons,
+    "boundary": lambda self: algebra().boundary(self),
+    "area": area,
+    "size": area,
+    "dimensionality": lambda self: None if is_endless(self) else self.dimension,
+    "inradius": lambda self: algebra().depth_of_middle(self),
+    "AABB": lambda self: tuple((*corner, 0.0) for corner in bounds(self)),
+    "points": points,
+    "segments": segments,
+    "lineString": line,
+    "start": lambda self: end_of(self, last=False),
+    "end": lambda self: end_of(self, last=True),
+}
+FIELD_FIELDS: dict[str, Callable[[Any], Value]] = {"name": lambda self: self.name}
 
 
 def item_of(self: Region | VectorField, index: Value) -> Value:
@@ -278,50 +261,3 @@ def item_of(self: Region | VectorField, index: Value) -> Value:
     if not isinstance(self, PolylineRegion) or not is_number(index) or index != int(index):
         raise ScenicError("type", f"{describe_kind(self)} has no elements to index")
     return Vector(*self.vertices()[int(index)])
-
-
-REGION_METHODS = own(
-    containsPoint=contains_point,
-    containsObject=contains_object,
-    containsRegion=contains_region,
-    intersects=intersects,
-    distanceTo=distance_to,
-    getAABB=bounds,
-    signedDistanceTo=signed_distance,
-    project=project,
-    nearestSegmentTo=nearest_segment,
-    pointAlongBy=point_along,
-) | needs_context(equallySpacedPoints=spaced_points, pointsSeparatedBy=separated_points)
-for combine in (intersect, difference, union, buffer):
-    REGION_METHODS[combine.__name__] = Builtin(combine.__name__, combine, needs_context=True)
-REGION_FIELDS: dict[str, Callable[[Any], Value]] = {
-    **{name: parameter(name) for name in ("position", "center", "heading", "width", "length", "radius", "angle")},
-    "orientation": lambda self: self.orientation,
-    "name": lambda self: None,
-    "corners": rectangle_corners,
-    "circumcircle": circumcircle,
-    "hw": lambda self: parameter("width")(self) / 2,
-    "hl": lambda self: parameter("length")(self) / 2,
-    "z": lambda self: 0.0,
-    "polygons": polygons,
-    "polygon": polygons,
-    "boundary": boundary,
-    "area": area,
-    "size": area,
-    "dimensionality": lambda self: None if is_endless(self) else self.dimension,
-    "inradius": inradius,
-    "AABB": lambda self: tuple((*corner, 0.0) for corner in bounds(self)),
-    "points": points,
-    "segments": segments,
-    "lineString": line,
-    "start": lambda self: end_of(self, last=False),
-    "end": lambda self: end_of(self, last=True),
-}
-CLASS_FUNCTIONS = {
-    "PolygonalRegion": needs_context(unionAll=union_all),
-    "PolylineRegion": needs_context(unionAll=chain_all),
-    "Region": needs_context(uniformPointIn=uniform_point),
-    "VectorField": needs_context(forUnionOf=field_of_union),
-}
-FIELD_METHODS = own(followFrom=follow_from)
-FIELD_FIELDS: dict[str, Callable[[Any], Value]] = {"name": lambda self: self.name}

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 
 from scenic_lite.core.environment import near
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, ScenicClass
+from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, RandomChoice, ScenicClass
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.alternatives import one_behavior
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalised
@@ -234,6 +233,19 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
             f"with {name}", node, {name: REQUIRED}, lambda self: {name: delayed.compute(self)}, value.needs
         )
     return ResolvedSpecifier(f"with {name}", node, {name: REQUIRED}, lambda self: {name: value})
+
+
+def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
+    """Return a behavior that was drawn as the behavior `A or B(chosen): do chosen`; any other value as it is."""
+    if not isinstance(value, RandomChoice) or not all(isinstance(each, BehaviorCall) for each in value.options):
+        return value
+    name = " or ".join(dict.fromkeys(each.behavior.name for each in value.options))
+    do = nodes.Do([ast.Name("chosen", ast.Load())], "all", None, None, None, None)
+    parameters = ast.arguments([], [ast.arg("chosen")], None, [], [], None, [])
+    tree = nodes.Behavior(name, parameters, [], [], [do], "behavior", None)
+    for each in (do, do.calls[0], tree):
+        ast.copy_location(each, node)
+    return BehaviorCall(Behavior(name, tree, (), {}, scope), {"chosen": value}, scope.place(node))
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:

@@ -274,19 +274,24 @@ def turn_of(a: Any, b: Any, c: Any) -> Any:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
-    """The orientation of the first region that holds the point; None if no region has one."""
-    oriented = [(region, region.orientation) for region in regions if region.orientation is not None]
-    if not oriented:
-        return None
+def patched(
+    name: str, pieces: Sequence[tuple[Region, Callable[[Vector], Value]]], default: Value = None
+) -> VectorField:
+    """Return the field that has the heading of the first piece whose region holds the point; nan outside all."""
 
     def heading_at(point: Vector) -> Value:
         result = math.nan if default is None else default
-        for region, orientation in reversed(oriented):
+        for region, heading_of in reversed(pieces):
             inside = region.contains(point)
             if inside is not False:
-                heading = orientation.heading_at(point)
+                heading = heading_of(point)
                 result = heading if inside is True else apply(WHERE, inside, heading, result)
         return result
 
-    return VectorField("Union", heading_at)
+    return VectorField(name, heading_at)
+
+
+def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
+    """Return the orientation of the first region that holds the point; None if no region has one."""
+    pieces = [(region, region.orientation.heading_at) for region in regions if region.orientation is not None]
+    return patched("Union", pieces, default) if pieces else None
