@@ -57,6 +57,8 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
     draw_pitch(axes, painter.bounds)
     known = [theta for theta in thetas if len(theta)]
     if not known:
+        middle = np.mean(painter.bounds[:2]), np.mean(painter.bounds[2:])
+        axes.text(*middle, "no level was finished", ha="center", va="center", color=plots.FAINT)
         return
     places = painter.positions(np.concatenate(known))  # [L, K, 2]
     left = places[:, painter.classes < LEFT_KEEPER].reshape(-1, 2)

@@ -1,6 +1,6 @@
-"""Playing a policy on the test scenes of a minigame, during training and after it.
+"""Playing policies on the test scenes of a minigame: one student during training, all of them after it.
 
-Read next: `commands.evaluate`, which makes a table of it.
+Read next: `run.results`, what is counted; `run.report`, the tables.
 """
 
 from __future__ import annotations
