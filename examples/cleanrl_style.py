@@ -33,35 +33,35 @@ curriculum = PLRLevels(envs, PLRConfig(score="max_mc", buffer=BufferConfig(capac
 actor, critic = (nn.Sequential(nn.Linear(4, 64), nn.Tanh(), nn.Linear(64, k)) for k in (2, 1))
 optimizer = torch.optim.Adam([*actor.parameters(), *critic.parameters()], 2.5e-3)
 
-trials = curriculum.propose(N)  # (1) levels to begin with
-obs, _ = envs.reset_to_levels(trials["level"])
+records = curriculum.propose(N)  # (1) levels to begin with
+obs, _ = envs.reset_to_levels(records["level"])
 steps, total_return, total_value, returns = np.zeros(N), np.zeros(N), np.zeros(N), []
 for update in range(1, updates + 1):
     data = {name: torch.zeros(T, N) for name in ("action", "log_prob", "value", "reward", "done", "train")}
-    data["obs"], settled = torch.zeros(T, N, 4), []
+    data["obs"], finished = torch.zeros(T, N, 4), []
     for t in range(T):
         data["obs"][t] = torch.as_tensor(obs)
         with torch.no_grad():
             policy, data["value"][t] = Categorical(logits=actor(data["obs"][t])), critic(data["obs"][t])[:, 0]
             data["action"][t] = action = policy.sample()
             data["log_prob"][t] = policy.log_prob(action)
-        data["train"][t] = torch.as_tensor(trials["train"])  # (2) robust PLR learns from replayed levels alone
+        data["train"][t] = torch.as_tensor(records["train"])  # (2) robust PLR learns from replayed levels alone
         obs, reward, terminated, truncated, _ = envs.step(action.numpy())
         done = terminated | truncated
         data["reward"][t], data["done"][t] = torch.as_tensor(reward), torch.as_tensor(done)
         steps, total_return, total_value = steps + 1, total_return + reward, total_value + data["value"][t].numpy()
         if done.any():  # (3) what came of these levels, and the next ones for the environments that are through
-            trials["returns"][done, 0, 0], trials["mean_value"][done, 0, 0] = (
+            records["returns"][done, 0, 0], records["mean_value"][done, 0, 0] = (
                 total_return[done],
                 (total_value / steps)[done],
             )
-            settled.append(trials[done])
+            finished.append(records[done])
             steps[done], total_return[done], total_value[done] = 0, 0, 0
-            trials[done] = curriculum.propose(int(done.sum()))
-            obs, _ = envs.reset_to_levels(trials["level"][done], done)
-    if settled:
-        curriculum.update(np.concatenate(settled))  # (4) the levels are scored
-        returns += np.concatenate(settled)["returns"].ravel().tolist()
+            records[done] = curriculum.propose(int(done.sum()))
+            obs, _ = envs.reset_to_levels(records["level"][done], done)
+    if finished:
+        curriculum.update(np.concatenate(finished))  # (4) the levels are scored
+        returns += np.concatenate(finished)["returns"].ravel().tolist()
     advantage, running, next_value = torch.zeros(T, N), torch.zeros(N), critic(torch.as_tensor(obs))[:, 0].detach()
     for t in reversed(range(T)):
         going = 1 - data["done"][t]
@@ -80,5 +80,5 @@ for update in range(1, updates + 1):
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-    mean, filled = np.mean(returns[-100:] or [np.nan]), curriculum.buffer.fill
+    mean, filled = np.mean(returns[-100:] or [np.nan]), curriculum.buffer.fill_ratio
     print(f"{update * T * N:8d} steps  mean return {mean:6.1f}  buffer {filled:4.0%}", flush=True)

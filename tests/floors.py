@@ -50,6 +50,7 @@ FLOORS = {
     ),
     "ued": (
         "seeding",
+        "resumable",  # states by a list of names
         "config",
         "statistics",
         "checkpoint",
@@ -61,7 +62,6 @@ FLOORS = {
         "learning",  # student, rollout, PPO
         "levels",  # records, queue, buffer, scores, teacher
         "method",  # what methods are made of
-        "training",
         "methods",  # the papers
         "evaluation",
         "curriculum_wrapper",

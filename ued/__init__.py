@@ -9,7 +9,7 @@ Read next: `upomdp`, the seam; then `learning.rollout`, `learning.worker`, `lear
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # for type checkers and editors; what is true when the program runs is below
     from ued.checkpoint import CheckpointError
     from ued.config import (
         ACCELConfig,
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         DRConfig,
         MinimaxConfig,
         PairedConfig,
+        PairedLiteralConfig,
         PLRConfig,
         PPOConfig,
         RepairedConfig,
@@ -32,115 +33,56 @@ if TYPE_CHECKING:
     from ued.learning.student import Student
     from ued.levels.adversary import Adversary
     from ued.levels.buffer import LevelBuffer
-    from ued.levels.record import trial_dtype
+    from ued.levels.record import level_record_dtype
     from ued.method import LevelBatch, Method
+    from ued.methods import METHODS
     from ued.methods.accel import ACCEL
     from ued.methods.alp_gmm import ALPGMM
     from ued.methods.dr import DR
     from ued.methods.minimax import Minimax
     from ued.methods.paired import Paired
+    from ued.methods.paired_literal import PairedLiteral
     from ued.methods.plr import PLR, RobustPLR
     from ued.methods.repaired import Repaired
     from ued.methods.self_regret import SelfRegret
     from ued.methods.sfl import SFL
     from ued.mixture import Mixture
-    from ued.training import Training
     from ued.upomdp import UPOMDP, ThetaError, level_dtype
 
-_HOME = {
-    "ACCEL": "ued.methods.accel",
-    "ACCELConfig": "ued.config",
-    "ALPGMM": "ued.methods.alp_gmm",
-    "ALPGMMConfig": "ued.config",
-    "Adversary": "ued.levels.adversary",
-    "AdversaryConfig": "ued.config",
-    "BufferConfig": "ued.config",
-    "CheckpointError": "ued.checkpoint",
-    "Curriculum": "ued.curriculum",
-    "DR": "ued.methods.dr",
-    "DRConfig": "ued.config",
-    "Evaluation": "ued.evaluation",
-    "GymUPOMDP": "ued.gym_upomdp",
-    "LevelBatch": "ued.method",
-    "LevelBuffer": "ued.levels.buffer",
-    "Method": "ued.method",
-    "Minimax": "ued.methods.minimax",
-    "Mixture": "ued.mixture",
-    "MinimaxConfig": "ued.config",
-    "PLR": "ued.methods.plr",
-    "PLRConfig": "ued.config",
-    "PPO": "ued.learning.ppo",
-    "PPOConfig": "ued.config",
-    "Paired": "ued.methods.paired",
-    "PairedConfig": "ued.config",
-    "Repaired": "ued.methods.repaired",
-    "RepairedConfig": "ued.config",
-    "RobustPLR": "ued.methods.plr",
-    "SFL": "ued.methods.sfl",
-    "SFLConfig": "ued.config",
-    "SelfRegret": "ued.methods.self_regret",
-    "SelfRegretConfig": "ued.config",
-    "Student": "ued.learning.student",
-    "ThetaError": "ued.upomdp",
-    "ThetaSpace": "ued.curriculum",
-    "Training": "ued.training",
-    "UPOMDP": "ued.upomdp",
-    "UPOMDPWrapper": "ued.gym_upomdp",
-    "evaluate": "ued.evaluation",
-    "level_dtype": "ued.upomdp",
-    "trial_dtype": "ued.levels.record",
+_EXPORTS = {  # by module; the methods and their settings are those of `methods.METHODS`
+    "ued.checkpoint": ("CheckpointError",),
+    "ued.config": ("AdversaryConfig", "BufferConfig", "PPOConfig"),
+    "ued.curriculum": ("Curriculum", "ThetaSpace"),
+    "ued.evaluation": ("Evaluation", "evaluate"),
+    "ued.gym_upomdp": ("GymUPOMDP", "UPOMDPWrapper"),
+    "ued.learning.ppo": ("PPO",),
+    "ued.learning.student": ("Student",),
+    "ued.levels.adversary": ("Adversary",),
+    "ued.levels.buffer": ("LevelBuffer",),
+    "ued.levels.record": ("level_record_dtype",),
+    "ued.method": ("LevelBatch", "Method"),
+    "ued.methods": ("METHODS",),
+    "ued.mixture": ("Mixture",),
+    "ued.upomdp": ("UPOMDP", "ThetaError", "level_dtype"),
 }
 
-__all__ = [
-    "ACCEL",
-    "ALPGMM",
-    "DR",
-    "PLR",
-    "PPO",
-    "SFL",
-    "UPOMDP",
-    "ACCELConfig",
-    "ALPGMMConfig",
-    "Adversary",
-    "AdversaryConfig",
-    "BufferConfig",
-    "CheckpointError",
-    "Curriculum",
-    "DRConfig",
-    "Evaluation",
-    "GymUPOMDP",
-    "LevelBatch",
-    "LevelBuffer",
-    "Method",
-    "Minimax",
-    "MinimaxConfig",
-    "Mixture",
-    "PLRConfig",
-    "PPOConfig",
-    "Paired",
-    "PairedConfig",
-    "Repaired",
-    "RepairedConfig",
-    "RobustPLR",
-    "SFLConfig",
-    "SelfRegret",
-    "SelfRegretConfig",
-    "Student",
-    "ThetaError",
-    "ThetaSpace",
-    "Training",
-    "UPOMDPWrapper",
-    "evaluate",
-    "level_dtype",
-    "trial_dtype",
-]
+
+def _homes() -> dict[str, str]:
+    """Return the module of each name that this package offers."""
+    rows = import_module("ued.methods").METHODS.values()
+    homes = {name: module for module, names in _EXPORTS.items() for name in names}
+    homes |= {row.class_name: row.module for row in rows}
+    return homes | {row.settings.__name__: row.settings.__module__ for row in rows}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
+    homes = _homes() if not name.startswith("__") or name == "__all__" else {}
+    if name == "__all__":
+        return sorted(homes)
+    if name not in homes:
         raise AttributeError(f"module 'ued' has no attribute {name!r}")
-    return getattr(import_module(_HOME[name]), name)
+    return getattr(import_module(homes[name]), name)
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted(_homes())

@@ -87,7 +87,7 @@ def _content(path: Path, mapped: bool) -> dict[str, Any]:
 
 
 def encode(value: Any, where: str = "state") -> Any:
-    """Give `value` in terms of dicts, lists, tensors, strings and numbers of at most 64 bits."""
+    """Return `value` in terms of dicts, lists, tensors, strings and numbers of at most 64 bits."""
     if isinstance(value, dict):
         _check_keys(value, where)
         return {key: encode(item, f"{where}[{key!r}]") for key, item in value.items()}
@@ -140,7 +140,7 @@ def _decode_array(value: dict[str, Any]) -> np.ndarray:
 
 
 def _describe(dtype: np.dtype) -> Any:
-    """Give what `np.dtype` makes the same type of, padding and nested records included."""
+    """Return what `np.dtype` makes the same type of, padding and nested records included."""
     if dtype.names is None:
         if dtype.subdtype is not None:
             base, shape = dtype.subdtype

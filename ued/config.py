@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 
 def setting(default: Any, help: str) -> Any:
-    """Give a dataclass field with this default and one line of help, as the command line shows it."""
+    """Return a dataclass field with this default and one line of help, as the command line shows it."""
     return field(default=default, metadata={"help": help})
 
 
@@ -48,7 +48,7 @@ class PPOConfig:
 
     @classmethod
     def thesis(cls) -> PPOConfig:
-        """Give the settings of the thesis (Table 4.2); `PairedConfig.thesis` has the adversary's."""
+        """Return the settings of the thesis (Table 4.2); `PairedConfig.thesis` has the adversary's."""
         return cls(
             num_steps=128,
             learning_rate=8e-5,
@@ -70,12 +70,12 @@ class PPOConfig:
 class DRConfig:
     """Settings of domain randomisation."""
 
-    new_level: Literal["episode", "rollout"] = setting(
+    resample_level_every: Literal["episode", "rollout"] = setting(
         "episode", "each environment draws a new level every: episode, or rollout"
     )
 
     def __post_init__(self) -> None:
-        check_choices(self, "new_level")
+        check_choices(self, "resample_level_every")
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class AdversaryConfig:
 
     @classmethod
     def thesis(cls) -> AdversaryConfig:
-        """Give the settings of the thesis (Table 4.2)."""
+        """Return the settings of the thesis (Table 4.2)."""
         return cls(
             learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5, context_size=16
         )
@@ -163,9 +163,6 @@ class PairedConfig(TeacherConfig):
     )
     students: int = setting(2, "how many; more than two make a population without an antagonist")
     clip_regret: bool = setting(False, "count a negative regret as 0")
-    student_reward: Literal["environment", "regret"] = setting(
-        "environment", "what students learn from: the environment's rewards, or -regret and regret when an episode ends"
-    )
     antagonist: Literal["student", "scripted"] = setting(
         "student", "who plays the antagonist: a second student, or what the environment itself does there"
     )
@@ -178,7 +175,7 @@ class PairedConfig(TeacherConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_at_least_1(self, "kl_every")
-        check_choices(self, "regret", "roles", "student_reward", "antagonist", "kl")
+        check_choices(self, "regret", "roles", "antagonist", "kl")
         check_not_negative(self, "kl_coef")
         if self.students < 2:
             raise ValueError(f"students must be at least 2, got {self.students}")
@@ -186,21 +183,33 @@ class PairedConfig(TeacherConfig):
             raise ValueError(
                 "more than two students have no antagonist: roles must be population, and none is scripted"
             )
-        if self.student_reward == "regret" and (self.roles != "fixed" or self.antagonist == "scripted"):
-            raise ValueError("regret pays a protagonist and an antagonist who learn: roles must be fixed")
         if self.antagonist == "scripted" and self.kl != "none":
             raise ValueError("a scripted antagonist does not learn: it excludes kl")
 
     @classmethod
     def thesis(cls) -> PairedConfig:
-        """Give the settings of the thesis (Table 4.2)."""
+        """Return the settings of the thesis (Table 4.2)."""
         return cls(roles="fixed", dr_fraction=0.0, adversary=AdversaryConfig.thesis())
 
-    @classmethod
-    def literal(cls) -> PairedConfig:
-        """Give PAIRED as it is usually shipped: the thesis's student rewards, no entropy bonus, no random levels."""
-        adversary = AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16)
-        return cls(student_reward="regret", roles="fixed", dr_fraction=0.0, clip_regret=True, adversary=adversary)
+
+def _literal_adversary() -> AdversaryConfig:
+    """Return the adversary of PAIRED as it is usually shipped: no entropy bonus, a long context."""
+    return AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16)
+
+
+@dataclass(frozen=True)
+class PairedLiteralConfig(TeacherConfig):
+    """Settings of PAIRED to the letter, as it is usually shipped: no random levels, and no negative regret."""
+
+    adversary: AdversaryConfig = field(default_factory=_literal_adversary, metadata={"help": "the adversary"})
+    regret: Literal["max_mean", "mean_mean"] = setting(
+        "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
+    )
+    clip_regret: bool = setting(True, "count a negative regret as 0")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_choices(self, "regret")
 
 
 @dataclass(frozen=True)
@@ -268,8 +277,6 @@ class RepairedConfig(PairedConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_share(self, "replay_prob", "min_fill")
-        if self.student_reward == "regret":
-            raise ValueError("REPAIRED trains students on the environment's rewards, not on regret")
 
 
 @dataclass(frozen=True)
@@ -337,8 +344,8 @@ def check_choices(config: Any, *names: str) -> None:
         _check(config, (name,), allowed.__contains__, "must be " + " or ".join(allowed))
 
 
-def _check(config: Any, names: tuple[str, ...], holds: Callable[[Any], bool], wanted: str) -> None:
+def _check(config: Any, names: tuple[str, ...], holds: Callable[[Any], bool], rule: str) -> None:
     for name in names:
         value = getattr(config, name)
         if not holds(value):  # nor does any of these hold for nan
-            raise ValueError(f"{name} {wanted}, got {value!r}")
+            raise ValueError(f"{name} {rule}, got {value!r}")

@@ -1,11 +1,11 @@
 """The seam between a curriculum and a trainer, ours or yours: who chooses levels, and who trains on them.
 
-    trials = curriculum.propose(num_envs)      # which levels to play, and whether to learn from them
-    ...                                        # play them; fill in trials["returns"] and the like
-    metrics = curriculum.update(trials)        # the curriculum learns what came of them
+    records = curriculum.propose(num_envs)     # which levels to play, and whether to learn from them
+    ...                                        # play them; fill in records["returns"] and the like
+    metrics = curriculum.update(records)       # the curriculum learns what came of them
 
 A curriculum owns no environment, no network of a student and no rollout: DR, PLR, ACCEL, SFL, ALP-GMM, minimax,
-self-regret and PAIRED's teacher all are curricula. Read next: `training`, our trainer; `methods`, the curricula;
+self-regret and PAIRED's teacher all are curricula. Read next: `method`, our trainer; `methods`, the curricula;
 `examples` for other people's trainers.
 """
 
@@ -16,33 +16,34 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ued.upomdp import MAX_TRIES, ThetaError, check_theta, level_dtype
+from ued.resumable import Resumable
+from ued.upomdp import check_theta, level_dtype, new_levels, sample_valid_theta
 
 
 class Curriculum(Protocol):
     """Chooses levels and learns from what students make of them.
 
     Attributes:
-        dtype: the record of its trials, see `trials.trial_dtype`.
+        dtype: of its level records, see `levels.record.level_record_dtype`.
     """
 
     @property
     def dtype(self) -> np.dtype: ...
 
     def propose(self, count: int) -> np.ndarray:
-        """Give `count` trials with their results open."""
+        """Return `count` level records with their results open."""
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Take trials with their results, write their scores, learn from them; give metrics.
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Take records with their results, write their scores, learn from them; return metrics.
 
-        Trials may come back in any order and any number; one without a finished episode must not come back.
+        Records may come back in any order and any number; one without a finished episode must not come back.
         """
 
     def state_dict(self) -> dict[str, Any]:
-        """Give everything: a curriculum made anew with the same arguments resumes from it."""
+        """Return everything: a curriculum made anew with the same arguments resumes from it."""
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
+        """Take back what `state_dict` returned."""
 
 
 class LevelSpace(Protocol):
@@ -55,7 +56,7 @@ class LevelSpace(Protocol):
     def sample_levels(self, count: int) -> np.ndarray: ...
 
 
-class ThetaSpace:
+class ThetaSpace(Resumable):
     """Levels θ in [-1, 1]^D for a trainer of one's own, which needs no `UPOMDP`.
 
     Args:
@@ -64,50 +65,36 @@ class ThetaSpace:
         seed: of the stream from which levels and their seeds are drawn.
     """
 
+    state_fields = ("stream",)
+
     def __init__(self, dim: int, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_dim, self._valid, self.stream = dim, valid, np.random.default_rng(seed)
 
     def valid(self, theta: Any) -> np.ndarray:
-        """Say for each row of θ `[n, D]` whether it describes a level that can be played: bool `[n]`."""
+        """Return for each row of θ `[n, D]` whether it describes a level that can be played: bool `[n]`."""
         theta = check_theta(theta, self.theta_dim)
         return np.ones(len(theta), bool) if self._valid is None else np.asarray(self._valid(theta), bool)
 
     def make_levels(self, theta: Any) -> np.ndarray:
-        """Give levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-        theta = check_theta(theta, self.theta_dim)
-        levels = np.zeros(len(theta), level_dtype(self.theta_dim))
-        levels["theta"] = theta
-        levels["seed"] = self.stream.integers(0, 2**63, len(theta), dtype=np.uint64)
-        return levels
+        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
+        return new_levels(theta, self.theta_dim, self.stream)
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Draw valid levels uniformly. Raises `ThetaError` where hardly any is valid."""
-        theta = self.stream.uniform(-1.0, 1.0, (count, self.theta_dim))
-        for _ in range(MAX_TRIES):
-            wrong = ~self.valid(theta) if count else np.zeros(0, bool)
-            if not wrong.any():
-                return self.make_levels(theta)
-            theta[wrong] = self.stream.uniform(-1.0, 1.0, (int(wrong.sum()), self.theta_dim))
-        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {wrong.sum()} of {count} rows")
-
-    def state_dict(self) -> dict[str, Any]:
-        """Give the state of the stream."""
-        return {"stream": self.stream.bit_generator.state}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.stream.bit_generator.state = state["stream"]
+        return self.make_levels(sample_valid_theta(self.stream, count, self.theta_dim, self.valid))
 
 
-class LevelStock:
+class RandomLevelPool(Resumable):
     """Random levels in reserve, drawn in blocks: checking a block of them costs hardly more than checking one."""
+
+    state_fields = ("levels",)
 
     def __init__(self, space: LevelSpace, block: int = 64) -> None:
         self.space, self.block = space, block
         self.levels = np.zeros(0, level_dtype(space.theta_dim))
 
     def take(self, count: int) -> np.ndarray:
-        """Give `count` levels drawn uniformly."""
+        """Return `count` levels drawn uniformly."""
         if count > len(self.levels):
             self.levels = np.concatenate([self.levels, self.space.sample_levels(max(count, self.block))])
         taken, self.levels = self.levels[:count], self.levels[count:]

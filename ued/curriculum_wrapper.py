@@ -17,37 +17,37 @@ from ued.gym_upomdp import UPOMDPWrapper
 
 
 class CurriculumFeed:
-    """Hands a curriculum's trials to environments one at a time, and brings it those that are through.
+    """Hands a curriculum's levels to environments one at a time, and brings it those that are through.
 
     The trainer's critic is not known here, so scores that need values are out of reach; and the trainer learns from
     all that it plays, so robust methods and candidates only looked at are not what their papers describe.
 
     Args:
         curriculum: what chooses the levels.
-        batch: trials that are collected before the curriculum learns from them.
+        batch: level records that are collected before the curriculum learns from them.
     """
 
     def __init__(self, curriculum: Curriculum, batch: int = 16) -> None:
         if batch < 1:
             raise ValueError(f"batch must be at least 1, got {batch}")
         self.curriculum, self.batch = curriculum, batch
-        self.settled: list[np.ndarray] = []
+        self.finished: list[np.ndarray] = []
         self.metrics: dict[str, float] = {}
 
     def next(self) -> np.ndarray:
-        """Give one new trial, `[1]`."""
+        """Return one new level record, `[1]`."""
         return self.curriculum.propose(1)
 
-    def give_back(self, trial: np.ndarray) -> None:
-        """Take a trial `[1]` with its returns; let the curriculum learn when there are enough."""
-        self.settled.append(trial)
-        if len(self.settled) >= self.batch:
-            self.metrics = self.curriculum.update(np.concatenate(self.settled))
-            self.settled = []
+    def finish(self, record: np.ndarray) -> None:
+        """Take a record `[1]` with its returns; let the curriculum learn when there are enough."""
+        self.finished.append(record)
+        if len(self.finished) >= self.batch:
+            self.metrics = self.curriculum.update(np.concatenate(self.finished))
+            self.finished = []
 
 
 class CurriculumWrapper(gymnasium.Wrapper):
-    """An environment that plays the levels of a feed: each for as many whole episodes as its trial wants.
+    """An environment that plays the levels of a feed: each for as many whole episodes as its record asks for.
 
     `env` is a `UPOMDPWrapper`, bare: whatever wraps it comes on the outside. An episode that the trainer abandons by
     an early `reset` does not count.
@@ -56,29 +56,29 @@ class CurriculumWrapper(gymnasium.Wrapper):
     def __init__(self, env: UPOMDPWrapper, feed: CurriculumFeed) -> None:
         super().__init__(env)
         self.feed = feed
-        self.trial: np.ndarray | None = None
+        self.record: np.ndarray | None = None  # [1] of the level being played
         self.total = 0.0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on the level whose turn it is; `options["theta"]` overrules the curriculum."""
         self.total = 0.0
         if options and "theta" in options:
-            self.trial = None
+            self.record = None
             return self.env.reset(seed=seed, options=options)
-        if self.trial is None:
-            self.trial = self.feed.next()
-        theta = self.trial["level"]["theta"][0]
+        if self.record is None:
+            self.record = self.feed.next()
+        theta = self.record["level"]["theta"][0]
         return self.env.reset(seed=seed, options={**(options or {}), "theta": theta})
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Step; note the return when the episode is over."""
         observation, reward, terminated, truncated, info = self.env.step(action)
         self.total += float(reward)
-        if (terminated or truncated) and self.trial is not None:
-            played = int(self.trial["played"][0, 0])
-            self.trial["returns"][0, 0, played] = self.total
-            self.trial["played"][0, 0] = played + 1
-            if played + 1 == self.trial["wanted"][0]:
-                self.feed.give_back(self.trial)
-                self.trial = None
+        if (terminated or truncated) and self.record is not None:
+            num_played = int(self.record["num_played"][0, 0])
+            self.record["returns"][0, 0, num_played] = self.total
+            self.record["num_played"][0, 0] = num_played + 1
+            if num_played + 1 == self.record["num_episodes"][0]:
+                self.feed.finish(self.record)
+                self.record = None
         return observation, reward, terminated, truncated, info

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 
 from ued.learning.student import Student
-from ued.seeding import split_seed, torch_stream
+from ued.seeding import split_seed, torch_generator
 from ued.upomdp import UPOMDP
 
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
@@ -46,7 +46,7 @@ def evaluate(
     levels: np.ndarray | None = None,
     greedy: bool = False,
 ) -> Evaluation:
-    """Play `episodes` whole episodes and give their returns.
+    """Play `episodes` whole episodes and return what came of them.
 
     With `levels` `[L]`, episode e plays level e mod L, each time with a new seed; without, every episode plays a level
     of its own, drawn at random. Actions are drawn from the policy, or its most likely ones if `greedy`. The
@@ -61,40 +61,40 @@ def evaluate(
     stream, actions = split_seed(seed, 2)
     upomdp.next_levels = None
     upomdp.reset(seed=stream)
-    asked = upomdp.sample_levels(episodes) if levels is None else levels
-    index = np.arange(episodes) % len(asked)
-    tasks = upomdp.make_levels(asked["theta"][index])  # with seeds of their own
-    tasks["program"] = asked["program"][index]
-    returns, lengths, env_steps = _play(student, upomdp, tasks, torch_stream(actions), greedy)
-    return Evaluation(returns, lengths, index, asked.copy(), env_steps)
+    pool = upomdp.sample_levels(episodes) if levels is None else levels  # [L]
+    index = np.arange(episodes) % len(pool)  # [E]
+    playlist = upomdp.make_levels(pool["theta"][index])  # [E] with seeds of their own
+    playlist["program"] = pool["program"][index]
+    returns, lengths, env_steps = _play(student, upomdp, playlist, torch_generator(actions), greedy)
+    return Evaluation(returns, lengths, index, pool.copy(), env_steps)
 
 
 def _play(
-    student: Student, upomdp: UPOMDP, tasks: np.ndarray, generator: torch.Generator, greedy: bool
+    student: Student, upomdp: UPOMDP, playlist: np.ndarray, generator: torch.Generator, greedy: bool
 ) -> tuple[np.ndarray, np.ndarray, int]:
-    """Play each of these levels `[E]` once; give returns `[E]`, lengths `[E]` and the steps it took."""
-    episodes, num_envs = len(tasks), upomdp.num_envs
+    """Play each of these levels `[E]` once; return returns `[E]`, lengths `[E]` and the steps it took."""
+    episodes, num_envs = len(playlist), upomdp.num_envs
     returns, lengths = np.zeros(episodes), np.zeros(episodes, np.int64)
-    task = np.arange(num_envs)  # which episode each environment plays; beyond the last: none that counts
-    following = num_envs
-    observation, _ = upomdp.reset_to_levels(tasks[task % episodes])
+    episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
+    next_episode = num_envs
+    observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
-    while (task < episodes).any():
+    while (episode < episodes).any():
         observation, reward, terminated, truncated, _ = upomdp.step(student.play(observation, generator, greedy))
         steps += 1
-        counts = task < episodes
-        returns[task[counts]] += reward[counts]
-        lengths[task[counts]] += 1
-        if lengths[task[counts]].max() >= LONGEST_EPISODE:
+        listed = episode < episodes  # [N]
+        returns[episode[listed]] += reward[listed]
+        lengths[episode[listed]] += 1
+        if lengths[episode[listed]].max() >= LONGEST_EPISODE:
             raise RuntimeError(
                 f"an episode did not end within {LONGEST_EPISODE} steps; evaluation needs episodes that end"
             )
-        ended = (terminated | truncated) & counts
-        free = int(ended.sum())
-        if free:
-            task[ended] = np.arange(following, following + free)
-            following += free
-            renewed = ended & (task < episodes)
-            if renewed.any():
-                observation, _ = upomdp.reset_to_levels(tasks[task[renewed]], renewed)
+        ends = (terminated | truncated) & listed  # [N]
+        num_ends = int(ends.sum())
+        if num_ends:
+            episode[ends] = np.arange(next_episode, next_episode + num_ends)
+            next_episode += num_ends
+            starts = ends & (episode < episodes)  # [N]
+            if starts.any():
+                observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
     return returns, lengths, steps * num_envs

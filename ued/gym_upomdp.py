@@ -15,13 +15,13 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ued.upomdp import MAX_TRIES, UPOMDP, Draw, ThetaError, check_theta
+from ued.upomdp import UPOMDP, Parameter, check_theta, sample_valid_theta
 
 Apply = Callable[[gymnasium.Env, dict[str, Any]], object]
 Range = tuple[float, float]
 
 
-class Parameter(NamedTuple):
+class LinearParameter(NamedTuple):
     """One free parameter: θ = -1 means `low`, θ = 1 means `high`, linearly between."""
 
     name: str
@@ -33,7 +33,7 @@ class ThetaProgram(Protocol):
     """What a `scenic_lite.Program` offers here: columns, validity, and values in its own units."""
 
     @property
-    def draws(self) -> tuple[Draw, ...]: ...
+    def draws(self) -> tuple[Parameter, ...]: ...
     def valid(self, theta: np.ndarray) -> np.ndarray: ...
     def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
 
@@ -50,7 +50,7 @@ class ThetaMap:
         if isinstance(theta, int):
             if theta < 0:
                 raise ValueError(f"theta_dim must be 0 or more, got {theta}")
-            self.draws: tuple[Draw, ...] = tuple(Parameter(f"theta[{i}]", -1.0, 1.0) for i in range(theta))
+            self.draws: tuple[Parameter, ...] = tuple(LinearParameter(f"theta[{i}]", -1.0, 1.0) for i in range(theta))
         elif isinstance(theta, Mapping):
             self.draws = tuple(self._parameter(name, bounds) for name, bounds in theta.items())
         else:
@@ -58,18 +58,18 @@ class ThetaMap:
             self.draws = theta.draws
 
     @staticmethod
-    def _parameter(name: str, bounds: Range) -> Parameter:
+    def _parameter(name: str, bounds: Range) -> LinearParameter:
         low, high = map(float, bounds)
         if not (math.isfinite(low) and math.isfinite(high)):
             raise ValueError(f"the range of {name!r} must be two finite numbers, got {bounds}")
-        return Parameter(name, low, high)
+        return LinearParameter(name, low, high)
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
-        """Say which rows of θ `[n, D]` can be played: bool `[n]`."""
+        """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
         return np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
 
     def values(self, row: np.ndarray) -> dict[str, Any]:
-        """Give one row of θ `[D]` in the environment's units."""
+        """Return one row of θ `[D]` in the environment's units."""
         if self.program is not None:
             return self.program.describe(row)
         return {d.name: d.low + (x + 1) / 2 * (d.high - d.low) for d, x in zip(self.draws, row.tolist(), strict=True)}
@@ -107,11 +107,11 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
                 raise ValueError(f"theta {theta[0].tolist()} describes no valid level")
             self.theta = theta[0]
         else:
-            self.theta = self._random_theta()
+            self.theta = sample_valid_theta(self._streams, 1, len(self.draws), self.theta_map.valid)[0]
         return self._restart(seed, options)
 
     def reset_random(self) -> Any:
-        """Draw θ at random and reset; gives the observation."""
+        """Draw θ at random and reset; return the observation."""
         return self.reset()[0]
 
     def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
@@ -119,15 +119,8 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode with the same θ; gives the observation."""
+        """Start a new episode with the same θ; return the observation."""
         return self._restart(None, {})[0]
-
-    def _random_theta(self) -> np.ndarray:
-        for _ in range(MAX_TRIES):
-            theta = self._streams.uniform(-1.0, 1.0, (1, len(self.draws)))
-            if self.theta_map.valid(theta)[0]:
-                return theta[0]
-        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws")
 
     def _restart(self, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         self.apply(self.env, self.theta_map.values(self.theta))
@@ -218,7 +211,7 @@ class GymUPOMDP(UPOMDP):
         return observations, rewards, terminated, truncated, {"final_obs": final.copy(), "_final_obs": ended}
 
     def get_state(self) -> dict[str, Any]:
-        """Give everything that changes; the environments themselves are Python objects, copied deeply."""
+        """Return everything that changes; the environments themselves are Python objects, copied deeply."""
         if self.vectorization == "async":
             raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
         return {
@@ -236,7 +229,7 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def copy(self) -> GymUPOMDP:
-        """Give a second one; one in other processes begins the same levels anew."""
+        """Return a second one; one in other processes begins the same levels anew."""
         theta = self.theta_map.program or self._ranges()
         twin = GymUPOMDP(self.make_env, self.apply, theta, self.num_envs, self.vectorization)
         if self.vectorization == "sync":
@@ -247,7 +240,7 @@ class GymUPOMDP(UPOMDP):
         return twin
 
     def _ranges(self) -> dict[str, Range]:
-        return {draw.name: (draw.low, draw.high) for draw in self.draws}
+        return {parameter.name: (parameter.low, parameter.high) for parameter in self.draws}
 
     def close_extras(self, **kwargs: Any) -> None:
         self.vector.close(**kwargs)

@@ -1,18 +1,33 @@
-"""What every method gives: one training iteration at a time, with the levels that it was based on.
+"""What methods are made of: learners, a curriculum, and a queue that brings its levels to them.
 
-Read next: `methods`, the table of methods.
+A method's `update()` is its paper's algorithm box: `play` lets all learners fill a rollout with levels that the
+curriculum proposed, and returns those that every learner has finished; the method scores them, lets its curriculum and
+its learners learn, and ends with `report`. A rollout is not cut to levels: each environment takes a new one when it has
+played its own often enough (see `levels.queue`). Where a curriculum only looks at a level (PLR⊥, children of ACCEL,
+candidates of SFL), its steps are simulated and counted, and no student learns from them.
+Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from functools import partial
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 
+from ued.config import PPOConfig
+from ued.curriculum import Curriculum
+from ued.learning.learner import Learner
 from ued.learning.student import Student
-from ued.learning.worker import Episodes
+from ued.learning.worker import collect
+from ued.levels.diagnostics import level_metrics
+from ued.levels.queue import LevelQueue
+from ued.levels.record import mean_returns
+from ued.seeding import SeedStream
+from ued.upomdp import UPOMDP
 
 
 @dataclass(frozen=True)
@@ -24,60 +39,129 @@ class LevelBatch:
         returns: for each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none.
         episodes: for each student, number of these episodes `[L]`.
         score: `[L]` what the teacher makes of the level (PAIRED: regret); nan where there is no teacher.
+        records: `[L]` the level records, where the rest is from; see `levels.record.level_record_dtype`.
     """
 
     theta: np.ndarray
     returns: dict[str, np.ndarray]
     episodes: dict[str, np.ndarray]
     score: np.ndarray
+    records: np.ndarray
+
+    @classmethod
+    def of(cls, levels: np.ndarray, students: Sequence[str]) -> LevelBatch:
+        """Return what there is to tell of level records `[L]` that these students have played."""
+        means = mean_returns(levels)  # [L, S]
+        return cls(
+            theta=levels["level"]["theta"],
+            returns={name: means[:, s] for s, name in enumerate(students)},
+            episodes={name: levels["num_played"][:, s].astype(np.int64) for s, name in enumerate(students)},
+            score=levels["score"],
+            records=levels,
+        )
 
 
-class Method(Protocol):
-    """A way to train students on levels of its choice.
+class Method:
+    """A way to train students on levels of its choice. Every method is one, made with (upomdp, ppo, config, seed).
+
+    A method makes its `curriculum` and its `queue`, adds its learners, and has an `update` of its own.
+
+    Args:
+        upomdp: the environments; they are reset and belong to this object from then on.
+        ppo: how every student learns.
+        seed: of every random stream.
 
     Attributes:
-        student: the policy to evaluate (PAIRED: the protagonist).
-        students: all policies in training, by name.
-        env_steps: steps simulated so far, for whatever purpose.
+        curriculum: what chooses the levels, to be made of `curriculum_seed`.
+        queue: brings its levels to the learners.
+        learners: in the order of the students in level records.
         updates: training iterations so far.
         last: the levels that the last update was based on.
     """
 
-    @property
-    def student(self) -> Student: ...
-    @property
-    def students(self) -> Mapping[str, Student]: ...
-    @property
-    def env_steps(self) -> int: ...
-    @property
-    def updates(self) -> int: ...
-    @property
-    def last(self) -> LevelBatch | None: ...
+    curriculum: Curriculum
+    queue: LevelQueue
+
+    def __init__(self, upomdp: UPOMDP, ppo: PPOConfig | None, seed: int) -> None:
+        self._seeds = SeedStream(seed)
+        self.upomdp, self.ppo = upomdp, ppo or PPOConfig()
+        self.learners: list[Learner] = []
+        self.updates = 0
+        self.last: LevelBatch | None = None
+        upomdp.reset(seed=self._seeds.next())
+        self.curriculum_seed = self._seeds.next()
+
+    def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
+        """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`."""
+        index = len(self.learners)
+        on_episode_end = partial(self.queue.on_episode_end, index)
+        self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))
+        self.learners[index].start(self.queue.first(index))
+        return self.learners[index]
+
+    # ------------------------------------------------------------ one update
 
     def update(self) -> dict[str, float]:
-        """Do one training iteration; give its metrics."""
+        """Do one training iteration; return its metrics."""
+        raise NotImplementedError(f"{type(self).__name__} has no update")
+
+    def play(self) -> np.ndarray:
+        """Let all learners fill a rollout; return the level records `[L]` that all of them have now finished."""
+        self.roll_out()
+        return self.queue.pop_finished()
+
+    def roll_out(self) -> None:
+        """Let all learners fill a rollout with the queue's levels and look back on it."""
+        self.queue.begin_rollout()
+        collect([learner.worker for learner in self.learners])
+        for index, learner in enumerate(self.learners):
+            self.queue.record_value_stats(index, learner.compute_advantages())
+        self._played = perf_counter()
+
+    def report(self, levels: np.ndarray, metrics: dict[str, float]) -> dict[str, float]:
+        """End an update that was based on these levels `[L]`; return its metrics and those that all methods have."""
+        by_learner = [learner.pop_seconds() for learner in self.learners]
+        seconds = {f"time/{name}": sum(each[name] for each in by_learner) for name in by_learner[0]}
+        seconds["time/curriculum"] = perf_counter() - self._played - seconds["time/learn"]
+        self.last = LevelBatch.of(levels, [learner.name for learner in self.learners])
+        self.updates += 1
+        counters = {"env_steps": float(self.env_steps), "updates": float(self.updates)}
+        return counters | metrics | level_metrics(levels) | seconds
+
+    # ------------------------------------------------------------ what others ask
+
+    @property
+    def student(self) -> Student:
+        """The policy to evaluate: the first one (PAIRED: the protagonist)."""
+        return next(iter(self.students.values()))
+
+    @property
+    def students(self) -> dict[str, Student]:
+        """All policies in training, by name."""
+        return {learner.name: learner.student for learner in self.learners if learner.student is not None}
+
+    @property
+    def env_steps(self) -> int:
+        """Steps simulated so far, for whatever purpose."""
+        return sum(learner.worker.env_steps for learner in self.learners)
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Give everything: a method made anew with the same arguments resumes from it to the same numbers.
+        """Return everything: a method made anew with the same arguments resumes from it to the same numbers.
 
         `episodes=False` leaves out the state of the environments, which for a `GymUPOMDP` no checkpoint can hold; open
         episodes then begin anew.
         """
+        return {
+            "learners": [learner.state_dict(episodes) for learner in self.learners],
+            "curriculum": self.curriculum.state_dict(),
+            "queue": self.queue.state_dict(),
+            "updates": self.updates,
+        }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-
-
-def episode_metrics(name: str, episodes: Episodes) -> dict[str, float]:
-    """Give mean return, mean length and number of a student's episodes; the means of none are nan."""
-    count = len(episodes.returns)
-    return {
-        f"return/{name}": float(episodes.returns.mean()) if count else float("nan"),
-        f"length/{name}": float(episodes.lengths.mean()) if count else float("nan"),
-        f"episodes/{name}": float(count),
-    }
-
-
-def prefixed(prefix: str, metrics: Mapping[str, float]) -> dict[str, float]:
-    """Give the metrics with `prefix/` before each name."""
-    return {f"{prefix}/{key}": value for key, value in metrics.items()}
+        """Take back what `state_dict` returned."""
+        for learner, saved in zip(self.learners, state["learners"], strict=True):
+            learner.load_state_dict(saved)
+        self.curriculum.load_state_dict(state["curriculum"])
+        self.queue.load_state_dict(state["queue"])
+        self.updates = state["updates"]

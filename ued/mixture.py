@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box
 
-from ued.gym_upomdp import Parameter
+from ued.gym_upomdp import LinearParameter
 from ued.upomdp import UPOMDP, check_theta, level_dtype
 
 
@@ -39,14 +39,14 @@ class Mixture(UPOMDP):
         self.sizes = [_size(member) for member in members]
         self.width = max(self.sizes)
         widest = max(member.theta_dim for member in members)
-        draws = [Parameter("program", 0.0, float(len(members)))]
-        draws += [Parameter(str(k + 1), -1.0, 1.0) for k in range(widest)]
+        draws = [LinearParameter("program", 0.0, float(len(members)))]
+        draws += [LinearParameter(str(k + 1), -1.0, 1.0) for k in range(widest)]
         space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
 
     def program_of(self, theta: Any) -> np.ndarray:
-        """Give the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
+        """Return the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
         column = check_theta(theta, self.theta_dim)[:, 0]
         return np.minimum((column + 1) / 2 * len(self.members), len(self.members) - 1).astype(np.int32)
 

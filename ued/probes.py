@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.gym_upomdp import Parameter
+from ued.gym_upomdp import LinearParameter
 from ued.upomdp import UPOMDP, check_theta
 
 ACTIONS = 4
@@ -48,22 +48,24 @@ class Frontier(UPOMDP):
             raise ValueError(f"longest must be at least 1 and dim at least 2, got {longest} and {dim}")
         self.longest, self.blocked_above = longest, blocked_above
         self.turns = np.random.default_rng(turns).integers(0, ACTIONS, longest)
-        draws = [Parameter(f"length{i}", 0.0, float(longest)) for i in range(dim - 1)] + [Parameter("block", 0.0, 1.0)]
+        draws = [LinearParameter(f"length{i}", 0.0, float(longest)) for i in range(dim - 1)] + [
+            LinearParameter("block", 0.0, 1.0)
+        ]
         super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
         self.place = np.zeros(num_envs, np.int64)
         self.lost = np.zeros(num_envs, bool)
 
     def length(self, theta: np.ndarray) -> np.ndarray:
-        """Give the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
+        """Return the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
         theta = check_theta(theta, self.theta_dim)
         return np.clip(np.ceil((theta[:, :-1].max(1) + 1) / 2 * self.longest), 1, self.longest).astype(np.int64)
 
     def blocked(self, theta: np.ndarray) -> np.ndarray:
-        """Say which levels can be solved by nobody: bool `[n]`."""
+        """Return which levels can be solved by nobody: bool `[n]`."""
         return check_theta(theta, self.theta_dim)[:, -1] > self.blocked_above
 
     def test_levels(self) -> np.ndarray:
-        """Give one open level of each length: `[longest]` records."""
+        """Return one open level of each length: `[longest]` records."""
         theta = np.zeros((self.longest, self.theta_dim))
         theta[:, :-1] = ((2 * np.arange(1, self.longest + 1) - 1) / self.longest - 1)[:, None]
         return self.make_levels(theta)
@@ -89,8 +91,8 @@ class Frontier(UPOMDP):
         self.place[ended], self.lost[ended] = 0, False
         return self._look(), reward, ended, np.zeros_like(ended), {"final_obs": final, "_final_obs": ended}
 
-    def scripted(self) -> Frontier:
-        """Give a copy that knows all turns: the scripted antagonist."""
+    def with_scripted_policy(self) -> Frontier:
+        """Return a copy that knows all turns: the scripted antagonist."""
         twin = _KnowingFrontier(self.num_envs, self.longest, self.theta_dim, self.blocked_above)
         twin.turns = self.turns
         twin.set_state(self.get_state())

@@ -1,6 +1,6 @@
 """Independent random streams from one seed, so that nothing is drawn from a global generator.
 
-Read next: `methods.dr`, which begins with them.
+Read next: `method`, which seeds a training with them.
 """
 
 from __future__ import annotations
@@ -9,11 +9,23 @@ import numpy as np
 import torch
 
 
+class SeedStream:
+    """Seeds (63 bits) of random streams that have nothing to do with one another, one after the other."""
+
+    def __init__(self, seed: int) -> None:
+        self._sequence = np.random.SeedSequence(seed)
+
+    def next(self) -> int:
+        """Return a seed that was not returned before."""
+        return int(self._sequence.spawn(1)[0].generate_state(1, np.uint64)[0] >> 1)
+
+
 def split_seed(seed: int, count: int) -> list[int]:
-    """Give `count` seeds (63 bits) for streams that have nothing to do with one another."""
-    return [int(child.generate_state(1, np.uint64)[0] >> 1) for child in np.random.SeedSequence(seed).spawn(count)]
+    """Return the first `count` seeds of a `SeedStream`."""
+    seeds = SeedStream(seed)
+    return [seeds.next() for _ in range(count)]
 
 
-def torch_stream(seed: int) -> torch.Generator:
-    """Give a torch generator on the CPU with this seed."""
+def torch_generator(seed: int) -> torch.Generator:
+    """Return a torch generator on the CPU with this seed."""
     return torch.Generator().manual_seed(seed)

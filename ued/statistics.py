@@ -23,7 +23,7 @@ class Interval(NamedTuple):
 
 
 def iqm(values: np.ndarray) -> float:
-    """Give the interquartile mean: the mean of the middle half (Agarwal et al. 2021), fractions of a value included."""
+    """Return the interquartile mean: that of the middle half (Agarwal et al. 2021), fractions of a value included."""
     ordered = np.sort(np.asarray(values, float), axis=None)
     if not len(ordered):
         raise ValueError("the interquartile mean of no values is undefined")
@@ -34,7 +34,7 @@ def iqm(values: np.ndarray) -> float:
 
 
 def mean(values: np.ndarray) -> float:
-    """Give the mean of all values."""
+    """Return the mean of all values."""
     return float(np.mean(values))
 
 
@@ -52,7 +52,7 @@ class Bootstrap:
         return Bootstrap(self.estimate - other.estimate, self.draws - other.draws)
 
     def interval(self, confidence: float = 0.95) -> Interval:
-        """Give the estimate with its percentile interval, from nan to nan after a single run."""
+        """Return the estimate with its percentile interval, from nan to nan after a single run."""
         low, high = np.quantile(self.draws, [(1 - confidence) / 2, (1 + confidence) / 2])
         return Interval(self.estimate, float(low), float(high))
 
@@ -89,7 +89,7 @@ def bootstrap(
 
 
 def wilson(successes: int, trials: int, z: float = 1.959964) -> Interval:
-    """Give a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95 %.
+    """Return a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95 %.
 
     It covers the chance in one student's episodes, not the chance in training: for that, use several runs.
     Raises `ValueError` unless 0 <= successes <= trials and trials >= 1.
@@ -103,7 +103,7 @@ def wilson(successes: int, trials: int, z: float = 1.959964) -> Interval:
 
 
 def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = 1.959964) -> Interval:
-    """Give the probability that a run of one method scores above a run of another, ties counting half.
+    """Return the probability that a run of one method scores above a run of another, ties counting half.
 
     `one` `[R]` and `other` `[Q]` are scores of runs (Agarwal et al. 2021, section 4.3; Mann and Whitney 1947). The
     interval is Newcombe's (2006, method 5): all probabilities under which the observed one lies within `z` standard
@@ -118,7 +118,7 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = 1.
 
 
 def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:
-    """Give the conditional value at risk: the mean of the worst `share` of values, fractions of a value included.
+    """Return the conditional value at risk: the mean of the worst `share` of values, fractions of a value included.
 
     Of success rates on levels drawn at random it tells how robust a student is (Rutherford et al. 2024). Whoever calls
     levels worst by the same episodes that give their rates takes luck for difficulty: `by` are estimates from other
@@ -138,7 +138,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
 
 
 def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 2000) -> Interval:
-    """Give the IQM of scores `[R, tasks]` with rliable's interval, which resamples runs for each task apart.
+    """Return the IQM of scores `[R, tasks]` with rliable's interval, which resamples runs for each task apart.
 
     It takes the tasks of a run for independent, so it is too narrow where one student is tested on all of them; it is
     here for comparison with published tables (Agarwal et al. 2021, section 4.1).

@@ -19,11 +19,11 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
+MAX_TRIES = 4096  # draws of one valid row before `sample_valid_theta` gives up
 
 
-class Draw(Protocol):
-    """What is known of one column of θ. `scenic_lite.Draw` is one; so is `gym_upomdp.Parameter`."""
+class Parameter(Protocol):
+    """What is known of one column of θ. `scenic_lite.Draw` is one; so is `gym_upomdp.LinearParameter`."""
 
     @property
     def name(self) -> str: ...
@@ -38,12 +38,12 @@ class ThetaError(ValueError):
 
 
 def level_dtype(dim: int) -> np.dtype:
-    """Give the record of one level: `program` (index of the program), `seed` (of the episode's stream), `theta` [D]."""
+    """Return the record of one level: `program` (its index), `seed` (of the episode's stream), `theta` [D]."""
     return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
 
 
 def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
-    """Give θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
+    """Return θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
     try:
         array = np.asarray(theta, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -51,13 +51,39 @@ def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
     if array.ndim == 1:
         array = array[None]
     if array.ndim != 2 or array.shape[1] != dim or (rows is not None and array.shape[0] != rows):
-        wanted = f"[{'N' if rows is None else rows}, {dim}]"
-        raise ThetaError(f"theta must have shape {wanted}, got {list(np.shape(theta))}")
+        shape = f"[{'N' if rows is None else rows}, {dim}]"
+        raise ThetaError(f"theta must have shape {shape}, got {list(np.shape(theta))}")
     outside = ~((array >= -1.0) & (array <= 1.0))  # catches NaN too
     if outside.any():
         row, column = np.argwhere(outside)[0]
         raise ThetaError(f"theta[{row}, {column}] is {array[row, column]:g}; every entry must be a number in [-1, 1]")
     return array
+
+
+def new_levels(theta: Any, dim: int, rng: np.random.Generator) -> np.ndarray:
+    """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
+    theta = check_theta(theta, dim)
+    levels = np.zeros(len(theta), level_dtype(dim))
+    levels["theta"] = theta
+    levels["seed"] = rng.integers(0, 2**63, len(theta), dtype=np.uint64)
+    return levels
+
+
+def sample_valid_theta(
+    rng: np.random.Generator, count: int, dim: int, valid: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Draw θ `[count, D]` uniformly among those that `valid` accepts, by rejection.
+
+    Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
+    """
+    theta = rng.uniform(-1.0, 1.0, (count, dim))
+    wrong = np.flatnonzero(~valid(theta)) if count else np.empty(0, int)
+    for _ in range(MAX_TRIES):
+        if not len(wrong):
+            return theta
+        theta[wrong] = rng.uniform(-1.0, 1.0, (len(wrong), dim))
+        wrong = wrong[~valid(theta[wrong])]
+    raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
 
 
 class UPOMDP(VectorEnv):
@@ -84,7 +110,7 @@ class UPOMDP(VectorEnv):
         num_envs: int,
         observation_space: gymnasium.Space,
         action_space: gymnasium.Space,
-        draws: Sequence[Draw],
+        draws: Sequence[Parameter],
     ) -> None:
         if num_envs < 1:
             raise ValueError(f"num_envs must be at least 1, got {num_envs}")
@@ -104,71 +130,60 @@ class UPOMDP(VectorEnv):
 
     @abstractmethod
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; give all observations."""
+        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; return all observations."""
 
     @abstractmethod
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all, restart ended ones on their own level; give obs, reward, terminated, truncated `[N]`, info."""
+        """Step all, restart ended ones on their own level; return obs, reward, terminated, truncated `[N]`, info."""
 
     def valid(self, theta: Any) -> np.ndarray:
-        """Say for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
+        """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
         return np.ones(len(check_theta(theta, self.theta_dim)), bool)
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Give each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
+        """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
         rows = check_theta(theta, self.theta_dim)
-        low = np.array([draw.low for draw in self.draws])
-        high = np.array([draw.high for draw in self.draws])
-        values = low + (rows + 1) / 2 * (high - low)
-        names = [draw.name for draw in self.draws]
+        low = np.array([parameter.low for parameter in self.draws])  # [D]
+        high = np.array([parameter.high for parameter in self.draws])  # [D]
+        values = low + (rows + 1) / 2 * (high - low)  # [N, D]
+        names = [parameter.name for parameter in self.draws]
         return [dict(zip(names, map(float, row), strict=True)) for row in values]
 
     def get_state(self) -> dict[str, Any]:
-        """Give everything that changes, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
+        """Return everything that changes, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
         raise NotImplementedError(f"{type(self).__name__} cannot give its state")
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Take back what `get_state` gave; give the observations `[N, ...]` of that moment."""
+        """Take back what `get_state` returned; return the observations `[N, ...]` of that moment."""
         raise NotImplementedError(f"{type(self).__name__} cannot take a state")
 
     def copy(self) -> UPOMDP:
-        """Give a second, independent UPOMDP of the same kind in the same state."""
+        """Return a second, independent UPOMDP of the same kind in the same state."""
         raise NotImplementedError(f"{type(self).__name__} cannot be copied")
 
-    def scripted(self) -> UPOMDP:
-        """Give a copy in which the learner's part is played by the environment itself; actions are ignored there."""
+    def with_scripted_policy(self) -> UPOMDP:
+        """Return a copy in which the learner's part is played by the environment itself; actions are ignored there."""
         raise NotImplementedError(f"{type(self).__name__} has no script that could play the learner's part")
 
     # ------------------------------------------------------------ levels
 
     def make_levels(self, theta: Any) -> np.ndarray:
-        """Give levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-        theta = check_theta(theta, self.theta_dim)
-        levels = np.zeros(len(theta), level_dtype(self.theta_dim))
-        levels["theta"] = theta
-        levels["seed"] = self.np_random.integers(0, 2**63, len(theta), dtype=np.uint64)
-        return levels
+        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
+        return new_levels(theta, self.theta_dim, self.np_random)
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
         return self.make_levels(self.sample_theta(count))
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ uniformly by rejection: `[count, D]`. Raises `ThetaError` after MAX_TRIES draws a row."""
-        theta = self.np_random.uniform(-1.0, 1.0, (count, self.theta_dim))
-        wrong = np.flatnonzero(~self.valid(theta)) if count else np.empty(0, int)
-        for _ in range(MAX_TRIES):
-            if not len(wrong):
-                return theta
-            theta[wrong] = self.np_random.uniform(-1.0, 1.0, (len(wrong), self.theta_dim))
-            wrong = wrong[~self.valid(theta[wrong])]
-        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
+        """Draw valid θ uniformly: `[count, D]`. Raises `ThetaError` where hardly any is valid."""
+        return sample_valid_theta(self.np_random, count, self.theta_dim, self.valid)
 
     def reset_to_levels(self, levels: np.ndarray, where: np.ndarray | None = None) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
         An invalid level is replaced by a random valid one, never silently: `info["replaced"]` `[k]` says which,
-        `info["levels"]` `[k]` what is played instead. Gives the observations of all N environments.
+        `info["levels"]` `[k]` what is played instead. Returns the observations of all N environments.
         Raises `ThetaError` for a θ that is none, `ValueError` for a wrong number of levels.
         """
         chosen = np.arange(self.num_envs) if where is None else np.flatnonzero(where)
@@ -194,8 +209,10 @@ class UPOMDP(VectorEnv):
         `options["reset_mask"]` (bool `[N]`) restricts it to some environments. `seed` seeds the stream from which
         levels and their seeds are drawn.
         """
-        if isinstance(seed, list):  # one stream serves all environments, so a list is hashed into it
-            self._np_random = np.random.default_rng([s for s in seed if s is not None])
+        if isinstance(seed, list):
+            seeds = [number for number in seed if number is not None]
+            if seeds:  # a list of None, as of one None, asks for no seed; default_rng([]) would be a fixed stream
+                self._np_random = np.random.default_rng(seeds)  # one stream for all environments: the list is hashed
         elif seed is not None:
             super().reset(seed=seed)
         options = options or {}
@@ -220,7 +237,7 @@ class UPOMDP(VectorEnv):
     # ------------------------------------------------------------ PAIRED's and the thesis's names
 
     def reset_random(self) -> Any:
-        """Draw all environment parameters at random and reset (thesis, section 4.2); gives observations."""
+        """Draw all environment parameters at random and reset (thesis, section 4.2); return the observations."""
         return self.reset()[0]
 
     def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:

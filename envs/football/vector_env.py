@@ -204,7 +204,7 @@ class FootballVectorEnv(UPOMDP):
         self._started = True
         return self.observe()
 
-    def scripted(self) -> FootballVectorEnv:
+    def with_scripted_policy(self) -> FootballVectorEnv:
         """Give a copy in which the program's behaviors play the agents' players, or the built-in AI where it has none.
 
         It begins the same levels anew; its actions are ignored.

@@ -25,7 +25,7 @@ def moved(env):
 def test_a_behavior_plays_the_learners_player_whatever_the_actions():
     env = FootballVectorEnv(RUNNER, 3)
     env.reset(seed=0)
-    script = env.scripted()
+    script = env.with_scripted_policy()
     assert (moved(env) < 0).all() and (moved(script) > 0).all()
     assert (script.levels == env.levels).all()
     assert (moved(script.copy()) > 0).all()
@@ -34,6 +34,6 @@ def test_a_behavior_plays_the_learners_player_whatever_the_actions():
 def test_without_a_behavior_the_built_in_player_has_it():
     env = FootballVectorEnv("model football.model\nego = LeftCF at 80 @ 0\nBall ahead of ego by 1\n", 2)
     env.reset(seed=0)
-    script = env.scripted()
+    script = env.with_scripted_policy()
     rewards = sum(script.step(np.zeros(2, int))[1] for _ in range(60))
     assert (rewards > 0).all()

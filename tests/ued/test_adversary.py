@@ -9,7 +9,7 @@ import torch
 
 from ued.config import AdversaryConfig
 from ued.levels.adversary import Adversary, Beta, RunningScale, Squashed
-from ued.seeding import torch_stream
+from ued.seeding import torch_generator
 
 PEAK = 0.5
 UNIFORM_STD = 1 / math.sqrt(3)
@@ -22,7 +22,7 @@ def landscape(theta, rng, noise=0.5):
 
 
 def taught(config, updates=150, seed=0, of=landscape):
-    adversary, rng = Adversary(2, config, torch_stream(seed)), np.random.default_rng(seed)
+    adversary, rng = Adversary(2, config, torch_generator(seed)), np.random.default_rng(seed)
     for _ in range(updates):
         proposals = adversary.propose(128)
         metrics = adversary.learn(proposals, of(adversary.theta(proposals), rng))
@@ -31,7 +31,7 @@ def taught(config, updates=150, seed=0, of=landscape):
 
 @pytest.mark.parametrize("distribution", ["squashed", "beta"])
 def test_proposals_begin_uniform_and_inside(distribution):
-    adversary = Adversary(6, AdversaryConfig(distribution=distribution), torch_stream(0))
+    adversary = Adversary(6, AdversaryConfig(distribution=distribution), torch_generator(0))
     theta = adversary.theta(adversary.propose(4000))
     assert theta.shape == (4000, 6) and theta.dtype == np.float64
     assert np.abs(theta).max() <= 1.0
@@ -70,12 +70,12 @@ def test_pure_entropy_keeps_them_uniform():
 def test_entropy_is_measured_in_the_space_of_theta():
     """Against the density of θ itself, by the change of variables."""
     policy = Squashed(torch.tensor([[0.3, -1.0]]).expand(200_000, 2), torch.tensor([[-0.5, 0.2]]).expand(200_000, 2))
-    raw = policy.sample(torch_stream(1))
+    raw = policy.sample(torch_generator(1))
     log_density = policy.log_prob(raw) - torch.log1p(-(torch.tanh(raw.double()) ** 2)).sum(-1)
-    assert float(policy.theta_entropy(torch_stream(0)).mean()) == pytest.approx(-float(log_density.mean()), abs=0.01)
+    assert float(policy.theta_entropy(torch_generator(0)).mean()) == pytest.approx(-float(log_density.mean()), abs=0.01)
     beta = Beta(torch.full((200_000, 2), 1.0), torch.full((200_000, 2), 1.5))
-    estimate = -beta.log_prob(beta.sample(torch_stream(2))).mean()
-    assert float(beta.theta_entropy(torch_stream(0)).mean()) == pytest.approx(float(estimate), abs=0.01)
+    estimate = -beta.log_prob(beta.sample(torch_generator(2))).mean()
+    assert float(beta.theta_entropy(torch_generator(0)).mean()) == pytest.approx(float(estimate), abs=0.01)
 
 
 def test_learning_does_not_depend_on_the_unit_of_regret():
@@ -95,7 +95,7 @@ def test_the_scale_follows_what_it_sees():
 
 def test_it_resumes_to_the_same_numbers():
     config, rng = AdversaryConfig(context_size=4), np.random.default_rng(0)
-    one, two = Adversary(3, config, torch_stream(0)), Adversary(3, config, torch_stream(9))
+    one, two = Adversary(3, config, torch_generator(0)), Adversary(3, config, torch_generator(9))
     proposals = one.propose(64)
     one.learn(proposals, rng.normal(size=64))
     two.load_state_dict(one.state_dict())
@@ -106,7 +106,7 @@ def test_it_resumes_to_the_same_numbers():
 
 def test_without_free_parameters_there_is_nothing_to_choose():
     with pytest.raises(ValueError) as error:
-        Adversary(0, AdversaryConfig(), torch_stream(0))
+        Adversary(0, AdversaryConfig(), torch_generator(0))
     assert str(error.value) == (
         "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 columns); "
         "use domain randomisation, or give the program a random value"

@@ -50,6 +50,6 @@ def test_a_run_on_gymnasium_environments_is_saved_without_their_insides(tmp_path
     checkpoint.save(tmp_path / "c.pt", method.state_dict(episodes=False))
     resumed = Paired(cartpole(4), PPO, seed=1)
     resumed.load_state_dict(checkpoint.load(tmp_path / "c.pt"))
-    for seat, other in zip(method.seats, resumed.seats, strict=True):
-        assert (seat.player.upomdp.levels == other.player.upomdp.levels).all()
+    for learner, other in zip(method.learners, resumed.learners, strict=True):
+        assert (learner.upomdp.levels == other.upomdp.levels).all()
     assert resumed.update()["env_steps"] == 2 * method.env_steps

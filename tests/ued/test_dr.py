@@ -20,7 +20,7 @@ def test_a_level_for_every_episode_drawn_evenly():
 
 def test_a_level_for_every_rollout():
     env = Landscape(8)
-    method = DR(env, PPO, DRConfig(new_level="rollout"), seed=0)
+    method = DR(env, PPO, DRConfig(resample_level_every="rollout"), seed=0)
     for _ in range(3):
         method.update()
         theta = method.last.theta
@@ -53,5 +53,5 @@ def test_no_finished_episode_is_no_return():
 
 
 def test_another_kind_of_domain_randomisation_is_refused():
-    with pytest.raises(ValueError, match="new_level must be episode or rollout, got 'step'"):
-        DRConfig(new_level="step")
+    with pytest.raises(ValueError, match="resample_level_every must be episode or rollout, got 'step'"):
+        DRConfig(resample_level_every="step")

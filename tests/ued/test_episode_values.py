@@ -42,7 +42,7 @@ def test_what_was_cut_off_is_forgotten():
     rng = np.random.default_rng(1)
     values = EpisodeValues(3)
     values.track(*rollout(rng, 8, 3, 0.0))
-    values.forget()
+    values.reset()
     fresh = EpisodeValues(3)
     made = rollout(rng, 8, 3, 0.3)
     assert all((a == b).all() for a, b in zip(values.track(*made).values(), fresh.track(*made).values(), strict=True))

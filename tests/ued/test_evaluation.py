@@ -8,7 +8,7 @@ from ued import evaluation
 from ued.config import PPOConfig
 from ued.evaluation import evaluate
 from ued.learning.student import Student
-from ued.seeding import torch_stream
+from ued.seeding import torch_generator
 
 
 class Lengths(Landscape):
@@ -22,7 +22,7 @@ class Lengths(Landscape):
 
 def student_for(env):
     spaces = env.single_observation_space, env.single_action_space
-    return Student(*spaces, PPOConfig(hidden_size=8), torch_stream(0))
+    return Student(*spaces, PPOConfig(hidden_size=8), torch_generator(0))
 
 
 @pytest.mark.parametrize(("num_envs", "episodes"), [(4, 203), (16, 5), (7, 7), (1, 6)])

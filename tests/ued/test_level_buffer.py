@@ -19,94 +19,94 @@ def buffer(**settings):
     return LevelBuffer(level_dtype(1), BufferConfig(**{"capacity": 4, **settings}))
 
 
-def offer(to, values, scores, **more):
+def insert(to, values, scores, **more):
     scores = np.array(scores, float)
-    return to.offer(levels(*values), scores, scores, **more)
+    return to.insert(levels(*values), scores, scores, **more)
 
 
 def test_rank_weights_by_hand():
     made = buffer(temperature=0.5, staleness_coef=0.0)
-    offer(made, [0.1, 0.2, 0.3], [1.0, 5.0, 3.0])
+    insert(made, [0.1, 0.2, 0.3], [1.0, 5.0, 3.0])
     weights = np.array([1 / 9, 1, 1 / 4])  # ranks 3, 1, 2 to the power of -2
     assert made.weights() == pytest.approx(weights / weights.sum())
 
 
 def test_power_weights_by_hand_and_negative_scores_weigh_nothing():
     made = buffer(priority="power", temperature=0.5, staleness_coef=0.0)
-    offer(made, [0.1, 0.2, 0.3], [1.0, 2.0, -3.0])
+    insert(made, [0.1, 0.2, 0.3], [1.0, 2.0, -3.0])
     assert made.weights() == pytest.approx([0.2, 0.8, 0.0], abs=1e-6)
     cold = buffer(priority="power", temperature=0.001, staleness_coef=0.0)
-    offer(cold, [0.1, 0.2], [100.0, 200.0])
+    insert(cold, [0.1, 0.2], [100.0, 200.0])
     assert cold.weights() == pytest.approx([0.0, 1.0])
 
 
 def test_what_was_not_played_for_long_comes_back():
     made = buffer(temperature=0.01, staleness_coef=1.0)
-    offer(made, [0.1, 0.2], [1.0, 2.0])
+    insert(made, [0.1, 0.2], [1.0, 2.0])
     rng = np.random.default_rng(0)
-    made.slots["stamp"][:] = made.now
-    made.slots["stamp"][0] = made.now - 10
+    made.slots["last_played"][:] = made.now
+    made.slots["last_played"][0] = made.now - 10
     assert made.sample(1, rng).tolist() == [0]
-    assert made.slots["stamp"][0] == made.now and made.slots["played"].tolist() == [1, 0]
+    assert made.slots["last_played"][0] == made.now and made.slots["num_replays"].tolist() == [1, 0]
 
 
 def test_levels_are_drawn_as_their_weights_say():
     made = buffer(temperature=1.0, staleness_coef=0.0)
-    offer(made, [0.1, 0.2, 0.3], [1.0, 5.0, 3.0])
+    insert(made, [0.1, 0.2, 0.3], [1.0, 5.0, 3.0])
     rows = made.sample(30_000, np.random.default_rng(1))
     assert np.bincount(rows) / 30_000 == pytest.approx(made.weights(), abs=0.01)
 
 
 def test_a_full_buffer_gives_up_what_it_would_replay_least():
     made = buffer(staleness_coef=0.0)
-    assert offer(made, [0.1, 0.2, 0.3, 0.4], [1.0, 2.0, 3.0, 4.0]) == 4
-    assert offer(made, [0.5, 0.6], [0.5, 2.5]) == 1  # 2.5 takes the place of 1; 0.5 is too weak for 2
+    assert insert(made, [0.1, 0.2, 0.3, 0.4], [1.0, 2.0, 3.0, 4.0]) == 4
+    assert insert(made, [0.5, 0.6], [0.5, 2.5]) == 1  # 2.5 takes the place of 1; 0.5 is too weak for 2
     assert sorted(made.slots["score"]) == [2.0, 2.5, 3.0, 4.0]
-    assert len(made) == 4 and made.fill == 1.0
-    assert offer(made, [0.7], [2.0]) == 1  # an equal one is let in
+    assert len(made) == 4 and made.fill_ratio == 1.0
+    assert insert(made, [0.7], [2.0]) == 1  # an equal one is let in
 
 
 def test_a_level_is_kept_once_with_its_better_score():
     made = buffer()
-    offer(made, [0.1, 0.1], [1.0, 2.0])
+    insert(made, [0.1, 0.1], [1.0, 2.0])
     assert len(made) == 1
-    assert offer(made, [0.1], [7.0]) == 0
+    assert insert(made, [0.1], [7.0]) == 0
     assert made.slots["score"].tolist() == [7.0] and made.slots["best"].tolist() == [7.0]
-    assert offer(buffer(no_duplicates=False), [0.1, 0.1], [1.0, 2.0]) == 2
+    assert insert(buffer(no_duplicates=False), [0.1, 0.1], [1.0, 2.0]) == 2
 
 
 def test_the_best_return_of_all_time_is_remembered():
     made = buffer()
-    offer(made, [0.1], [2.0])
-    made.rescore(np.array([0]), np.array([-1.0]), np.array([0.5]))
+    insert(made, [0.1], [2.0])
+    made.update_scores(np.array([0]), np.array([-1.0]), np.array([0.5]))
     assert made.slots["score"].tolist() == [-1.0] and made.slots["best"].tolist() == [2.0]
 
 
 def test_lineage():
     made = buffer()
-    offer(made, [0.1], [1.0])
+    insert(made, [0.1], [1.0])
     mother = int(made.slots["id"][0])
-    offer(made, [0.2], [2.0], parents=np.array([mother]))
-    offer(made, [0.3], [3.0], parents=np.array([int(made.slots["id"][1])]))
+    insert(made, [0.2], [2.0], parents=np.array([mother]))
+    insert(made, [0.3], [3.0], parents=np.array([int(made.slots["id"][1])]))
     assert made.slots["generation"].tolist() == [0, 1, 2]
     assert made.slots["parent"].tolist() == [NONE, mother, made.slots["id"][1]]
 
 
 def test_ids_outlive_their_levels():
     made = buffer(capacity=2, staleness_coef=0.0)
-    offer(made, [0.1, 0.2], [1.0, 2.0])
+    insert(made, [0.1, 0.2], [1.0, 2.0])
     first, second = made.slots["id"].tolist()
-    offer(made, [0.3], [3.0])
+    insert(made, [0.3], [3.0])
     assert made.find(np.array([second, first, 99])).tolist() == [1, NONE, NONE]
     assert buffer().find(np.array([0])).tolist() == [NONE]
 
 
 def test_it_resumes_where_it_was():
     one, two = buffer(), buffer()
-    offer(one, [0.1, 0.2, 0.3, 0.4], [1.0, 2.0, 3.0, 4.0])
+    insert(one, [0.1, 0.2, 0.3, 0.4], [1.0, 2.0, 3.0, 4.0])
     two.load_state_dict(one.state_dict())
     for made in (one, two):
-        offer(made, [0.1, 0.5], [9.0, 2.5])
+        insert(made, [0.1, 0.5], [9.0, 2.5])
         made.sample(5, np.random.default_rng(0))
     assert one.slots.tobytes() == two.slots.tobytes() and one.now == two.now
 

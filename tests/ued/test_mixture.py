@@ -77,7 +77,7 @@ def test_methods_train_on_it_and_resume(make):
     resumed.load_state_dict(method.state_dict())
     one, other = method.update(), resumed.update()
     assert all(one[k] == other[k] or one[k] != one[k] for k in one if not k.startswith("time/"))
-    assert one["env_steps"] == 5 * 32 * 12 * len(method.seats)
+    assert one["env_steps"] == 5 * 32 * 12 * len(method.learners)
 
 
 def test_members_must_go_together():

@@ -1,16 +1,53 @@
-"""What `from ued import ...` offers."""
+"""What `from ued import ...` offers, and what it costs."""
+
+import subprocess
+import sys
+import time
 
 import pytest
 
 import ued
+from ued.methods import METHODS
+
+HEAVY = ("numba", "matplotlib", "rerun", "shapely")
 
 
 def test_every_name_is_there():
     for name in ued.__all__:
-        assert getattr(ued, name).__name__ == name
-    assert set(ued.__all__) == set(ued._HOME)
+        assert name == "METHODS" or getattr(ued, name).__name__ == name
+    assert dir(ued) == ued.__all__
+
+
+def test_every_method_and_its_settings_are_there():
+    for row in METHODS.values():
+        assert getattr(ued, row.class_name) is row.load()
+        assert type(row.settings()).__name__ in ued.__all__
 
 
 def test_a_name_that_is_not_there():
     with pytest.raises(AttributeError, match="module 'ued' has no attribute 'PLR2'"):
         _ = ued.PLR2
+
+
+@pytest.mark.parametrize("statement", ["import ued", "from ued import *", "from ued import Paired"])
+def test_nothing_heavy_comes_along(statement):
+    code = f"import sys\n{statement}\nsys.exit(', '.join(set({HEAVY}) & sys.modules.keys()) or 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, f"{statement} loads {done.stderr}"
+
+
+def seconds(statement):
+    """The least of three runs: what else the machine does only adds to it."""
+    runs = []
+    for _ in range(3):
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", statement], check=True)
+        runs.append(time.perf_counter() - began)
+    return min(runs)
+
+
+@pytest.mark.slow
+def test_the_package_is_there_hardly_later_than_torch():
+    torch_alone = seconds("import torch")
+    assert seconds("import ued") < 1.5 * torch_alone
+    assert seconds("from ued import Paired") < 1.5 * torch_alone

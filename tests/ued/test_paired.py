@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from probes import Choice, Free, HalfValid, Landscape
 
-from ued.config import AdversaryConfig, PairedConfig, PPOConfig
+from ued.config import AdversaryConfig, PairedConfig, PairedLiteralConfig, PPOConfig
 from ued.levels.record import Origin
 from ued.levels.scores import regret
 from ued.methods.paired import NAMES, Paired
+from ued.methods.paired_literal import PairedLiteral
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
 
@@ -39,9 +40,9 @@ def test_both_students_play_the_same_levels_and_all_steps_count():
     assert set(batch.returns) == set(batch.episodes) == set(NAMES) == set(method.students)
     assert all((count == 3).all() and len(count) == len(batch.theta) for count in batch.episodes.values())
     assert method.student is method.students["protagonist"]
-    assert method.seats[0].player.upomdp is not method.seats[1].player.upomdp
+    assert method.learners[0].upomdp is not method.learners[1].upomdp
     assert metrics["levels"] == len(batch.theta) > 0
-    assert len(method.queue.trials) < 3 * 32
+    assert len(method.queue.records) < 3 * 32
 
 
 def test_negative_returns_make_regret_without_a_maximum_that_starts_at_zero():
@@ -71,42 +72,39 @@ def test_regret_can_be_clipped_at_zero():
 
 
 def lessons_of(config, env=None, updates=4):
-    """What the adversary is given to learn from, by origin."""
+    """What the adversary learns from (θ, scores), the level records of all updates, and their metrics."""
     method = Paired(env or Landscape(64), PPO, config, seed=0)
-    given = []
-    adversary = method.curriculum.teacher.adversary
+    lessons = []
+    adversary = method.teacher.adversary
     learn = adversary.learn
     adversary.learn = lambda proposals, scores: (
-        given.append((adversary.theta(proposals), scores)) or learn(proposals, scores)
+        lessons.append((adversary.theta(proposals), scores)) or learn(proposals, scores)
     )
-    settled = []
-    take = method.queue.take_settled
-    method.queue.take_settled = lambda: settled.append(take()) or settled[-1]
-    counts = [method.update() for _ in range(updates)]
-    return given, np.concatenate(settled), counts
+    updated = [(method.update(), method.last.records) for _ in range(updates)]
+    return lessons, np.concatenate([records for _, records in updated]), [metrics for metrics, _ in updated]
 
 
 def test_random_levels_are_mixed_in_and_teach_the_adversary_nothing():
-    given, settled, counts = lessons_of(PairedConfig(dr_fraction=0.5))
-    random = settled["origin"] == Origin.RANDOM
+    lessons, records, metrics = lessons_of(PairedConfig(dr_fraction=0.5))
+    random = records["origin"] == Origin.RANDOM
     assert 0.4 < random.mean() < 0.6
-    assert sum(count["levels/random"] for count in counts) == random.sum()
-    assert sum(len(scores) for _, scores in given) == (~random).sum()
+    assert sum(update["levels/random"] for update in metrics) == random.sum()
+    assert sum(len(scores) for _, scores in lessons) == (~random).sum()
 
 
 def test_an_invalid_proposal_is_neither_played_nor_learned_from():
-    given, settled, counts = lessons_of(PairedConfig(dr_fraction=0.0), HalfValid(64))
-    replaced = settled["origin"] == Origin.REPLACED
-    assert (settled["level"]["theta"][:, 0] > 0).all()
-    assert sum(count["levels/replaced"] for count in counts) == replaced.sum() > 0.3 * len(settled)
-    own = np.concatenate([theta for theta, _ in given])
+    lessons, records, metrics = lessons_of(PairedConfig(dr_fraction=0.0), HalfValid(64))
+    replaced = records["origin"] == Origin.REPLACED
+    assert (records["level"]["theta"][:, 0] > 0).all()
+    assert sum(update["levels/replaced"] for update in metrics) == replaced.sum() > 0.3 * len(records)
+    own = np.concatenate([theta for theta, _ in lessons])
     assert (own[:, 0] > 0).all()
-    assert own == pytest.approx(settled["level"]["theta"][~replaced], abs=1e-6)
+    assert own == pytest.approx(records["level"]["theta"][~replaced], abs=1e-6)
 
 
 def test_a_penalty_teaches_the_adversary_what_is_valid():
-    given, *_ = lessons_of(PairedConfig(invalid_penalty=0.5, dr_fraction=0.0), HalfValid(64))
-    for theta, scores in given:
+    lessons, *_ = lessons_of(PairedConfig(invalid_penalty=0.5, dr_fraction=0.0), HalfValid(64))
+    for theta, scores in lessons:
         invalid = theta[:, 0] <= 0
         assert (scores[invalid] == -0.5).all() and (scores[~invalid] >= -0.01 - 1).all()
     method = Paired(HalfValid(64), PPO, PairedConfig(invalid_penalty=0.5, dr_fraction=0.0), seed=0)
@@ -140,7 +138,6 @@ def test_without_free_parameters_paired_is_refused():
     [
         ("episodes_per_level", 0, "episodes_per_level must be at least 1, got 0"),
         ("regret", "max", "regret must be max_mean or mean_mean, got 'max'"),
-        ("student_reward", "none", "student_reward must be environment or regret, got 'none'"),
         ("dr_fraction", 1.5, "dr_fraction must be between 0 and 1, got 1.5"),
         ("invalid_penalty", -1.0, "invalid_penalty must not be negative, got -1.0"),
     ],
@@ -151,13 +148,12 @@ def test_settings_out_of_range_are_refused(setting, number, message):
 
 
 def test_regret_can_be_the_reward_of_the_students():
-    """The letter of Algorithm 1: at the end of each episode -regret and regret, on levels that both have settled."""
-    method = Paired(
-        Landscape(64), PPO, PairedConfig(student_reward="regret", roles="fixed", episodes_per_level=4), seed=0
-    )
+    """The letter of Algorithm 1: at the end of each episode -regret and regret, on levels that both have finished."""
+    config = PairedLiteralConfig(episodes_per_level=4, clip_regret=False)
+    method = PairedLiteral(Landscape(64), PPO, config, seed=0)
     learned = []
-    for seat in method.seats:
-        seat.ppo.learn = lambda rollout, env_steps: learned.append(rollout) or {}
+    for learner in method.learners:
+        learner.ppo.learn = lambda rollout, *_: learned.append(rollout) or {}
     method.upomdp.outcome = longer(method.upomdp.outcome)
     metrics = method.update()
     score, protagonist, antagonist = method.last.score, *learned
@@ -187,7 +183,7 @@ def longer(outcome):
 
 
 def test_students_paid_by_regret_are_trained():
-    method = Paired(Landscape(32), PPO, PairedConfig(student_reward="regret", roles="fixed"), seed=0)
+    method = PairedLiteral(Landscape(32), PPO, seed=0)
     for _ in range(3):
         metrics = method.update()
     assert np.isfinite(metrics["protagonist/policy_loss"]) and method.env_steps == 3 * 2 * 16 * 32

@@ -13,7 +13,7 @@ from ued.learning.networks import Categorical, Gaussian
 from ued.learning.ppo import explained_variance
 from ued.learning.student import Normaliser, Student
 from ued.methods.dr import DR
-from ued.seeding import torch_stream
+from ued.seeding import torch_generator
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
 
@@ -61,7 +61,7 @@ def test_the_action_follows_the_observation():
 
 def test_continuous_actions_reach_their_target():
     student, metrics = train(Reach(), updates=25, config=dataclasses.replace(QUICK, learning_rate=1e-2))
-    actions = student.play(np.zeros((1, 1)), torch_stream(0), greedy=True)
+    actions = student.play(np.zeros((1, 1)), torch_generator(0), greedy=True)
     assert actions[0] == pytest.approx([7, 2], abs=0.5)
     assert metrics["return/student"] > -2.5  # 5 at the start
 
@@ -119,27 +119,27 @@ def test_the_thesis_settings():
 
 
 def test_categorical_agrees_with_torch():
-    logits = torch.randn(200, 5, generator=torch_stream(0))
+    logits = torch.randn(200, 5, generator=torch_generator(0))
     ours, theirs = Categorical(logits), torch.distributions.Categorical(logits=logits)
-    action = ours.sample(torch_stream(1))
+    action = ours.sample(torch_generator(1))
     torch.testing.assert_close(ours.log_prob(action), theirs.log_prob(action))
     torch.testing.assert_close(ours.entropy(), theirs.entropy())
-    many = Categorical(logits[:1].expand(200_000, 5)).sample(torch_stream(2))
+    many = Categorical(logits[:1].expand(200_000, 5)).sample(torch_generator(2))
     share = torch.bincount(many, minlength=5) / len(many)
     torch.testing.assert_close(share, theirs.probs[0], atol=0.005, rtol=0)
 
 
 def test_gaussian_agrees_with_torch():
-    mean, log_std = torch.randn(50, 3, generator=torch_stream(0)), torch.tensor([-1.0, 0.0, 0.5])
+    mean, log_std = torch.randn(50, 3, generator=torch_generator(0)), torch.tensor([-1.0, 0.0, 0.5])
     ours = Gaussian(mean, log_std)
     theirs = torch.distributions.Independent(torch.distributions.Normal(mean, log_std.exp()), 1)
-    action = ours.sample(torch_stream(1))
+    action = ours.sample(torch_generator(1))
     torch.testing.assert_close(ours.log_prob(action), theirs.log_prob(action))
     torch.testing.assert_close(ours.entropy(), theirs.entropy())
 
 
 def test_running_statistics_are_those_of_everything_seen():
-    data = torch.randn(1000, 4, generator=torch_stream(0)) * torch.tensor([1.0, 10.0, 0.1, 0.0]) + 3
+    data = torch.randn(1000, 4, generator=torch_generator(0)) * torch.tensor([1.0, 10.0, 0.1, 0.0]) + 3
     normaliser = Normaliser(4)
     for rows in (data[:1], data[1:300], data[300:]):
         normaliser.track(rows)
@@ -158,7 +158,7 @@ def test_explained_variance():
 def test_images_are_seen_by_convolutions():
     """Of the sizes of the thesis (Fig. 4.10): 32 planes of 5 x 8 before the last layer; where a pixel is, matters."""
     space = Box(0, 255, (72, 96, 16), np.uint8)
-    student = Student(space, Discrete(19), PPOConfig(hidden_size=32, shared_torso=True), torch_stream(0))
+    student = Student(space, Discrete(19), PPOConfig(hidden_size=32, shared_torso=True), torch_generator(0))
     flat = [layer.in_features for layer in student.actor_torso if hasattr(layer, "in_features")]
     assert flat == [1280]
     images = torch.zeros(3, 72, 96, 16, dtype=torch.uint8)
@@ -166,7 +166,7 @@ def test_images_are_seen_by_convolutions():
     policy, value = student(images)
     assert policy.log_probs.shape == (3, 19) and len(torch.unique(value)) == 3
     with pytest.raises(ValueError, match="images of 20 x 20 are too small"):
-        Student(Box(0, 255, (20, 20, 3), np.uint8), Discrete(2), PPOConfig(), torch_stream(0))
+        Student(Box(0, 255, (20, 20, 3), np.uint8), Discrete(2), PPOConfig(), torch_generator(0))
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,7 @@ def test_images_are_seen_by_convolutions():
 )
 def test_spaces_that_do_not_fit_are_refused(observations, actions, message):
     with pytest.raises(ValueError) as error:
-        Student(observations, actions, PPOConfig(), torch_stream(0))
+        Student(observations, actions, PPOConfig(), torch_generator(0))
     assert message is None or str(error.value) == message
 
 
@@ -215,14 +215,14 @@ def test_settings_out_of_range_are_refused(setting, number, message):
 
 
 def test_discrete_actions_count_from_where_the_space_starts():
-    student = Student(Box(-1, 1, (2,)), Discrete(3, start=5), PPOConfig(), torch_stream(0))
-    actions = student.play(np.zeros((100, 2)), torch_stream(1))
+    student = Student(Box(-1, 1, (2,)), Discrete(3, start=5), PPOConfig(), torch_generator(0))
+    actions = student.play(np.zeros((100, 2)), torch_generator(1))
     assert set(actions) == {5, 6, 7}
 
 
 def test_continuous_actions_keep_to_their_bounds():
     space = Box(np.array([0.0, -np.inf], np.float32), np.array([10.0, np.inf], np.float32))
-    student = Student(Box(-1, 1, (2,)), space, PPOConfig(), torch_stream(0))
-    actions = student.play(np.zeros((500, 2)), torch_stream(1))
+    student = Student(Box(-1, 1, (2,)), space, PPOConfig(), torch_generator(0))
+    actions = student.play(np.zeros((500, 2)), torch_generator(1))
     assert actions.dtype == np.float32 and actions[:, 0].min() == 0 and actions[:, 0].max() == 10
     assert actions[:, 0].mean() == pytest.approx(5, abs=0.7) and actions[:, 1].std() == pytest.approx(1, abs=0.1)

@@ -8,13 +8,13 @@ from probes import Endless, TwoStep
 from ued.config import PPOConfig
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
-from ued.learning.worker import Player, collect
-from ued.levels.record import make_trials, trial_dtype
-from ued.seeding import torch_stream
+from ued.learning.worker import RolloutWorker, collect
+from ued.levels.record import level_record_dtype, make_records
+from ued.seeding import torch_generator
 
 
 def random_rollout(steps=40, envs=6, seed=0):
-    stream = torch_stream(seed)
+    stream = torch_generator(seed)
     terminated = torch.rand(steps, envs, generator=stream) < 0.1
     truncated = torch.rand(steps, envs, generator=stream) < 0.1
     numbers = [torch.randn(steps, envs, generator=stream) for _ in range(3)]
@@ -62,32 +62,32 @@ def test_with_lambda_one_advantage_plus_value_is_the_return():
         assert target[0, n] == pytest.approx(float(rollout.reward[: end + 1, n].sum()), abs=1e-4)
 
 
-def trials_of(levels):
-    return make_trials(trial_dtype(levels.dtype), levels)
+def records_of(levels):
+    return make_records(level_record_dtype(levels.dtype), levels)
 
 
-def player(env, num_steps=8, renew=lambda ended, returns: (ended[:0], None)):
+def worker(env, num_steps=8, on_episode_end=lambda ended, returns: (ended[:0], None)):
     spaces = env.single_observation_space, env.single_action_space
-    student = Student(*spaces, PPOConfig(hidden_size=8), torch_stream(0))
-    made = Player(student, env, num_steps, torch_stream(1), renew)
+    student = Student(*spaces, PPOConfig(hidden_size=8), torch_generator(0))
+    made = RolloutWorker(student, env, num_steps, torch_generator(1), on_episode_end)
     env.reset(seed=0)
-    made.start(trials_of(env.sample_levels(env.num_envs)))
+    made.start(records_of(env.sample_levels(env.num_envs)))
     return made
 
 
 def test_episodes_run_on_from_one_rollout_to_the_next():
-    playing = player(TwoStep(4), num_steps=3)
+    playing = worker(TwoStep(4), num_steps=3)
     found = []
     for _ in range(4):  # 12 steps, 6 episodes of 2 steps in each of 4 environments
         collect([playing])
-        found.append(playing.take_episodes())
+        found.append(playing.pop_episodes())
     assert [len(episodes.returns) for episodes in found] == [4, 8, 4, 8]
     assert all((episodes.returns == 1).all() and (episodes.lengths == 2).all() for episodes in found)
     assert playing.env_steps == 48
 
 
 def test_only_what_was_cut_off_is_valued():
-    playing = player(Endless(3), num_steps=7)
+    playing = worker(Endless(3), num_steps=7)
     torch.nn.init.constant_(playing.student.critic.bias, 2.5)
     collect([playing])
     rollout = playing.rollout
@@ -105,15 +105,15 @@ def test_terminated_and_truncated_at_once_is_terminated():
     torch.testing.assert_close(gae(rollout, 0.9, 0.9), rollout.reward - rollout.value)
 
 
-def test_renew_changes_the_level_of_the_environments_it_names():
-    def renew(ended, returns):
-        where = ended[ended % 2 == 1][::-1]  # in any order
-        levels = env.make_levels(np.zeros((len(where), 0)))
-        levels["program"] = where + 100
-        return where, trials_of(levels)
+def test_a_new_level_comes_to_the_environments_that_are_named():
+    def every_second(ended, returns):
+        envs = ended[ended % 2 == 1][::-1]  # in any order
+        levels = env.make_levels(np.zeros((len(envs), 0)))
+        levels["program"] = envs + 100
+        return envs, records_of(levels)
 
     env = TwoStep(4)
-    playing = player(env, num_steps=2, renew=renew)
+    playing = worker(env, num_steps=2, on_episode_end=every_second)
     collect([playing])
     assert env.levels["program"].tolist() == [0, 101, 0, 103]
-    assert (playing.take_episodes().level["program"] == 0).all()  # the level that was played, not the next
+    assert (playing.pop_episodes().level["program"] == 0).all()  # the level that was played, not the next

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from ued.levels.record import make_trials, trial_dtype
+from ued.levels.record import level_record_dtype, make_records
 from ued.levels.scores import population_regret, regret, score
 from ued.upomdp import level_dtype
 
 GAP = np.nan
 
 
-def trials(returns, **values):
-    made = make_trials(trial_dtype(level_dtype(1), 1, len(returns[0])), np.zeros(len(returns), level_dtype(1)))
+def records(returns, **values):
+    made = make_records(level_record_dtype(level_dtype(1), 1, len(returns[0])), np.zeros(len(returns), level_dtype(1)))
     made["returns"][:, 0] = returns
     for name, column in values.items():
         made[name][:, 0] = column
@@ -19,39 +19,39 @@ def trials(returns, **values):
 
 
 def test_max_mc_is_the_best_ever_minus_what_was_expected():
-    given = trials([[-1.0, -0.5], [1.0, GAP]], mean_value=[[-0.8, -0.6], [0.25, GAP]])
-    assert score("max_mc", given) == pytest.approx([-0.5 + 0.7, 0.75])  # no maximum that starts at 0
-    assert score("max_mc", given, best=np.array([2.0, -3.0])) == pytest.approx([2.7, 0.75])
-    assert score("max_mc", given, best=np.array([np.nan, np.nan])) == pytest.approx([0.2, 0.75])
+    levels = records([[-1.0, -0.5], [1.0, GAP]], mean_value=[[-0.8, -0.6], [0.25, GAP]])
+    assert score("max_mc", levels) == pytest.approx([-0.5 + 0.7, 0.75])  # no maximum that starts at 0
+    assert score("max_mc", levels, best=np.array([2.0, -3.0])) == pytest.approx([2.7, 0.75])
+    assert score("max_mc", levels, best=np.array([np.nan, np.nan])) == pytest.approx([0.2, 0.75])
 
 
 def test_value_losses_are_means_over_the_episodes_that_were_played():
-    given = trials([[0.0, 0.0], [0.0, GAP]], positive_advantage=[[0.2, 0.4], [0.5, GAP]])
-    assert score("positive_value_loss", given) == pytest.approx([0.3, 0.5])
-    given = trials([[0.0, 0.0], [0.0, GAP]], absolute_advantage=[[0.6, 0.4], [0.7, GAP]])
-    assert score("l1_value_loss", given) == pytest.approx([0.5, 0.7])
+    levels = records([[0.0, 0.0], [0.0, GAP]], positive_advantage=[[0.2, 0.4], [0.5, GAP]])
+    assert score("positive_value_loss", levels) == pytest.approx([0.3, 0.5])
+    levels = records([[0.0, 0.0], [0.0, GAP]], absolute_advantage=[[0.6, 0.4], [0.7, GAP]])
+    assert score("l1_value_loss", levels) == pytest.approx([0.5, 0.7])
 
 
 def test_learnability_is_the_variance_of_success_without_bias():
-    assert score("learnability", trials([[1.0, 0.0], [1.0, 1.0], [-1.0, 0.0]])) == pytest.approx([0.5, 0.0, 0.0])
-    assert score("learnability", trials([[1.0, -1.0, 0.0, 2.0]])) == pytest.approx([1 / 3])
-    assert score("learnability", trials([[1.0, -1.0, GAP, GAP]])) == pytest.approx([0.5])
+    assert score("learnability", records([[1.0, 0.0], [1.0, 1.0], [-1.0, 0.0]])) == pytest.approx([0.5, 0.0, 0.0])
+    assert score("learnability", records([[1.0, -1.0, 0.0, 2.0]])) == pytest.approx([1 / 3])
+    assert score("learnability", records([[1.0, -1.0, GAP, GAP]])) == pytest.approx([0.5])
     rng = np.random.default_rng(0)
     for count in (2, 5):
-        found = score("learnability", trials((rng.random((40_000, count)) < 0.3).astype(float)))
-        assert found.mean() == pytest.approx(0.3 * 0.7, abs=0.003)
+        learnability = score("learnability", records((rng.random((40_000, count)) < 0.3).astype(float)))
+        assert learnability.mean() == pytest.approx(0.3 * 0.7, abs=0.003)
 
 
-def test_a_trial_without_an_episode_is_not_scored_zero():
-    with pytest.raises(ValueError, match="trial 1 holds no finished episode, so it cannot be scored"):
-        score("learnability", trials([[1.0, 0.0], [GAP, GAP]]))
+def test_a_level_without_an_episode_is_not_scored_zero():
+    with pytest.raises(ValueError, match="level 1 holds no finished episode, so it cannot be scored"):
+        score("learnability", records([[1.0, 0.0], [GAP, GAP]]))
 
 
 def test_a_score_that_needs_values_says_so():
     with pytest.raises(ValueError) as error:
-        score("max_mc", trials([[1.0]]))
+        score("max_mc", records([[1.0]]))
     assert str(error.value) == (
-        'the score max_mc needs trials["mean_value"], which the trainer has not filled in; '
+        'the score max_mc needs records["mean_value"], which the trainer has not filled in; '
         "the score learnability needs returns alone"
     )
 

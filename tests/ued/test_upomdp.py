@@ -101,6 +101,15 @@ def test_the_same_seed_gives_the_same_levels_and_observations():
     assert (one.reset(seed=6)[0] != two.reset(seed=5)[0]).any()
 
 
+def test_a_list_of_seeds_is_one_seed_and_a_list_of_none_is_none():
+    one, two = cartpole(), cartpole()
+    one.reset(seed=[1, None, 2, 3]), two.reset(seed=[1, None, 2, 3])
+    assert (one.levels == two.levels).all()
+    one.reset(seed=5), two.reset(seed=6)
+    one.reset(seed=[None] * 4), two.reset(seed=[None] * 4)
+    assert (one.levels != two.levels).all()  # each goes on with its own stream
+
+
 def test_a_reset_mask_leaves_the_others_alone():
     env = cartpole()
     env.reset(seed=1)

@@ -65,8 +65,8 @@ def test_processes_give_no_state_and_training_resumes_without_it(both, tmp_path)
     resumed = Paired(poles(vectorization="async"), PPO, seed=1)
     resumed.load_state_dict(checkpoint.load(tmp_path / "c.pt"))
     assert resumed.update()["env_steps"] == 2 * method.env_steps
-    for seat in (*method.seats[1:], *resumed.seats):
-        seat.player.upomdp.close()
+    for learner in (*method.learners[1:], *resumed.learners):
+        learner.upomdp.close()
 
 
 def test_another_kind_is_refused():
@@ -79,8 +79,8 @@ def test_another_kind_is_refused():
 )
 def test_continuous_actions(make):
     method = make(pendulums(), PPOConfig(num_steps=256, num_minibatches=4, update_epochs=2, hidden_size=8))
-    settled = [method.update()["levels"] for _ in range(3)]
-    assert sum(settled) > 0 and np.isfinite(list(method.last.returns.values())).all()
+    finished = [method.update()["levels"] for _ in range(3)]
+    assert sum(finished) > 0 and np.isfinite(list(method.last.returns.values())).all()
 
 
 @pytest.mark.slow

@@ -76,7 +76,7 @@ class Gaussian:
 
 
 def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator) -> nn.Linear:
-    """Give a linear layer with orthogonal weights scaled by `gain` and zero bias."""
+    """Return a linear layer with orthogonal weights scaled by `gain` and zero bias."""
     layer = nn.utils.skip_init(nn.Linear, inputs, outputs)  # the usual initialisation draws from torch's global stream
     nn.init.orthogonal_(layer.weight, gain, generator=generator)
     nn.init.zeros_(layer.bias)
@@ -84,7 +84,7 @@ def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator) -
 
 
 def mlp(inputs: int, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
-    """Give a torso of `hidden_layers` tanh layers: `[B, inputs]` -> `[B, hidden_size]`."""
+    """Return a torso of `hidden_layers` tanh layers: `[B, inputs]` -> `[B, hidden_size]`."""
     layers: list[nn.Module] = []
     for _ in range(hidden_layers):
         layers += [linear(inputs, hidden_size, math.sqrt(2), generator), nn.Tanh()]
@@ -103,7 +103,7 @@ class ChannelsFirst(nn.Module):
 
 
 def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator) -> nn.Sequential:
-    """Give the convolutional torso of the thesis (Fig. 4.10): `[B, *shape]` in [0, 1] -> `[B, hidden_size]`.
+    """Return the convolutional torso of the thesis (Fig. 4.10): `[B, *shape]` in [0, 1] -> `[B, hidden_size]`.
 
     `shape` is height, width, channels; planes of 72 × 96 come down to 32 of 5 × 8. Raises `ValueError` for images that
     are smaller than what the convolutions need.
@@ -123,12 +123,12 @@ def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator) ->
 
 
 def is_image(space: Space) -> bool:
-    """Tell whether observations are images: uint8 `[height, width, channels]`."""
+    """Return whether observations are images: uint8 `[height, width, channels]`."""
     return isinstance(space, Box) and len(space.shape) == 3 and space.dtype == np.uint8
 
 
 def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
-    """Give the torso that fits the observations: an MLP for a flat vector of features, convolutions for an image.
+    """Return the torso that fits the observations: an MLP for a flat vector of features, convolutions for an image.
 
     Raises `ValueError` for observations that are neither.
     """

@@ -61,14 +61,14 @@ class Rollout:
         )
 
     def columns(self, envs: Tensor) -> Rollout:
-        """Give a copy with the environments `envs` (bool `[N]`) only."""
-        each = {item.name: getattr(self, item.name) for item in fields(self)}
-        last_value = each.pop("last_value")[envs]
-        return Rollout(**{name: value[:, envs] for name, value in each.items()}, last_value=last_value)
+        """Return a copy with the environments `envs` (bool `[N]`) only."""
+        arrays = {item.name: getattr(self, item.name) for item in fields(self)}
+        last_value = arrays.pop("last_value")[envs]
+        return Rollout(**{name: array[:, envs] for name, array in arrays.items()}, last_value=last_value)
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
-    """Give generalised advantage estimates `[T, N]` (Schulman et al. 2016, equation 16).
+    """Return generalised advantage estimates `[T, N]` (Schulman et al. 2016, equation 16).
 
     What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.

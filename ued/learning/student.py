@@ -81,7 +81,7 @@ class Student(nn.Module):
         self.shared = config.shared_torso
 
     def forward(self, observation: Tensor) -> tuple[Policy, Tensor]:
-        """Give the policy and the value `[B]` for observations `[B, size]`."""
+        """Return the policy and the value `[B]` for observations `[B, size]`."""
         observation = self.normaliser(observation)
         features = self.actor_torso(observation)
         policy = self.actor(features)
@@ -91,19 +91,19 @@ class Student(nn.Module):
 
     @torch.inference_mode()
     def value(self, observation: Tensor) -> Tensor:
-        """Give the value `[B]` alone."""
+        """Return the value `[B]` alone."""
         return self.critic(self.critic_torso(self.normaliser(observation)))[:, 0]
 
     @torch.inference_mode()
     def act(self, observation: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
-        """Draw actions; give them with their log-probabilities `[B]` and the values `[B]`."""
+        """Draw actions; return them with their log-probabilities `[B]` and the values `[B]`."""
         policy, value = self(observation)
         action = policy.sample(generator)
         return action, policy.log_prob(action), value
 
     @torch.inference_mode()
     def play(self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False) -> np.ndarray:
-        """Give the actions to send to the environments, for observations as they come from them."""
+        """Return the actions to send to the environments, for observations as they come from them."""
         features = self.normaliser(torch.as_tensor(observation, dtype=torch.float32))
         policy = self.actor(self.actor_torso(features))
         return self.to_environment(policy.mode() if greedy else policy.sample(generator))
@@ -123,26 +123,3 @@ class Student(nn.Module):
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         centre, reach = (bottom + top) / 2, (top - bottom) / 2
         return np.clip(centre + reach * array, low, high).astype(self.action_space.dtype)
-
-
-class Scripted:
-    """Stands in a student's place where the environment plays the learner's part itself (`UPOMDP.scripted`)."""
-
-    def __init__(self, action_space: Space) -> None:
-        discrete = isinstance(action_space, Discrete)
-        self.action_space = action_space
-        self.kind = torch.int64 if discrete else torch.float32
-
-    def act(self, observation: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
-        """Give actions that do not matter, with log-probabilities and values of 0."""
-        nothing = torch.zeros(len(observation))
-        return torch.zeros(len(observation), *self.action_space.shape, dtype=self.kind), nothing, nothing  # type: ignore[misc]
-
-    def value(self, observation: Tensor) -> Tensor:
-        """Give 0 `[B]`."""
-        return torch.zeros(len(observation))
-
-    def to_environment(self, action: Tensor) -> np.ndarray:
-        """Give some action of the space for each row."""
-        lowest = self.action_space.start if isinstance(self.action_space, Discrete) else 0
-        return action.numpy() + lowest

@@ -7,31 +7,32 @@ merge the pieces of an episode by their numbers of steps. Read next: `levels.sco
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import torch
 from torch import Tensor
 
 from ued.learning.rollout import Rollout
+from ued.resumable import Resumable
 
 NAMES = ("mean_value", "positive_advantage", "absolute_advantage")
 
 
-class EpisodeValues:
+class EpisodeValues(Resumable):
     """Follows the episodes of N environments through rollouts."""
+
+    state_fields = ("sums", "steps")
 
     def __init__(self, num_envs: int) -> None:
         self.sums = np.zeros((len(NAMES), num_envs))  # over the steps so far of the open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
-    def forget(self) -> None:
-        """All environments have begun anew."""
+    def reset(self) -> None:
+        """Forget the open episodes: all environments have begun anew."""
         self.sums[:] = 0.0
         self.steps[:] = 0
 
     def track(self, rollout: Rollout, advantages: Tensor) -> dict[str, np.ndarray]:
-        """Take a rollout in; give means over the steps of each of the E episodes that ended in it, `[E]` by name.
+        """Take a rollout in; return means over the steps of each of the E episodes that ended in it: `[E]` by name.
 
         Episodes are in the order in which they ended: by step, then by environment.
         """
@@ -39,10 +40,10 @@ class EpisodeValues:
         running = per_step.double().cumsum(1).numpy()  # [3, T, N]
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
-        env, step = np.nonzero(ended.T)  # by environment, then by step
-        first = np.append(True, env[1:] != env[:-1])[: len(env)]  # of its environment in this rollout
+        env, step = np.nonzero(ended.T)  # [E] each, by environment, then by step
+        first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] of its environment in this rollout
         previous = np.roll(np.arange(len(env)), 1)
-        totals = running[:, step, env]
+        totals = running[:, step, env]  # [3, E]
         sums = np.where(first, totals + self.sums[:, env], totals - totals[:, previous])
         steps = np.where(first, step + 1 + self.steps[env], step - step[previous])
         last = np.append(env[1:] != env[:-1], True)[: len(env)]
@@ -52,11 +53,3 @@ class EpisodeValues:
         self.steps[env[last]] = num_steps - 1 - step[last]
         order = np.lexsort((env, step))
         return dict(zip(NAMES, (sums / steps)[:, order], strict=True))
-
-    def state_dict(self) -> dict[str, Any]:
-        """Give the sums of the open episodes."""
-        return {"sums": self.sums.copy(), "steps": self.steps.copy()}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.sums[:], self.steps[:] = state["sums"], state["steps"]

@@ -1,6 +1,6 @@
-"""A student in its own N environments: plays step by step, carries episodes over from one rollout to the next.
+"""A rollout worker: plays a policy in its own N environments and carries episodes over from one rollout to the next.
 
-`collect` lets several players go through their rollouts side by side, which is what keeps the two students of PAIRED
+`collect` lets several workers go through their rollouts side by side, which is what keeps the two students of PAIRED
 at about the same level of the same curriculum. Read next: `learning.ppo`.
 """
 
@@ -13,14 +13,16 @@ from typing import Any
 
 import numpy as np
 import torch
+from gymnasium.spaces import Discrete
 
 from ued.learning.rollout import Rollout
-from ued.learning.student import Scripted, Student
+from ued.learning.student import Student
+from ued.resumable import Resumable
 from ued.upomdp import UPOMDP
 
-# Called with the environments `[k]` whose episodes have just ended and their returns `[k]`; gives the environments that
-# change their level and the trials (see `trials`) they get. The others play their level again.
-Renew = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+# Called with the environments `[k]` whose episodes have just ended and their returns `[k]`; returns the environments
+# that change their level and the level records they get. The others play their level again.
+OnEpisodeEnd = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -32,36 +34,44 @@ class Episodes:
     lengths: np.ndarray
 
 
-class Player:
-    """Plays a student in N environments and fills its rollout.
+class RolloutWorker(Resumable):
+    """Plays in N environments and fills its rollout.
 
     Args:
-        student: what plays.
-        upomdp: N environments that nobody else uses. Its `next_levels` is cleared: `renew` decides about levels.
+        student: what plays; None where the environment plays the learner's part itself and heeds no action (see
+            `UPOMDP.with_scripted_policy`): values and log-probabilities are 0 then.
+        upomdp: N environments that nobody else uses. Its `next_levels` is cleared: `on_episode_end` decides on levels.
         num_steps: T of the rollout.
         generator: what actions are drawn from.
-        renew: supplies the levels; see `Renew`.
+        on_episode_end: supplies the levels; see `OnEpisodeEnd`.
     """
 
+    state_fields = ("training", "generator", "returns", "lengths", "env_steps")
+
     def __init__(
-        self, student: Student | Scripted, upomdp: UPOMDP, num_steps: int, generator: torch.Generator, renew: Renew
+        self,
+        student: Student | None,
+        upomdp: UPOMDP,
+        num_steps: int,
+        generator: torch.Generator,
+        on_episode_end: OnEpisodeEnd,
     ) -> None:
-        self.student, self.upomdp, self.generator, self.renew = student, upomdp, generator, renew
+        self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
         upomdp.next_levels = None
         spaces = upomdp.single_observation_space, upomdp.single_action_space
         self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces)
         self.observation: np.ndarray | None = None  # until `start`
-        self.training = np.ones(upomdp.num_envs, bool)  # where the student learns from what it does
-        self.returns = np.zeros(upomdp.num_envs)  # of the open episodes
-        self.lengths = np.zeros(upomdp.num_envs, np.int64)
+        self.training = np.ones(upomdp.num_envs, bool)  # [N] where the student learns from what it does
+        self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
+        self.lengths = np.zeros(upomdp.num_envs, np.int64)  # [N]
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
-    def start(self, trials: np.ndarray) -> None:
-        """Begin an episode on the level of each of these trials `[N]`."""
-        self.observation, _ = self.upomdp.reset_to_levels(trials["level"])
-        self.training[:] = trials["train"]
+    def start(self, records: np.ndarray) -> None:
+        """Begin an episode on the level of each of these records `[N]`."""
+        self.observation, _ = self.upomdp.reset_to_levels(records["level"])
+        self.training[:] = records["train"]
         self.returns[:] = 0.0
         self.lengths[:] = 0
 
@@ -69,17 +79,16 @@ class Player:
         """Take step t of the rollout in all environments."""
         rollout, began = self.rollout, perf_counter()
         rollout.observation[t] = torch.as_tensor(self.observation)
-        action, rollout.log_prob[t], rollout.value[t] = self.student.act(rollout.observation[t], self.generator)
-        rollout.action[t] = action
+        actions = self._act(t)
         rollout.train[t] = torch.as_tensor(self.training)
         acted = perf_counter()
-        self.observation, reward, terminated, truncated, info = self.upomdp.step(self.student.to_environment(action))
+        self.observation, reward, terminated, truncated, info = self.upomdp.step(actions)
         self.seconds["forward"] += acted - began
         self.seconds["sim"] += perf_counter() - acted
         rollout.reward[t] = torch.as_tensor(reward)
         rollout.terminated[t] = torch.as_tensor(terminated)
         rollout.truncated[t] = torch.as_tensor(truncated)
-        self._value_what_was_cut_off(t, truncated & ~terminated, info)
+        self._value_final_observations(t, truncated & ~terminated, info)
         self.returns += reward
         self.lengths += 1
         self.env_steps += self.upomdp.num_envs
@@ -87,9 +96,19 @@ class Player:
         if len(ended):
             self._end_episodes(ended)
 
-    def _value_what_was_cut_off(self, t: int, cut: np.ndarray, info: dict[str, Any]) -> None:
+    def _act(self, t: int) -> np.ndarray:
+        """Return the actions of step t for the environments; note what the policy drew."""
+        if self.student is None:
+            space = self.upomdp.single_action_space
+            return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
+        action, log_prob, value = self.student.act(self.rollout.observation[t], self.generator)
+        self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
+        return self.student.to_environment(action)
+
+    def _value_final_observations(self, t: int, cut: np.ndarray, info: dict[str, Any]) -> None:
+        """Note what would have followed the episodes that were cut off in step t: bool `[N]`."""
         self.rollout.final_value[t] = 0.0
-        if cut.any():
+        if cut.any() and self.student is not None:
             final = torch.as_tensor(np.asarray(info["final_obs"])[cut], dtype=torch.float32)
             self.rollout.final_value[t, torch.as_tensor(cut)] = self.student.value(final)
 
@@ -99,69 +118,62 @@ class Player:
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         began = perf_counter()
-        where, trials = self.renew(ended, returns)
+        envs, records = self.on_episode_end(ended, returns)
         self.seconds["levels"] += perf_counter() - began
-        if len(where):
+        if len(envs):
             began = perf_counter()
             mask = np.zeros(self.upomdp.num_envs, bool)
-            mask[where] = True
-            self.training[where] = trials["train"]
-            self.observation, _ = self.upomdp.reset_to_levels(trials["level"][np.argsort(where)], mask)
+            mask[envs] = True
+            self.training[envs] = records["train"]
+            self.observation, _ = self.upomdp.reset_to_levels(records["level"][np.argsort(envs)], mask)
             self.seconds["sim"] += perf_counter() - began
 
     def finish(self) -> None:
         """Close the rollout: value what comes after its last step."""
-        self.rollout.last_value[:] = self.student.value(torch.as_tensor(self.observation, dtype=torch.float32))
+        if self.student is not None:
+            last = torch.as_tensor(self.observation, dtype=torch.float32)
+            self.rollout.last_value[:] = self.student.value(last)
 
-    def take_episodes(self) -> Episodes:
-        """Give the episodes that ended since the last call."""
+    def pop_episodes(self) -> Episodes:
+        """Return the episodes that ended since the last call."""
         ended, self._ended = self._ended, []
         if not ended:
             return Episodes(self.upomdp.levels[:0].copy(), np.zeros(0), np.zeros(0, np.int64))
         level, returns, lengths = (np.concatenate(column) for column in zip(*ended, strict=True))
         return Episodes(level, returns, lengths)
 
-    def take_seconds(self) -> dict[str, float]:
-        """Give the seconds spent since the last call, simulating, asking the network, and choosing levels."""
+    def pop_seconds(self) -> dict[str, float]:
+        """Return the seconds spent since the last call, simulating, asking the network, and choosing levels."""
         seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Give everything that changes besides the student's weights.
+        """Return everything that changes besides the student's weights.
 
         `episodes=False` leaves out the environments, whose state may be no data (as in `GymUPOMDP`); their episodes
         then begin anew on the same levels.
         """
-        return {
+        return super().state_dict() | {
             "upomdp": self.upomdp.get_state() if episodes else None,
             "levels": self.upomdp.levels.copy(),
-            "training": self.training.copy(),
             "np_random": self.upomdp.np_random.bit_generator.state,
-            "generator": self.generator.get_state(),
-            "returns": self.returns.copy(),
-            "lengths": self.lengths.copy(),
-            "env_steps": self.env_steps,
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.returns[:] = state["returns"]
-        self.lengths[:] = state["lengths"]
-        self.training[:] = state["training"]
+        """Take back what `state_dict` returned."""
+        super().load_state_dict(state)
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
             self.observation, _ = self.upomdp.reset_to_levels(state["levels"])
             self.returns[:], self.lengths[:] = 0.0, 0
         else:
             self.observation = self.upomdp.set_state(state["upomdp"])
-        self.generator.set_state(state["generator"])
-        self.env_steps = state["env_steps"]
 
 
-def collect(players: Sequence[Player]) -> None:
-    """Fill the players' rollouts, one step of each in turn."""
-    for t in range(len(players[0].rollout.reward)):
-        for player in players:
-            player.step(t)
-    for player in players:
-        player.finish()
+def collect(workers: Sequence[RolloutWorker]) -> None:
+    """Fill the workers' rollouts, one step of each in turn."""
+    for t in range(len(workers[0].rollout.reward)):
+        for worker in workers:
+            worker.step(t)
+    for worker in workers:
+        worker.finish()

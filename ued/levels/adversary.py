@@ -8,9 +8,8 @@ corners. Read next: `levels.teacher`.
 
 from __future__ import annotations
 
-import copy
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -19,6 +18,7 @@ from torch.nn.functional import softplus
 
 from ued.config import AdversaryConfig
 from ued.learning.networks import Gaussian, linear, mlp
+from ued.resumable import Resumable
 
 # tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
 UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
@@ -63,7 +63,7 @@ class Squashed(Gaussian):
 
     @staticmethod
     def theta(raw: np.ndarray) -> np.ndarray:
-        """Give θ `[n, D]` for what was drawn."""
+        """Return θ `[n, D]` for what was drawn."""
         return np.tanh(raw.astype(np.float64))
 
 
@@ -85,12 +85,12 @@ class Beta:
         return (self.beta.log_prob((raw + 1) / 2) - math.log(2)).sum(-1)
 
     def theta_entropy(self, generator: torch.Generator) -> Tensor:
-        """Give the entropy `[B]` of θ, exactly."""
+        """Return the entropy `[B]` of θ, exactly."""
         return (self.beta.entropy() + math.log(2)).sum(-1)
 
     @staticmethod
     def theta(raw: np.ndarray) -> np.ndarray:
-        """Give θ `[n, D]` for what was drawn."""
+        """Return θ `[n, D]` for what was drawn."""
         return raw.astype(np.float64)
 
 
@@ -112,7 +112,7 @@ class AdversaryNetwork(nn.Module):
         return self.distribution(*(head(features) for head in self.heads)), self.value(features)[:, 0]
 
 
-class Adversary:
+class Adversary(Resumable):
     """Proposes levels and learns from the regret that they caused, by PPO's clipped objective on one-step episodes.
 
     Args:
@@ -123,6 +123,8 @@ class Adversary:
 
     Raises `ValueError` where there is nothing to propose (D = 0).
     """
+
+    state_fields = ("network", "optimizer", "generator", "scale")
 
     def __init__(
         self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int | None = None
@@ -150,11 +152,11 @@ class Adversary:
         return Proposals(z.numpy(), raw.numpy(), policy.log_prob(raw).numpy())
 
     def theta(self, proposals: Proposals) -> np.ndarray:
-        """Give the proposed θ, float64 `[n, D]` in [-1, 1]."""
+        """Return the proposed θ, float64 `[n, D]` in [-1, 1]."""
         return self.network.distribution.theta(proposals.raw)
 
     def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
-        """Learn from the regret `[n]` of these proposals; give the means of the losses over the epochs."""
+        """Learn from the regret `[n]` of these proposals; return the means of the losses over the epochs."""
         self.scale.track(regret)
         target = torch.as_tensor(self.scale(regret), dtype=torch.float32)
         z, raw, log_prob = (torch.as_tensor(a) for a in (proposals.z, proposals.raw, proposals.log_prob))
@@ -182,27 +184,12 @@ class Adversary:
             "grad_norm": grad_norm.item(),
         }
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give weights, optimiser, regret statistics and generator."""
-        return {
-            "network": copy.deepcopy(self.network.state_dict()),  # torch gives its own tensors, which learning changes
-            "optimizer": copy.deepcopy(self.optimizer.state_dict()),
-            "generator": self.generator.get_state(),
-            "scale": [self.scale.mean, self.scale.square, self.scale.weight],
-        }
 
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.network.load_state_dict(state["network"])
-        self.optimizer.load_state_dict(copy.deepcopy(state["optimizer"]))
-        self.generator.set_state(state["generator"])
-        self.scale.mean, self.scale.square, self.scale.weight = state["scale"]
-
-
-class RunningScale:
+class RunningScale(Resumable):
     """Shift and scale numbers by mean and deviation of the recent past, which forgets as students change."""
 
     DECAY = 0.9  # per batch
+    state_fields = ("mean", "square", "weight")
 
     def __init__(self) -> None:
         self.mean = self.square = self.weight = 0.0  # of an average that starts at 0 and is corrected for that

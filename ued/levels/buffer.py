@@ -15,17 +15,17 @@ from typing import Any
 import numpy as np
 
 from ued.config import BufferConfig
-from ued.levels.record import NONE, Origin, make_trials
+from ued.levels.record import NONE, Origin, make_records
 
 EPSILON = 1e-8  # so that a power of 0 is no division by 0
 
 
 def slot_dtype(level: np.dtype) -> np.dtype:
-    """Give the record of a level in the buffer.
+    """Return the record of a level in the buffer.
 
-    id: unique in a run; level; score; best: the best return ever made on it; stamp: when it was last played, or put
-    in; born: when it was put in; played: how often it was replayed; parent: id of the level it was made from, or NONE;
-    generation: edits between it and a random level.
+    id: unique in a run; level; score; best: the best return ever made on it; last_played: when it was, or was put in;
+    created: when it was put in; num_replays: how often it was replayed; parent: id of the level it was made from, or
+    NONE; generation: edits between it and a random level.
     """
     return np.dtype(
         [
@@ -33,9 +33,9 @@ def slot_dtype(level: np.dtype) -> np.dtype:
             ("level", level),
             ("score", np.float64),
             ("best", np.float64),
-            ("stamp", np.int64),
-            ("born", np.int64),
-            ("played", np.int32),
+            ("last_played", np.int64),
+            ("created", np.int64),
+            ("num_replays", np.int32),
             ("parent", np.int64),
             ("generation", np.int32),
         ]
@@ -56,7 +56,7 @@ class LevelBuffer:
         self._count = 0
         self._rows: dict[bytes, int] = {}  # which row holds a level, by its program and θ
         self._score_weights: np.ndarray | None = None  # until a score changes
-        self.now = 0  # trials so far: the clock of staleness
+        self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
 
     def __len__(self) -> int:
@@ -68,18 +68,18 @@ class LevelBuffer:
         return self._slots[: self._count]
 
     @property
-    def fill(self) -> float:
+    def fill_ratio(self) -> float:
         """Share of the capacity in use."""
         return self._count / self.config.capacity
 
     # ------------------------------------------------------------ what is replayed
 
     def weights(self) -> np.ndarray:
-        """Give the probability `[n]` with which each level is replayed next."""
+        """Return the probability `[n]` with which each level is replayed next."""
         share = self.config.staleness_coef
         if self._score_weights is None:
             self._score_weights = self._by_score()
-        age = (self.now - self.slots["stamp"]).astype(float)
+        age = (self.now - self.slots["last_played"]).astype(float)
         total = age.sum()
         stale = age / total if total > 0 else 1 / max(len(age), 1)
         return (1 - share) * self._score_weights + share * stale
@@ -96,27 +96,27 @@ class LevelBuffer:
         return weight / weight.sum() if len(weight) else weight
 
     def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw `count` levels to replay; give their rows `[count]`. They count as played now."""
+        """Draw `count` levels to replay; return their rows `[count]`. They count as played now."""
         cumulated = np.cumsum(self.weights())
         rows = np.searchsorted(cumulated, rng.random(count) * cumulated[-1], side="right")
         rows = np.minimum(rows, self._count - 1)
-        self.slots["stamp"][rows] = self.now + 1 + np.arange(count)
-        np.add.at(self.slots["played"], rows, 1)
+        self.slots["last_played"][rows] = self.now + 1 + np.arange(count)
+        np.add.at(self.slots["num_replays"], rows, 1)
         self.now += count
         return rows
 
-    def replays(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw `count` levels and give them as trials of the record `dtype`, each with a new seed."""
+    def replay(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw `count` levels; return them as level records of this dtype, each with a new seed."""
         slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
-        trials = make_trials(dtype, slots["level"], Origin.REPLAYED)
-        trials["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
-        trials["slot"] = slots["id"]
-        return trials
+        records = make_records(dtype, slots["level"], Origin.REPLAYED)
+        records["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
+        records["slot"] = slots["id"]
+        return records
 
     # ------------------------------------------------------------ what is kept
 
     def find(self, ids: np.ndarray) -> np.ndarray:
-        """Give the row `[k]` of each of these ids, NONE for a level that is no longer kept."""
+        """Return the row `[k]` of each of these ids, NONE for a level that is no longer kept."""
         if not self._count:
             return np.full(len(ids), NONE)
         order = np.argsort(self.slots["id"])
@@ -124,14 +124,37 @@ class LevelBuffer:
         rows = order[np.minimum(place, self._count - 1)]
         return np.where(self.slots["id"][rows] == ids, rows, NONE)
 
-    def rescore(self, rows: np.ndarray, score: np.ndarray, best: np.ndarray) -> None:
+    def best_returns(self, records: np.ndarray) -> np.ndarray:
+        """Return the best return `[L]` that was ever made on the level of each of these records, by any student."""
+        best = np.nanmax(records["returns"], (1, 2), initial=-np.inf)
+        replayed = np.flatnonzero(records["origin"] == Origin.REPLAYED)
+        rows = self.find(records["slot"][replayed])
+        kept = rows != NONE  # one may have been displaced meanwhile
+        best[replayed[kept]] = np.fmax(best[replayed[kept]], self.slots["best"][rows[kept]])
+        return best
+
+    def store(self, records: np.ndarray) -> int:
+        """Take in scored level records `[L]`: replayed levels get their new scores, the others are offered.
+
+        Returns how many of the others are kept; see `insert`.
+        """
+        best = self.best_returns(records)
+        replayed = records["origin"] == Origin.REPLAYED
+        rows = self.find(records["slot"][replayed])
+        kept = rows != NONE
+        self.update_scores(rows[kept], records["score"][replayed][kept], best[replayed][kept])
+        new = records[~replayed]
+        parents = np.where(new["origin"] == Origin.EDITED, new["slot"], NONE)
+        return self.insert(new["level"], new["score"], best[~replayed], parents)
+
+    def update_scores(self, rows: np.ndarray, score: np.ndarray, best: np.ndarray) -> None:
         """Write the new scores `[k]` and best returns `[k]` of levels that were replayed."""
         self.slots["score"][rows] = score
         np.fmax.at(self.slots["best"], rows, best)
         self._score_weights = None
 
-    def offer(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray | None = None) -> int:
-        """Offer new levels `[k]` with scores, best returns, and ids of the levels they were made from; count the kept.
+    def insert(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray | None = None) -> int:
+        """Offer new levels `[k]` with scores, best returns, and ids of their parents; return how many are kept.
 
         A full buffer gives up the levels that it would replay least, each for one with at least its score. A level that
         it holds already keeps the better score. Of edits whose parent is gone the generation is counted anew.
@@ -147,7 +170,7 @@ class LevelBuffer:
     def _as_slots(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray) -> np.ndarray:
         rows: np.ndarray = np.zeros(len(levels), self._slots.dtype)
         rows["level"], rows["score"], rows["best"], rows["parent"] = levels, score, best, parents
-        rows["stamp"] = rows["born"] = self.now + np.arange(len(levels))
+        rows["last_played"] = rows["created"] = self.now + np.arange(len(levels))
         mothers = self.find(parents)
         known = (parents != NONE) & (mothers != NONE)
         rows["generation"][parents != NONE] = 1
@@ -159,7 +182,7 @@ class LevelBuffer:
         if twin == NONE:
             return False
         better = max(row["score"], self._slots["score"][twin])
-        self.rescore(np.array([twin]), np.array([better]), np.array([row["best"]]))
+        self.update_scores(np.array([twin]), np.array([better]), np.array([row["best"]]))
         return True
 
     def _displace(self, rows: np.ndarray) -> int:
@@ -178,7 +201,7 @@ class LevelBuffer:
         if place < self._count:
             self._rows.pop(_key(self._slots["level"][place]), None)
         elif self.config.no_duplicates and _key(row["level"]) in self._rows:
-            return  # the same level twice in one offer
+            return  # the same level twice in one call
         self._slots[place] = row
         self._slots["id"][place] = self.next_id
         self._rows[_key(row["level"])] = place
@@ -189,11 +212,11 @@ class LevelBuffer:
     # ------------------------------------------------------------ save and resume
 
     def state_dict(self) -> dict[str, Any]:
-        """Give the levels and the clock."""
+        """Return a copy of the levels and the clock."""
         return {"slots": self.slots.copy(), "now": self.now, "next_id": self.next_id}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
+        """Take back what `state_dict` returned."""
         self._count = len(state["slots"])
         self._slots[: self._count] = state["slots"]
         self._rows = {_key(level): row for row, level in enumerate(self.slots["level"])}

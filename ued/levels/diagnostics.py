@@ -2,7 +2,7 @@
 
 These numbers tell a curriculum that collapses from one that works: a teacher stuck on few levels has a low entropy and
 coverage; one that aims too high has a low success rate; regret that is luck pays it for chance (see `regret_split`).
-Read next: `training`, which logs them in every update.
+Read next: `method`, which logs them in every update.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from ued.levels.record import Origin, mean_returns
 BINS = 10  # of each column of θ
 
 
-def level_metrics(trials: np.ndarray) -> dict[str, float]:
-    """Give counts by origin, the spread of θ and the success rate of settled trials `[L]`."""
-    counts = np.bincount(trials["origin"], minlength=len(Origin))
-    metrics = {"levels": float(len(trials))}
+def level_metrics(levels: np.ndarray) -> dict[str, float]:
+    """Return counts by origin, the spread of θ and the success rate of finished level records `[L]`."""
+    counts = np.bincount(levels["origin"], minlength=len(Origin))
+    metrics = {"levels": float(len(levels))}
     metrics |= {f"levels/{origin.name.lower()}": float(counts[origin]) for origin in Origin}
-    if not len(trials):
+    if not len(levels):
         return metrics
-    returns = trials["returns"][:, 0]
+    returns = levels["returns"][:, 0]
     metrics["success"] = float((returns[~np.isnan(returns)] > 0).mean())
-    score = trials["score"][~np.isnan(trials["score"])]
+    score = levels["score"][~np.isnan(levels["score"])]
     if len(score):
         metrics["score"] = float(score.mean())
-    return metrics | theta_metrics(trials["level"]["theta"])
+    return metrics | theta_metrics(levels["level"]["theta"])
 
 
 def theta_metrics(theta: np.ndarray) -> dict[str, float]:
-    """Give how widely levels θ `[L, D]` are spread; nothing for fewer than two.
+    """Return how widely levels θ `[L, D]` are spread; nothing for fewer than two.
 
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
     theta_entropy: sum of the columns' entropies in nats, from histograms of 10 bins with Miller and Madow's correction
@@ -53,15 +53,17 @@ def theta_metrics(theta: np.ndarray) -> dict[str, float]:
     }
 
 
-def regret_split(trials: np.ndarray, fixed: bool) -> dict[str, float]:
-    """Give regret `[L]` as it is scored, and split into skill (difference of students' means) and luck (the rest).
+def regret_split(levels: np.ndarray, has_antagonist: bool) -> dict[str, float]:
+    """Return the mean regret of the adversary's own among scored levels `[L]`, and its parts: skill and luck.
 
     With outcomes by chance, the best of several episodes exceeds their mean even between equal students; that part
-    says nothing about the level. Skill is what student 1, the antagonist, has above student 0, or without fixed parts
+    says nothing about the level. Skill is what student 1, the antagonist, has above student 0, or without antagonist
     what the best student has above the mean of all: means over all levels, since on each the best is so by luck, too.
+    Luck is the rest.
     """
-    if not len(trials):
+    levels = levels[levels["origin"] == Origin.PROPOSED]
+    if not len(levels):
         return {}
-    means, score = mean_returns(trials).mean(0), float(trials["score"].mean())
-    skill = float(means[1] - means[0] if fixed else means.max() - means.mean())
+    means, score = mean_returns(levels).mean(0), float(levels["score"].mean())
+    skill = float(means[1] - means[0] if has_antagonist else means.max() - means.mean())
     return {"regret": score, "regret/skill": skill, "regret/luck": score - skill}

@@ -1,123 +1,151 @@
-"""Which student plays which trial: all play the same levels in the same order, the same number of whole episodes each.
+"""Which student plays which level: all play the same levels in the same order, the same number of whole episodes each.
 
 A student's environment that has played its level often enough takes the next one from the queue, on its own, while the
 others go on. So no episode is cut off by a change of level, none is lost or counted as 0, long episodes are not left
 out, and no environment waits for the longest. A student whose episodes are shorter would run ahead; when it is
 `max_lead` levels ahead of the slowest, it plays its level again until the others have caught up, and those episodes
-train it but do not count. Read next: `training`.
+train it but do not count. Read next: `method`, whose `play` hides this queue.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
+from ued.curriculum import Curriculum
 from ued.levels.record import NONE
+from ued.resumable import Resumable
 
-Supply = Callable[[int], np.ndarray]
+PROPOSAL_BATCH = 8  # levels that are proposed ahead where all of them are to be played
 
 
-class TrialQueue:
-    """Hands trials to S students with N environments each, and keeps the results until all have played.
+class LevelQueue(Resumable):
+    """Hands level records to S students with N environments each, and keeps the results until all have played.
 
     Args:
-        supply: gives k new trials.
-        dtype: their record, see `trials.trial_dtype`.
+        curriculum: proposes the levels.
         num_envs: N.
         max_lead: levels that one student may be ahead of another, at least N; 0: no new level before `clear`.
-        block: trials that are fetched at a time, where one request of many costs hardly more than one of one.
+        drop_stale_proposals: forget after each update what nobody has begun, so that the next levels are proposed by
+            the curriculum as it is now. Not for a curriculum that is changed by proposing, as replay is.
+        resample_level_every: an environment takes a new level when it has played its own often enough ("episode"), or
+            the first time that this happens in each rollout ("rollout").
+
+    Raises `ValueError` for a `max_lead` between 0 and N.
     """
 
-    def __init__(self, supply: Supply, dtype: np.dtype, num_envs: int, max_lead: int, block: int = 1) -> None:
-        if 0 < max_lead < num_envs:
+    state_fields = ("records", "taken", "playing")
+
+    def __init__(
+        self,
+        curriculum: Curriculum,
+        num_envs: int,
+        max_lead: int | None = None,
+        drop_stale_proposals: bool = True,
+        resample_level_every: str = "episode",
+    ) -> None:
+        self.max_lead = 2 * num_envs if max_lead is None else max_lead
+        if 0 < self.max_lead < num_envs:
             raise ValueError(f"max_lead must be at least the number of environments ({num_envs}), got {max_lead}")
-        self.supply, self.num_envs, self.max_lead, self.block = supply, num_envs, max_lead, block
-        self.students, self.episodes = dtype["returns"].shape
-        self.trials = np.zeros(0, dtype)  # in the order of play; settled ones leave in `take_settled`
-        self.taken = np.zeros(self.students, np.int64)  # [S] trials that each student has begun: a prefix
-        self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which trial each environment plays
-        self._places: list[list[np.ndarray]] = [[] for _ in range(self.students)]  # where ended episodes are noted
+        self.curriculum, self.num_envs = curriculum, num_envs
+        self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
+        # one request of many levels costs hardly more than one of one
+        self.proposal_batch = num_envs if drop_stale_proposals else PROPOSAL_BATCH
+        self.students = curriculum.dtype["returns"].shape[0]
+        self.records = np.zeros(0, curriculum.dtype)  # in the order of play; finished ones leave in `pop_finished`
+        self.taken = np.zeros(self.students, np.int64)  # [S] records that each student has begun: a prefix
+        self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
+        self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
+        self._ended: list[list[np.ndarray]] = [[] for _ in range(self.students)]  # [k, 2] record, episode of each
 
     def first(self, student: int) -> np.ndarray:
-        """Give the trials `[N]` that a student starts with."""
+        """Return the records `[N]` that a student starts with."""
         return self._take(student, np.arange(self.num_envs))
 
-    def renew(self, student: int, ended: np.ndarray, returns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Note the returns `[k]` of episodes that ended; give which environments change level, and their trials."""
-        trial = self.playing[student, ended]
-        counts = trial != NONE
-        counts[counts] = self.trials["played"][trial[counts], student] < self.trials["wanted"][trial[counts]]
-        rows = trial[counts]
-        episode = self.trials["played"][rows, student]
-        self.trials["returns"][rows, student, episode] = returns[counts]
-        self.trials["played"][rows, student] += 1
-        place = np.full((len(ended), 2), NONE)
-        place[counts] = np.stack([rows, episode], 1)
-        self._places[student].append(place)
-        free = ended[~counts]
-        through = ended[counts][self.trials["played"][rows, student] == self.trials["wanted"][rows]]
-        waiting = np.concatenate([free, through])
-        others = np.delete(self.taken, student)
-        lead = int(self.taken[student] - others.min()) if len(others) else 0
-        waiting = waiting[: max(0, self.max_lead - lead)]
+    def begin_rollout(self) -> None:
+        """Let each environment take a new level again, where it may do so once in a rollout."""
+        self.needs_new_level[:] = True
+
+    def on_episode_end(self, student: int, ended: np.ndarray, returns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Note the returns `[k]` of the episodes that ended in the environments `ended` `[k]`.
+
+        Return the environments `[c]` that change their level, and their new records `[c]`; the others play on.
+        """
+        if self.once_per_rollout:  # what the others play is not counted
+            first = self.needs_new_level[student, ended]
+            ended, returns = ended[first], returns[first]
+        counted = self._note_returns(student, ended, returns)
+        record = self.playing[student, ended[counted]]
+        through = self.records["num_played"][record, student] == self.records["num_episodes"][record]
+        waiting = np.concatenate([ended[~counted], ended[counted][through]])
+        waiting = waiting[: max(0, self.max_lead - self._lead(student))]
+        self.needs_new_level[student, waiting] = False
         return waiting, self._take(student, waiting)
+
+    def _note_returns(self, student: int, ended: np.ndarray, returns: np.ndarray) -> np.ndarray:
+        """Write returns `[k]` into their records; return which of them count: bool `[k]`."""
+        record = self.playing[student, ended]  # [k]
+        counted = record != NONE
+        played, due = self.records["num_played"][:, student], self.records["num_episodes"]
+        counted[counted] = played[record[counted]] < due[record[counted]]
+        rows = record[counted]
+        episode = played[rows]
+        self.records["returns"][rows, student, episode] = returns[counted]
+        self.records["num_played"][rows, student] += 1
+        place = np.full((len(ended), 2), NONE)
+        place[counted] = np.stack([rows, episode], 1)
+        self._ended[student].append(place)
+        return counted
+
+    def _lead(self, student: int) -> int:
+        others = np.delete(self.taken, student)
+        return int(self.taken[student] - others.min()) if len(others) else 0
 
     def _take(self, student: int, envs: np.ndarray) -> np.ndarray:
         start = int(self.taken[student])
-        missing = start + len(envs) - len(self.trials)
+        missing = start + len(envs) - len(self.records)
         if missing > 0:
-            self.trials = np.concatenate([self.trials, self.supply(max(missing, self.block))])
+            proposals = self.curriculum.propose(max(missing, self.proposal_batch))
+            self.records = np.concatenate([self.records, proposals])
         rows = np.arange(start, start + len(envs))
         self.playing[student, envs] = rows
         self.taken[student] += len(envs)
-        return self.trials[rows]
+        return self.records[rows]
 
-    def note(self, student: int, values: dict[str, np.ndarray]) -> None:
-        """Note more about the episodes `[E]` that `renew` was told of since the last call, in their order."""
-        places, self._places[student] = self._places[student], []
-        if not places:
+    def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
+        """Write what the critic thought in the E episodes that ended since the last call, in their order: `[E]` each.
+
+        Does nothing where levels last for a rollout: episodes that do not count are not told apart there.
+        """
+        places, self._ended[student] = self._ended[student], []
+        if not places or self.once_per_rollout:
             return
-        place = np.concatenate(places)
-        counts = place[:, 0] != NONE
-        rows, episode = place[counts].T
-        for name, column in values.items():
-            self.trials[name][rows, student, episode] = column[counts]
+        place = np.concatenate(places)  # [E, 2]
+        counted = place[:, 0] != NONE
+        rows, episode = place[counted].T
+        for name, column in stats.items():
+            self.records[name][rows, student, episode] = column[counted]
 
-    def settled(self) -> np.ndarray:
-        """Say for each trial whether every student has played it often enough."""
-        return np.all(self.trials["played"] >= self.trials["wanted"][:, None], axis=1)
+    def finished(self) -> np.ndarray:
+        """Return for each record whether every student has played it often enough: bool `[R]`."""
+        return np.all(self.records["num_played"] >= self.records["num_episodes"][:, None], axis=1)
 
-    def take_settled(self) -> np.ndarray:
-        """Remove and give the settled trials, in the order of play."""
-        settled = self.settled()
-        done, before = self.trials[settled], np.cumsum(settled) - settled
-        index = np.where(settled, NONE, np.arange(len(self.trials)) - before)
+    def pop_finished(self) -> np.ndarray:
+        """Remove and return the finished records `[L]`, in the order of play; drop proposals that have become stale."""
+        finished = self.finished()
+        popped, before = self.records[finished], np.cumsum(finished) - finished
+        index = np.where(finished, NONE, np.arange(len(self.records)) - before)
         index = np.append(index, NONE)  # so that NONE, the last, stays NONE
         self.playing = index[self.playing]
-        self.taken = self.taken - np.array([settled[:count].sum() for count in self.taken])
-        self.trials = self.trials[~settled]
-        self._places = [[] for _ in range(self.students)]
-        return done
+        self.taken = self.taken - np.array([finished[:count].sum() for count in self.taken])
+        self.records = self.records[~finished]
+        if self.drop_stale_proposals:
+            self.records = self.records[: int(self.taken.max())]
+        self._ended = [[] for _ in range(self.students)]
+        return popped
 
     def clear(self) -> None:
-        """Forget all trials, settled or not; students begin again with `first`."""
-        self.trials = self.trials[:0]
+        """Forget all records, finished or not; students begin again with `first`."""
+        self.records = self.records[:0]
         self.taken[:] = 0
         self.playing[:] = NONE
-        self._places = [[] for _ in range(self.students)]
-
-    def drop_untaken(self) -> None:
-        """Forget the trials that nobody has begun, so that the next are proposed by the teacher as it is now."""
-        self.trials = self.trials[: int(self.taken.max())]
-
-    def state_dict(self) -> dict[str, Any]:
-        """Give the trials and who plays what, as they are between two updates."""
-        return {"trials": self.trials.copy(), "taken": self.taken.copy(), "playing": self.playing.copy()}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.trials, self.taken = state["trials"].copy(), state["taken"].copy()
-        self.playing = state["playing"].copy()
-        self._places = [[] for _ in range(self.students)]
+        self._ended = [[] for _ in range(self.students)]

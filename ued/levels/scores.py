@@ -15,32 +15,32 @@ from ued.levels.record import mean_played
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def max_mc(trials: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Give MaxMC `[L]`: the best return ever made on the level `[L]` minus what the critic expected on the way.
+def max_mc(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return MaxMC `[L]`: the best return ever made on the level `[L]` minus what the critic expected on the way.
 
     The mean over steps of R_max - V(s_t) (Jiang et al. 2021a, section 5.2). The best return is that of all time, so a
     student that forgets a level raises its score.
     """
-    return best - mean_played(trials["mean_value"][:, 0])
+    return best - mean_played(records["mean_value"][:, 0])
 
 
-def positive_value_loss(trials: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Give the positive value loss `[L]`: the mean over steps of max(A_t, 0), A_t by GAE (Jiang et al. 2021a)."""
-    return mean_played(trials["positive_advantage"][:, 0])
+def positive_value_loss(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return the positive value loss `[L]`: the mean over steps of max(A_t, 0), A_t by GAE (Jiang et al. 2021a)."""
+    return mean_played(records["positive_advantage"][:, 0])
 
 
-def l1_value_loss(trials: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Give the L1 value loss `[L]`: the mean over steps of |A_t|, A_t by GAE (Jiang et al. 2021b, table 1)."""
-    return mean_played(trials["absolute_advantage"][:, 0])
+def l1_value_loss(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return the L1 value loss `[L]`: the mean over steps of |A_t|, A_t by GAE (Jiang et al. 2021b, table 1)."""
+    return mean_played(records["absolute_advantage"][:, 0])
 
 
-def learnability(trials: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Give p (1 - p) `[L]`, p the share of episodes with a positive return (Rutherford et al. 2024, section 4).
+def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return p (1 - p) `[L]`, p the share of episodes with a positive return (Rutherford et al. 2024, section 4).
 
     Of a single episode it is 0 whatever happens: ask for several. The unbiased estimate of the variance is used, n / (n
     - 1) times the naive one, so that levels with more episodes do not look more learnable.
     """
-    returns = trials["returns"][:, 0]
+    returns = records["returns"][:, 0]
     played = ~np.isnan(returns)
     count = played.sum(1)
     p = mean_played(np.where(played, (returns > 0).astype(float), np.nan))
@@ -56,28 +56,28 @@ SCORES: dict[str, Score] = {
 NEEDS = {"max_mc": "mean_value", "positive_value_loss": "positive_advantage", "l1_value_loss": "absolute_advantage"}
 
 
-def score(rule: str, trials: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
-    """Give the score `[L]` of trials by a rule of `SCORES`.
+def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
+    """Return the score `[L]` of level records by a rule of `SCORES`.
 
-    `best` `[L]` are the best returns ever made on these levels before; those of the trials themselves are included.
-    Raises `ValueError` where the trainer has not told what the rule needs, or a trial holds no episode.
+    `best` `[L]` are the best returns ever made on these levels before; those of the records themselves are included.
+    Raises `ValueError` where the trainer has not told what the rule needs, or a record holds no episode.
     """
-    returns = trials["returns"][:, 0]
+    returns = records["returns"][:, 0]
     empty = np.isnan(returns).all(1)
     if empty.any():
-        raise ValueError(f"trial {int(np.flatnonzero(empty)[0])} holds no finished episode, so it cannot be scored")
+        raise ValueError(f"level {int(np.flatnonzero(empty)[0])} holds no finished episode, so it cannot be scored")
     field = NEEDS.get(rule)
-    if field and np.isnan(mean_played(trials[field][:, 0])).any():
+    if field and np.isnan(mean_played(records[field][:, 0])).any():
         raise ValueError(
-            f'the score {rule} needs trials["{field}"], which the trainer has not filled in; '
+            f'the score {rule} needs records["{field}"], which the trainer has not filled in; '
             "the score learnability needs returns alone"
         )
     now = np.nanmax(returns, 1)
-    return SCORES[rule](trials, now if best is None else np.fmax(now, best))
+    return SCORES[rule](records, now if best is None else np.fmax(now, best))
 
 
 def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible: bool = False) -> np.ndarray:
-    """Give the regret `[L]` of the protagonist on L levels, from both students' returns `[L, n]` of n episodes.
+    """Return the regret `[L]` of the protagonist on L levels, from both students' returns `[L, n]` of n episodes.
 
     rule: "max_mean" is max of the antagonist's returns minus mean of the protagonist's (Dennis et al. 2020,
     section 4.1, as implemented by its authors); "mean_mean" takes means of both, which equally good students make 0 on
@@ -90,7 +90,7 @@ def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible:
 
 
 def population_regret(returns: np.ndarray, rule: str) -> np.ndarray:
-    """Give the regret `[L]` of a population of S students, from their returns `[L, S, n]`.
+    """Return the regret `[L]` of a population of S students, from their returns `[L, S, n]`.
 
     The best student's max (or mean) minus the mean over all students (Dennis et al. 2020, appendix, "population
     PAIRED"): nobody is cast as antagonist.

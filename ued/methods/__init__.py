@@ -17,6 +17,7 @@ from ued.config import (
     DRConfig,
     MinimaxConfig,
     PairedConfig,
+    PairedLiteralConfig,
     PLRConfig,
     RepairedConfig,
     SelfRegretConfig,
@@ -77,8 +78,8 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
         "2, for the student that counts",
     ),
     MethodRow(
-        "paired_literal", "ued.methods.paired", "Paired", PairedConfig.literal, "literal PAIRED", "#f0a202",
-        "the same, to the letter",
+        "paired_literal", "ued.methods.paired_literal", "PairedLiteral", PairedLiteralConfig, "literal PAIRED",
+        "#f0a202", "the same, to the letter",
         "the students are paid in regret, too; no entropy bonus, no random levels", "2, and episodes that are cut off",
     ),
     MethodRow(

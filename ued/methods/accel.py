@@ -11,50 +11,80 @@ has neighbours there, so curricula grow harder by small steps. Read next: `metho
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import ACCELConfig, PPOConfig
 from ued.curriculum import LevelSpace
-from ued.levels.record import Origin, make_trials, mean_returns
+from ued.levels.queue import LevelQueue
+from ued.levels.record import Origin, make_records, mean_returns
+from ued.method import Method
 from ued.methods.plr import PLRLevels
-from ued.training import BLOCK, Training
 from ued.upomdp import UPOMDP
 
 TRIES = 8  # to edit a level into a valid one
+
+
+class ACCEL(Method):
+    """Trains one student on replayed levels, which evolve; see `Method` for the arguments.
+
+    Raises `ValueError` where the environment has no free parameters.
+    """
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ACCELConfig | None = None, seed: int = 0
+    ) -> None:
+        if not upomdp.theta_dim:
+            raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.levels = ACCELLevels(upomdp, config or ACCELConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
+        levels = self.play()  # [L]
+        score = self.levels.score(levels)  # [L] what each is worth replaying
+        metrics = self.levels.store(levels, score)
+        self.levels.edit_replayed(levels)  # their children are proposed next
+        metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
+        return self.report(levels, metrics)
 
 
 class ACCELLevels(PLRLevels):
     """Replays levels and tries edited copies of them. A `Curriculum`."""
 
     config: ACCELConfig
+    state_fields = (*PLRLevels.state_fields, "children")
 
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0) -> None:
         super().__init__(space, config, seed, robust=True)
         self.children = np.zeros(0, self.dtype)  # not yet looked at
 
     def propose(self, count: int) -> np.ndarray:
-        """Give children of replayed levels first, then as PLR."""
+        """Return children of replayed levels first, then as PLR."""
         children, self.children = self.children[:count], self.children[count:]
         return np.concatenate([children, super().propose(count - len(children))])
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Score the levels as PLR; edit copies of those that were replayed."""
-        metrics = super().update(trials)
-        self.children = np.concatenate([self.children, self._edited(self._parents(trials))])
+    def edit_replayed(self, records: np.ndarray) -> None:
+        """Make edited copies of the replayed ones among these levels, to be proposed next."""
+        self.children = np.concatenate([self.children, self._edited(self._parents(records))])
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score the levels and store them as PLR; edit copies of those that were replayed."""
+        metrics = super().update(records)
+        self.edit_replayed(records)
         return metrics
 
-    def _parents(self, trials: np.ndarray) -> np.ndarray:
-        parents = trials[trials["origin"] == Origin.REPLAYED]
+    def _parents(self, records: np.ndarray) -> np.ndarray:
+        parents = records[records["origin"] == Origin.REPLAYED]
         if self.config.parents == "easy" and len(parents):
             returns = mean_returns(parents)[:, 0]
             parents = parents[returns >= np.median(returns)]
         return parents
 
     def _edited(self, parents: np.ndarray) -> np.ndarray:
-        """Give a child for each of these trials, but for those that no edit leaves valid."""
-        children = make_trials(self.dtype, parents["level"], Origin.EDITED)
+        """Return a child for each of these level records, but for those that no edit leaves valid."""
+        children = make_records(self.dtype, parents["level"], Origin.EDITED)
         children["slot"], children["train"] = parents["slot"], False
         open_ = np.arange(len(children))
         for _ in range(TRIES):
@@ -64,36 +94,12 @@ class ACCELLevels(PLRLevels):
             open_ = open_[~valid]
         return np.delete(children, open_)
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        return super().state_dict() | {"children": self.children.copy()}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        super().load_state_dict(state)
-        self.children = state["children"].copy()
-
 
 def edit(theta: np.ndarray, config: ACCELConfig, rng: np.random.Generator) -> np.ndarray:
-    """Give edited copies of θ `[k, D]`: `num_edits` columns each moved by up to `edit_size`, within [-1, 1]."""
+    """Return edited copies of θ `[k, D]`: `num_edits` columns each moved by up to `edit_size`, within [-1, 1]."""
     edited = theta.copy()
     rows = np.arange(len(theta))
     for _ in range(config.num_edits):
         columns = rng.integers(0, theta.shape[1], len(theta))
         edited[rows, columns] += rng.uniform(-config.edit_size, config.edit_size, len(theta))
     return np.clip(edited, -1.0, 1.0)
-
-
-class ACCEL(Training):
-    """Trains one student on replayed levels, which evolve. A `Method`; see `Training` for the arguments.
-
-    Raises `ValueError` where the environment has no free parameters.
-    """
-
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ACCELConfig | None = None, seed: int = 0
-    ) -> None:
-        config = config or ACCELConfig()
-        if not upomdp.theta_dim:
-            raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        super().__init__(upomdp, lambda space, seed: ACCELLevels(space, config, seed), ppo, seed, block=BLOCK)

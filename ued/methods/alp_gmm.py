@@ -12,21 +12,45 @@ The mixtures are scikit-learn's: `pip install 'regista[gmm]'`. Read next: `metho
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
 
 from ued.config import ALPGMMConfig, PPOConfig
-from ued.curriculum import LevelSpace, LevelStock
-from ued.levels.record import Origin, make_trials, trial_dtype
-from ued.training import BLOCK, Training
+from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.levels.queue import LevelQueue
+from ued.levels.record import Origin, level_record_dtype, make_records
+from ued.method import Method
+from ued.resumable import Resumable
 from ued.upomdp import UPOMDP, level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
 
 
-class ALPLevels:
+class ALPGMM(Method):
+    """Trains one student on levels of high learning progress; see `Method` for the arguments.
+
+    Raises `ImportError` without scikit-learn, `ValueError` where the environment has no free parameters.
+    """
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ALPGMMConfig | None = None, seed: int = 0
+    ) -> None:
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.levels = ALPLevels(upomdp, config or ALPGMMConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""
+        levels = self.play()  # [L]
+        progress = self.levels.progress_of(levels)  # [L] how far each return is from the nearest level's before
+        metrics = self.levels.fit(levels, progress)
+        metrics |= self.learner.learn(self.env_steps)
+        return self.report(levels, metrics)
+
+
+class ALPLevels(Resumable):
     """Proposes levels of high learning progress. A `Curriculum`.
 
     Args:
@@ -37,6 +61,8 @@ class ALPLevels:
     Raises `ImportError` without scikit-learn, `ValueError` where the environment has no free parameters.
     """
 
+    state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")
+
     def __init__(self, space: LevelSpace, config: ALPGMMConfig, seed: int = 0) -> None:
         if not space.theta_dim:
             raise ValueError("there is nothing to choose: the environment has no free parameters; use dr")
@@ -45,8 +71,8 @@ class ALPLevels:
         except ImportError as error:
             raise ImportError("alp_gmm needs scikit-learn: pip install 'regista[gmm]'") from error
         self.space, self.config = space, config
-        self.dtype = trial_dtype(level_dtype(space.theta_dim))
-        self.stock = LevelStock(space)
+        self.dtype = level_record_dtype(level_dtype(space.theta_dim))
+        self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
         self.theta = np.zeros((0, space.theta_dim))  # of the episodes so far, in their order
         self.returns = np.zeros(0)
@@ -56,22 +82,26 @@ class ALPLevels:
 
     def propose(self, count: int) -> np.ndarray:
         """Draw levels from the mixture, some uniformly."""
-        levels = self.stock.take(count)
+        levels = self.pool.take(count)
         if self.mixture is not None:
             focused = self.rng.random(count) >= self.config.random_share
-            theta, found = self._from_mixture(int(focused.sum()))
-            levels[np.flatnonzero(focused)[found]] = self.space.make_levels(theta[found])
+            theta, valid = self._from_mixture(int(focused.sum()))
+            levels[np.flatnonzero(focused)[valid]] = self.space.make_levels(theta[valid])
         else:
             focused = np.zeros(count, bool)
-        trials = make_trials(self.dtype, levels, Origin.RANDOM)
-        trials["origin"][focused] = Origin.PROPOSED
-        return trials
+        records = make_records(self.dtype, levels, Origin.RANDOM)
+        records["origin"][focused] = Origin.PROPOSED
+        return records
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Note the progress of each episode; fit the mixture when enough are new."""
-        for theta, value in zip(trials["level"]["theta"], trials["returns"][:, 0, 0], strict=True):
+    def progress_of(self, records: np.ndarray) -> np.ndarray:
+        """Return the absolute learning progress `[L]` of the episodes on these levels, which it remembers."""
+        for theta, value in zip(records["level"]["theta"], records["returns"][:, 0, 0], strict=True):
             self._note(theta, value)
-        trials["score"] = self.progress[len(self.progress) - len(trials) :]
+        return self.progress[len(self.progress) - len(records) :]
+
+    def fit(self, records: np.ndarray, progress: np.ndarray) -> dict[str, float]:
+        """Note the progress `[L]` of these levels; fit the mixture when enough episodes are new."""
+        records["score"] = progress
         if self.unfitted >= self.config.fit_every:
             self._fit()
         components = 0 if self.mixture is None else len(self.mixture["weights"])
@@ -79,6 +109,10 @@ class ALPLevels:
             "alp/components": float(components),
             "alp/progress": float(self.progress[-250:].mean()) if len(self.progress) else 0.0,
         }
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Note the progress of each episode; fit the mixture when enough are new."""
+        return self.fit(records, self.progress_of(records))
 
     def _note(self, theta: np.ndarray, value: float) -> None:
         nearest = np.argmin(((self.theta - theta) ** 2).sum(1)) if len(self.theta) else None
@@ -109,11 +143,11 @@ class ALPLevels:
         self.unfitted = 0
 
     def _from_mixture(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Draw θ `[count, D]` within the box; say which rows are valid."""
+        """Draw θ `[count, D]` within the box; return it and which rows are valid: bool `[count]`."""
         assert self.mixture is not None
-        theta, found = np.zeros((count, self.space.theta_dim)), np.zeros(count, bool)
+        theta, valid = np.zeros((count, self.space.theta_dim)), np.zeros(count, bool)
         for _ in range(TRIES):
-            rows = np.flatnonzero(~found)
+            rows = np.flatnonzero(~valid)
             if not len(rows):
                 break
             which = self.rng.choice(len(self.mixture["weights"]), len(rows), p=self.mixture["weights"])
@@ -122,34 +156,5 @@ class ALPLevels:
                 for k in which
             ]
             theta[rows] = np.clip(np.array(draws), -1.0, 1.0)
-            found[rows] = self.space.valid(theta[rows])
-        return theta, found
-
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        names = "theta", "returns", "progress"
-        state: dict[str, Any] = {name: getattr(self, name).copy() for name in names}
-        mixture = None if self.mixture is None else {name: value.copy() for name, value in self.mixture.items()}
-        return state | {
-            "stock": self.stock.levels.copy(),
-            "rng": self.rng.bit_generator.state,
-            "unfitted": self.unfitted,
-            "mixture": mixture,
-        }
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        for name in ("theta", "returns", "progress"):
-            setattr(self, name, state[name].copy())
-        self.stock.levels, self.rng.bit_generator.state = state["stock"].copy(), state["rng"]
-        self.unfitted, self.mixture = state["unfitted"], state["mixture"]
-
-
-class ALPGMM(Training):
-    """Trains one student on levels of high learning progress. A `Method`; see `Training` for the arguments."""
-
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ALPGMMConfig | None = None, seed: int = 0
-    ) -> None:
-        config = config or ALPGMMConfig()
-        super().__init__(upomdp, lambda space, seed: ALPLevels(space, config, seed), ppo, seed, block=BLOCK)
+            valid[rows] = self.space.valid(theta[rows])
+        return theta, valid

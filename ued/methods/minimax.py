@@ -9,43 +9,19 @@ It ends at levels that nobody can solve; it is here to be compared with. Read ne
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import MinimaxConfig, PPOConfig
 from ued.curriculum import LevelSpace
+from ued.levels.queue import LevelQueue
 from ued.levels.record import mean_returns
 from ued.levels.teacher import Teacher
-from ued.training import Training
+from ued.method import Method
 from ued.upomdp import UPOMDP
 
 
-class MinimaxLevels:
-    """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
-
-    def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0) -> None:
-        self.teacher = Teacher(space, config, 1, config.episodes_per_level, seed)
-        self.dtype = self.teacher.dtype
-
-    def propose(self, count: int) -> np.ndarray:
-        """Ask the adversary."""
-        return self.teacher.propose(count)
-
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the student's return, negated: the mean over episodes, as the paper has it."""
-        trials["score"] = -mean_returns(trials)[:, 0]
-        return self.teacher.learn(trials)
-
-    def state_dict(self) -> dict[str, Any]:
-        return self.teacher.state_dict()
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        self.teacher.load_state_dict(state)
-
-
-class Minimax(Training):
-    """Trains one student against an adversary. A `Method`; see `Training` for the arguments.
+class Minimax(Method):
+    """Trains one student against an adversary; see `Method` for the arguments.
 
     Raises `ValueError` where the environment has no free parameters.
     """
@@ -53,5 +29,26 @@ class Minimax(Training):
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: MinimaxConfig | None = None, seed: int = 0
     ) -> None:
-        config = config or MinimaxConfig()
-        super().__init__(upomdp, lambda space, seed: MinimaxLevels(space, config, seed), ppo, seed)
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.teacher = MinimaxLevels(upomdp, config or MinimaxConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play the adversary's levels; pay it the student's loss; let both learn."""
+        levels = self.play()  # [L]
+        loss = -mean_returns(levels)[:, 0]  # [L] the mean over episodes, as the paper has it
+        metrics = self.teacher.learn(levels, loss)
+        metrics |= self.learner.learn(self.env_steps)
+        return self.report(levels, metrics)
+
+
+class MinimaxLevels(Teacher):
+    """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
+
+    def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0) -> None:
+        super().__init__(space, config, 1, config.episodes_per_level, seed)
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Pay the adversary the student's mean return, negated."""
+        return self.learn(records, -mean_returns(records)[:, 0])

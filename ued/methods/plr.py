@@ -12,20 +12,48 @@ A level on which no episode has finished has no score, and is neither kept nor d
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import PLRConfig, PPOConfig
-from ued.curriculum import LevelSpace, LevelStock
+from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.levels import scores
 from ued.levels.buffer import LevelBuffer
-from ued.levels.record import NONE, Origin, make_trials, trial_dtype
-from ued.levels.scores import score
-from ued.training import BLOCK, Training
+from ued.levels.queue import LevelQueue
+from ued.levels.record import Origin, level_record_dtype, make_records
+from ued.method import Method
+from ued.resumable import Resumable
 from ued.upomdp import UPOMDP, level_dtype
 
 
-class PLRLevels:
+class PLR(Method):
+    """Trains one student on new and on replayed levels; see `Method` for the arguments."""
+
+    robust = False
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PLRConfig | None = None, seed: int = 0
+    ) -> None:
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.levels = PLRLevels(upomdp, config or PLRConfig(), self.curriculum_seed, self.robust)
+        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play new and replayed levels; score them and store them in the buffer; learn."""
+        levels = self.play()  # [L] each new or replayed, as `propose` tossed the coin
+        score = self.levels.score(levels)  # [L] what each is worth replaying
+        metrics = self.levels.store(levels, score)
+        metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
+        return self.report(levels, metrics)
+
+
+class RobustPLR(PLR):
+    """Trains one student on replayed levels alone; new ones are only looked at (PLR⊥)."""
+
+    robust = True
+
+
+class PLRLevels(Resumable):
     """Replays the levels that were worth it. A `Curriculum`.
 
     Args:
@@ -35,79 +63,41 @@ class PLRLevels:
         robust: students learn from replayed levels alone.
     """
 
+    state_fields: tuple[str, ...] = ("buffer", "pool", "rng")
+
     def __init__(self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True) -> None:
         self.space, self.config, self.robust = space, config, robust
         level = level_dtype(space.theta_dim)
-        self.dtype = trial_dtype(level, episodes=config.episodes_per_level)
+        self.dtype = level_record_dtype(level, episodes=config.episodes_per_level)
         self.buffer = LevelBuffer(level, config.buffer)
-        self.stock = LevelStock(space)
+        self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:
-        """Give levels of the buffer with probability `replay_prob` each, new ones otherwise."""
-        ready = len(self.buffer) > 0 and self.buffer.fill >= self.config.min_fill
+        """Return levels of the buffer with probability `replay_prob` each, new ones otherwise."""
+        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.config.min_fill
         replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        trials = np.concatenate([self.buffer.replays(self.dtype, replays, self.rng), self._new(count - replays)])
-        return trials[self.rng.permutation(count)]
+        replayed = self.buffer.replay(self.dtype, replays, self.rng)
+        new = make_records(self.dtype, self.pool.take(count - replays), Origin.RANDOM)
+        new["train"] = not self.robust
+        return np.concatenate([replayed, new])[self.rng.permutation(count)]
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Score the levels; offer the new ones to the buffer."""
-        replayed = trials["origin"] == Origin.REPLAYED
-        rows = np.full(len(trials), NONE)
-        rows[replayed] = self.buffer.find(trials["slot"][replayed])  # one may have been displaced meanwhile
-        kept = rows != NONE
-        best = np.nanmax(trials["returns"][:, 0], 1, initial=-np.inf)
-        best[kept] = np.fmax(best[kept], self.buffer.slots["best"][rows[kept]])
-        trials["score"] = score(self.config.score, trials, best)
-        self.buffer.rescore(rows[kept], trials["score"][kept], best[kept])
-        new, parents = trials[~replayed], np.where(trials["origin"] == Origin.EDITED, trials["slot"], NONE)[~replayed]
-        entered = self.buffer.offer(new["level"], new["score"], best[~replayed], parents)
-        return self._metrics(trials, entered)
+    def score(self, records: np.ndarray) -> np.ndarray:
+        """Return the scores `[L]` of level records by the rule of the settings; see `levels.scores`."""
+        return scores.score(self.config.score, records, self.buffer.best_returns(records))
 
-    def _new(self, count: int) -> np.ndarray:
-        trials = make_trials(self.dtype, self.stock.take(count), Origin.RANDOM)
-        trials["train"] = not self.robust
-        return trials
-
-    def _metrics(self, trials: np.ndarray, entered: int) -> dict[str, float]:
+    def store(self, records: np.ndarray, score: np.ndarray) -> dict[str, float]:
+        """Offer new levels to the buffer with their scores `[L]`; give replayed ones their new scores."""
+        records["score"] = score
+        inserted = self.buffer.store(records)
         slots = self.buffer.slots
-        metrics = {"buffer/fill": self.buffer.fill, "buffer/entered": float(entered)}
+        metrics = {"buffer/fill_ratio": self.buffer.fill_ratio, "buffer/inserted": float(inserted)}
         if len(slots):
             metrics["buffer/score"] = float(slots["score"].mean())
-            metrics["buffer/age"] = float((self.buffer.now - slots["stamp"]).mean())
+            metrics["buffer/age"] = float((self.buffer.now - slots["last_played"]).mean())
             metrics["buffer/generation"] = float(slots["generation"].mean())
         return metrics
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        return {
-            "buffer": self.buffer.state_dict(),
-            "stock": self.stock.levels.copy(),
-            "rng": self.rng.bit_generator.state,
-        }
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.buffer.load_state_dict(state["buffer"])
-        self.stock.levels = state["stock"].copy()
-        self.rng.bit_generator.state = state["rng"]
-
-
-class PLR(Training):
-    """Trains one student on new and on replayed levels. A `Method`; see `Training` for the arguments."""
-
-    robust = False
-
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PLRConfig | None = None, seed: int = 0
-    ) -> None:
-        config = config or PLRConfig()
-        super().__init__(
-            upomdp, lambda space, seed: PLRLevels(space, config, seed, self.robust), ppo, seed, block=BLOCK
-        )
-
-
-class RobustPLR(PLR):
-    """Trains one student on replayed levels alone; new ones are only looked at (PLR⊥). A `Method`."""
-
-    robust = True
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score the levels and store them."""
+        return self.store(records, self.score(records))

@@ -14,69 +14,67 @@ Read next: `methods.minimax`.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import PPOConfig, RepairedConfig
 from ued.curriculum import LevelSpace
 from ued.levels.buffer import LevelBuffer
-from ued.levels.record import NONE, Origin
-from ued.methods.paired import Paired, PairedLevels
+from ued.levels.diagnostics import regret_split
+from ued.levels.queue import LevelQueue
+from ued.method import Method
+from ued.methods.paired import PairedLevels, add_students, has_antagonist, kl_target, paired_regret
 from ued.upomdp import UPOMDP, level_dtype
+
+
+class Repaired(Method):
+    """Trains two students on replayed levels of an adversary; see `Paired` for what is raised."""
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: RepairedConfig | None = None, seed: int = 0
+    ) -> None:
+        super().__init__(upomdp, ppo, seed)
+        self.config = config or RepairedConfig()
+        self.curriculum = self.teacher = RepairedLevels(upomdp, self.config, self.curriculum_seed)
+        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
+        add_students(self, self.config)
+
+    def update(self) -> dict[str, float]:
+        """Play levels of the adversary and of the buffer; score them by regret; learn from the buffer's alone."""
+        levels = self.play()  # [L] each the adversary's or replayed, as `propose` tossed the coin
+        regret = paired_regret(levels, self.config)  # [L]
+        metrics = self.teacher.learn(levels, regret)  # the adversary, from its own
+        metrics |= regret_split(levels, has_antagonist(self.config))
+        metrics |= self.teacher.store(levels)
+        for learner in self.learners:  # from replayed levels: the others are not marked to be trained on
+            metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
+        return self.report(levels, metrics)
 
 
 class RepairedLevels(PairedLevels):
     """Proposes levels that cause regret, and replays those that caused most. A `Curriculum`."""
 
-    config: RepairedConfig
+    state_fields = (*PairedLevels.state_fields, "buffer", "rng")
 
     def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0) -> None:
         super().__init__(space, config, seed)
+        self.replay_prob, self.min_fill = config.replay_prob, config.min_fill
         self.buffer = LevelBuffer(level_dtype(space.theta_dim), config.buffer)
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:
-        """Give levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
-        ready = len(self.buffer) > 0 and self.buffer.fill >= self.config.min_fill
-        replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        again = self.buffer.replays(self.dtype, replays, self.rng)
-        new = self.teacher.propose(count - replays)
+        """Return levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
+        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.min_fill
+        replays = self.rng.binomial(count, self.replay_prob) if ready else 0
+        replayed = self.buffer.replay(self.dtype, replays, self.rng)
+        new = super().propose(count - replays)
         new["train"] = False
-        return np.concatenate([again, new])[self.rng.permutation(count)]
+        return np.concatenate([replayed, new])[self.rng.permutation(count)]
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Pay the adversary for its own levels; offer these to the buffer; score the replayed ones anew."""
-        replayed = trials["origin"] == Origin.REPLAYED
-        metrics = super().update(trials)
-        best = np.nanmax(trials["returns"], (1, 2), initial=-np.inf)
-        rows = self.buffer.find(trials["slot"][replayed])
-        kept = rows != NONE
-        self.buffer.rescore(rows[kept], trials["score"][replayed][kept], best[replayed][kept])
-        new = trials[~replayed]
-        entered = self.buffer.offer(new["level"], new["score"], best[~replayed])
-        return metrics | {"buffer/fill": self.buffer.fill, "buffer/entered": float(entered)}
+    def store(self, records: np.ndarray) -> dict[str, float]:
+        """Offer scored new levels to the buffer; give the replayed ones their new scores."""
+        inserted = self.buffer.store(records)
+        return {"buffer/fill_ratio": self.buffer.fill_ratio, "buffer/inserted": float(inserted)}
 
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        return super().state_dict() | {"buffer": self.buffer.state_dict(), "rng": self.rng.bit_generator.state}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        super().load_state_dict(state)
-        self.buffer.load_state_dict(state["buffer"])
-        self.rng.bit_generator.state = state["rng"]
-
-
-class Repaired(Paired):
-    """Trains two students on replayed levels of an adversary. A `Method`; see `Paired` for the arguments."""
-
-    config: RepairedConfig
-
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: RepairedConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, config or RepairedConfig(), seed)
-
-    def make_curriculum(self, space: LevelSpace, seed: int) -> RepairedLevels:
-        return RepairedLevels(space, self.config, seed)
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Pay the adversary for its own levels; store all of them with their regret."""
+        return super().update(records) | self.store(records)

@@ -12,45 +12,19 @@ Read next: `methods.paired`.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import PPOConfig, SelfRegretConfig
 from ued.curriculum import LevelSpace
-from ued.levels.scores import regret
+from ued.levels import scores
+from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
-from ued.training import Training
+from ued.method import Method
 from ued.upomdp import UPOMDP
 
 
-class SelfRegretLevels:
-    """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
-
-    def __init__(self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0) -> None:
-        self.config = config
-        self.teacher = Teacher(space, config, 1, 2 * config.episodes_per_level, seed)
-        self.dtype = self.teacher.dtype
-
-    def propose(self, count: int) -> np.ndarray:
-        """Ask the adversary."""
-        return self.teacher.propose(count)
-
-    def update(self, trials: np.ndarray) -> dict[str, float]:
-        """Pay the adversary what the later episodes brought above the earlier ones."""
-        earlier, later = np.split(trials["returns"][:, 0], 2, axis=1)
-        trials["score"] = regret(earlier, later, self.config.regret)
-        return self.teacher.learn(trials)
-
-    def state_dict(self) -> dict[str, Any]:
-        return self.teacher.state_dict()
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        self.teacher.load_state_dict(state)
-
-
-class SelfRegret(Training):
-    """Trains one student on the levels of an adversary that is paid its self-regret. A `Method`; see `Training`.
+class SelfRegret(Method):
+    """Trains one student on the levels of an adversary that is paid its self-regret; see `Method` for the arguments.
 
     Raises `ValueError` where the environment has no free parameters.
     """
@@ -58,5 +32,32 @@ class SelfRegret(Training):
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SelfRegretConfig | None = None, seed: int = 0
     ) -> None:
-        config = config or SelfRegretConfig()
-        super().__init__(upomdp, lambda space, seed: SelfRegretLevels(space, config, seed), ppo, seed)
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.teacher = SelfRegretLevels(upomdp, config or SelfRegretConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play the adversary's levels; pay it how far the student surpassed itself; let both learn."""
+        levels = self.play()  # [L]
+        regret = self.teacher.self_regret(levels)  # [L]
+        metrics = self.teacher.learn(levels, regret)
+        metrics |= self.learner.learn(self.env_steps)
+        return self.report(levels, metrics)
+
+
+class SelfRegretLevels(Teacher):
+    """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
+
+    def __init__(self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0) -> None:
+        super().__init__(space, config, 1, 2 * config.episodes_per_level, seed)
+        self.rule = config.regret
+
+    def self_regret(self, records: np.ndarray) -> np.ndarray:
+        """Return what the later episodes brought above the earlier ones, `[L]`."""
+        earlier, later = np.split(records["returns"][:, 0], 2, axis=1)  # [L, n] each
+        return scores.regret(earlier, later, self.rule)
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Pay the adversary self-regret."""
+        return self.learn(records, self.self_regret(records))

@@ -7,27 +7,47 @@
         the student plays levels, a share of them chosen ones and the rest random, and learns
 
 The reference implementation spends several times more steps on looking than on training, and does not count them. Here
-candidates are trials like all others. Read next: `methods.alp_gmm`.
+candidates are played like all other levels. Read next: `methods.alp_gmm`.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import PPOConfig, SFLConfig
-from ued.curriculum import LevelSpace, LevelStock
-from ued.levels.record import NONE, Origin, make_trials, trial_dtype
-from ued.levels.scores import score
-from ued.training import BLOCK, Training
+from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.levels import scores
+from ued.levels.queue import LevelQueue
+from ued.levels.record import NONE, Origin, level_record_dtype, make_records
+from ued.method import Method
+from ued.resumable import Resumable
 from ued.upomdp import UPOMDP, level_dtype
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
-CANDIDATE = 0  # slot of a trial that is a candidate
+CANDIDATE = 0  # slot of a level that is a candidate
 
 
-class SFLLevels:
+class SFL(Method):
+    """Trains one student on learnable levels; see `Method` for the arguments."""
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SFLConfig | None = None, seed: int = 0
+    ) -> None:
+        super().__init__(upomdp, ppo, seed)
+        self.curriculum = self.levels = SFLLevels(upomdp, config or SFLConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", upomdp)
+
+    def update(self) -> dict[str, float]:
+        """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
+        levels = self.play()  # [L]
+        learnability = self.levels.learnability(levels)  # [L] p (1 - p) of candidates, nan of the others
+        metrics = self.levels.choose(levels, learnability)
+        metrics |= self.learner.learn(self.env_steps)
+        return self.report(levels, metrics)
+
+
+class SFLLevels(Resumable):
     """Proposes the levels that are solved about half of the time. A `Curriculum`.
 
     Args:
@@ -36,10 +56,12 @@ class SFLLevels:
         seed: of the choices.
     """
 
+    state_fields = ("pool", "rng", "waiting", "looking", "judged", "chosen", "updates")
+
     def __init__(self, space: LevelSpace, config: SFLConfig, seed: int = 0) -> None:
         self.space, self.config = space, config
-        self.dtype = trial_dtype(level_dtype(space.theta_dim), episodes=config.candidate_episodes)
-        self.stock = LevelStock(space)
+        self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=config.candidate_episodes)
+        self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
         self.waiting = 0  # candidates yet to be proposed
         self.looking = False  # whether there are candidates to be proposed or to be judged
@@ -48,64 +70,44 @@ class SFLLevels:
         self.updates = 0
 
     def propose(self, count: int) -> np.ndarray:
-        """Give candidates while there are any, then chosen levels and random ones."""
+        """Return candidates while there are any, then chosen levels and random ones."""
         candidates = min(count, self.waiting)
         self.waiting -= candidates
         chosen = self.rng.binomial(count - candidates, self.config.chosen_share) if len(self.chosen) else 0
-        levels = self.stock.take(count - chosen)
+        levels = self.pool.take(count - chosen)
         again = self.chosen[self.rng.integers(0, len(self.chosen), chosen)] if chosen else self.chosen[:0]
         again = again.copy()
         again["seed"] = self.rng.integers(0, 2**63, chosen, dtype=np.uint64)
-        trials = make_trials(self.dtype, np.concatenate([levels, again]))
-        trials["origin"][len(levels) :] = Origin.REPLAYED
-        trials["wanted"][candidates:] = 1
-        trials["slot"][:candidates], trials["train"][:candidates] = CANDIDATE, False
-        return trials[self.rng.permutation(count)]
+        records = make_records(self.dtype, np.concatenate([levels, again]))
+        records["origin"][len(levels) :] = Origin.REPLAYED
+        records["num_episodes"][candidates:] = 1
+        records["slot"][:candidates], records["train"][:candidates] = CANDIDATE, False
+        return records[self.rng.permutation(count)]
 
-    def update(self, trials: np.ndarray) -> dict[str, float]:
+    def learnability(self, records: np.ndarray) -> np.ndarray:
+        """Return p (1 - p) `[L]` of the candidates among these level records, nan for the others."""
+        learnability = np.full(len(records), np.nan)
+        candidates = records[records["slot"] != NONE]
+        solved = (candidates["returns"][:, 0] > 0).mean(1) if len(candidates) else np.zeros(0)
+        learnability[records["slot"] != NONE] = scores.score("learnability", candidates) + TIE_BREAK * solved
+        return learnability
+
+    def choose(self, records: np.ndarray, learnability: np.ndarray) -> dict[str, float]:
         """Judge candidates; choose the most learnable when all are judged; ask for new ones when it is time."""
-        looked_at = trials["slot"] != NONE
-        trials["score"][looked_at] = self._learnability(trials[looked_at])
-        self.judged = np.concatenate([self.judged, trials[looked_at]])
-        metrics = {"sfl/candidates": float(looked_at.sum())}
+        records["score"] = learnability
+        candidates = records[records["slot"] != NONE]
+        self.judged = np.concatenate([self.judged, candidates])
+        metrics = {"sfl/candidates": float(len(candidates))}
         if len(self.judged) >= self.config.candidates:
-            order = np.argsort(-self.judged["score"], kind="stable")
-            self.chosen = self.judged["level"][order[: self.config.chosen]]
-            metrics["sfl/chosen_score"] = float(self.judged["score"][order[: self.config.chosen]].mean())
+            best = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
+            self.chosen = best["level"]
+            metrics["sfl/chosen_score"] = float(best["score"].mean())
             self.judged, self.looking = self.judged[:0], False
         if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may take it longer
             self.waiting, self.looking = self.config.candidates, True
         self.updates += 1
         return metrics
 
-    def _learnability(self, trials: np.ndarray) -> np.ndarray:
-        solved = (trials["returns"][:, 0] > 0).mean(1) if len(trials) else np.zeros(0)
-        return score("learnability", trials) + TIE_BREAK * solved
-
-    def state_dict(self) -> dict[str, Any]:
-        """Give everything that changes."""
-        return {
-            "stock": self.stock.levels.copy(),
-            "rng": self.rng.bit_generator.state,
-            "waiting": self.waiting,
-            "looking": self.looking,
-            "judged": self.judged.copy(),
-            "chosen": self.chosen.copy(),
-            "updates": self.updates,
-        }
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` gave."""
-        self.stock.levels, self.rng.bit_generator.state = state["stock"].copy(), state["rng"]
-        self.judged, self.chosen = state["judged"].copy(), state["chosen"].copy()
-        self.waiting, self.looking, self.updates = state["waiting"], state["looking"], state["updates"]
-
-
-class SFL(Training):
-    """Trains one student on learnable levels. A `Method`; see `Training` for the arguments."""
-
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SFLConfig | None = None, seed: int = 0
-    ) -> None:
-        config = config or SFLConfig()
-        super().__init__(upomdp, lambda space, seed: SFLLevels(space, config, seed), ppo, seed, block=BLOCK)
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score candidates by their learnability; choose when all are scored."""
+        return self.choose(records, self.learnability(records))

@@ -1,0 +1,113 @@
+"""A learner: a student with all that plays and teaches it.
+
+Read next: `method`, which lets one or more of them play the same levels.
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ued.config import PPOConfig
+from ued.learning.ppo import PPO, KLRegularizer
+from ued.learning.rollout import Rollout, gae
+from ued.learning.student import Student
+from ued.learning.value_stats import EpisodeValues
+from ued.learning.worker import Episodes, OnEpisodeEnd, RolloutWorker
+from ued.seeding import SeedStream, torch_generator
+from ued.upomdp import UPOMDP
+
+
+class Learner:
+    """A student, the worker that plays it, and PPO, which improves it.
+
+    Args:
+        name: before the name of each of its metrics.
+        upomdp: N environments of its own.
+        config: of the student and of PPO.
+        seeds: of its weights, its actions, and the shuffling of minibatches, in this order.
+        on_episode_end: decides which level an environment plays next; see `RolloutWorker`.
+        scripted: the environments play the learner's part themselves: there is no student, and nothing is learned.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        upomdp: UPOMDP,
+        config: PPOConfig,
+        seeds: SeedStream,
+        on_episode_end: OnEpisodeEnd,
+        scripted: bool = False,
+    ) -> None:
+        weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
+        self.name, self.upomdp, self.config = name, upomdp, config
+        spaces = upomdp.single_observation_space, upomdp.single_action_space
+        self.student = None if scripted else Student(*spaces, config, weights)
+        self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
+        self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
+        self.values = EpisodeValues(upomdp.num_envs)
+        self.learn_seconds = 0.0
+
+    @property
+    def rollout(self) -> Rollout:
+        """What it experienced last."""
+        return self.worker.rollout
+
+    def start(self, records: np.ndarray) -> None:
+        """Begin an episode on the level of each of these records `[N]`; open episodes are lost."""
+        self.worker.start(records)
+        self.values.reset()
+
+    def compute_advantages(self) -> dict[str, np.ndarray]:
+        """Look back on the rollout; return what the critic thought in the episodes that ended in it, `[E]` by name."""
+        self.advantages = gae(self.rollout, self.config.gamma, self.config.gae_lambda)  # [T, N]
+        return self.values.track(self.rollout, self.advantages)
+
+    def learn(
+        self, env_steps: int, regularizer: KLRegularizer | None = None, rollout: Rollout | None = None
+    ) -> dict[str, float]:
+        """Learn from the last rollout, or from `rollout` in its place; return the metrics of episodes and losses.
+
+        `env_steps` are those of all learners so far, for the annealing of the learning rate.
+        """
+        began, losses = perf_counter(), dict[str, float]()
+        if self.ppo is not None:
+            advantages = self.advantages if rollout is None else None
+            losses = self.ppo.learn(rollout or self.rollout, env_steps, advantages, regularizer)
+        self.learn_seconds = perf_counter() - began
+        episodes = episode_metrics(self.name, self.worker.pop_episodes())
+        return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
+
+    def pop_seconds(self) -> dict[str, float]:
+        """Return the seconds spent since the last call, by what they were spent on."""
+        seconds, self.learn_seconds = self.worker.pop_seconds() | {"learn": self.learn_seconds}, 0.0
+        return seconds
+
+    def state_dict(self, episodes: bool = True) -> dict[str, Any]:
+        """Return everything that changes; without `episodes`, all but the state of the environments."""
+        return {
+            "worker": self.worker.state_dict(episodes),
+            "ppo": None if self.ppo is None else self.ppo.state_dict(),
+            "values": self.values.state_dict(),
+        }
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` returned."""
+        self.worker.load_state_dict(state["worker"])
+        if self.ppo is not None:
+            self.ppo.load_state_dict(state["ppo"])
+        self.values.load_state_dict(state["values"])
+        if state["worker"]["upomdp"] is None:  # its episodes have begun anew
+            self.values.reset()
+
+
+def episode_metrics(name: str, episodes: Episodes) -> dict[str, float]:
+    """Return mean return, mean length and number of a student's episodes; the means of none are nan."""
+    count = len(episodes.returns)
+    return {
+        f"return/{name}": float(episodes.returns.mean()) if count else float("nan"),
+        f"length/{name}": float(episodes.lengths.mean()) if count else float("nan"),
+        f"episodes/{name}": float(count),
+    }

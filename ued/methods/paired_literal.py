@@ -1,0 +1,87 @@
+"""PAIRED to the letter of its Algorithm 1 (Dennis et al. 2020): the students, too, are paid in regret.
+
+    repeat
+        the adversary proposes levels θ
+        the protagonist plays them, and so does the antagonist
+        regret of a level = what the antagonist reached - what the protagonist reached
+        the adversary learns with reward regret, the antagonist with regret, the protagonist with -regret
+
+It is here to be compared with; `methods.paired` is what works. Regret must be known when students learn, so a level
+lives in one rollout, which should be long enough for its episodes: environments in which it is not contribute nothing.
+Read next: `methods.repaired`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from ued.config import PairedLiteralConfig, PPOConfig
+from ued.curriculum import LevelSpace
+from ued.learning.rollout import Rollout
+from ued.levels import scores
+from ued.levels.diagnostics import regret_split
+from ued.levels.queue import LevelQueue
+from ued.levels.teacher import Teacher
+from ued.method import Method
+from ued.upomdp import UPOMDP
+
+
+class PairedLiteral(Method):
+    """Trains a protagonist on -regret, an antagonist and an adversary on regret; see `Method` for the arguments.
+
+    Raises `ValueError` where the environment has no free parameters.
+    """
+
+    def __init__(
+        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PairedLiteralConfig | None = None, seed: int = 0
+    ) -> None:
+        super().__init__(upomdp, ppo, seed)
+        config = config or PairedLiteralConfig()
+        self.curriculum = self.teacher = PairedLiteralLevels(upomdp, config, self.curriculum_seed)
+        self.queue = LevelQueue(self.teacher, upomdp.num_envs, max_lead=0)  # no new level within a rollout
+        self.protagonist = self.add_learner("protagonist", upomdp)
+        self.antagonist = self.add_learner("antagonist", upomdp.copy())
+
+    def update(self) -> dict[str, float]:
+        """Play one level of the adversary in each environment; pay all three in regret; let them learn."""
+        self.queue.clear()  # episodes that are still open are lost
+        for index, learner in enumerate(self.learners):
+            learner.start(self.queue.first(index))
+        self.roll_out()
+        finished = torch.as_tensor(self.queue.finished())  # [N] environments whose level both have finished
+        levels = self.queue.pop_finished()  # [L]
+        regret = self.teacher.regret(levels)  # [L]
+        metrics = self.teacher.learn(levels, regret) | regret_split(levels, has_antagonist=True)
+        for learner, reward in ((self.protagonist, -regret), (self.antagonist, regret)):
+            rollout = regret_as_reward(learner.rollout.columns(finished), reward)
+            metrics |= learner.learn(self.env_steps, rollout=rollout)
+        return self.report(levels, metrics)
+
+
+def regret_as_reward(rollout: Rollout, reward: np.ndarray) -> Rollout:
+    """Replace the rewards of L environments: each episode pays `reward` `[L]` when it ends, and nothing follows."""
+    ended: Tensor = rollout.terminated | rollout.truncated  # [T, L]
+    rollout.reward = torch.where(ended, torch.tensor(reward.tolist()), 0.0)  # [T, L]
+    rollout.terminated, rollout.truncated = ended, torch.zeros_like(ended)
+    return rollout
+
+
+class PairedLiteralLevels(Teacher):
+    """Proposes levels that cause regret. A `Curriculum` for two students; see `Teacher` for the arguments."""
+
+    config: PairedLiteralConfig
+
+    def __init__(self, space: LevelSpace, config: PairedLiteralConfig, seed: int = 0) -> None:
+        super().__init__(space, config, 2, config.episodes_per_level, seed)
+
+    def regret(self, records: np.ndarray) -> np.ndarray:
+        """Return the regret `[L]` of the protagonist against the antagonist."""
+        protagonist, antagonist = records["returns"].transpose(1, 0, 2)  # [L, n] each
+        regret = scores.regret(protagonist, antagonist, self.config.regret)
+        return np.maximum(regret, 0.0) if self.config.clip_regret else regret
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Pay the adversary the regret that its levels caused."""
+        return self.learn(records, self.regret(records))
