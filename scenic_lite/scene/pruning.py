@@ -15,12 +15,13 @@ import numpy as np
 from scenic_lite.core.state import DrawnPoint, LoadState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.distributions import show_coordinates, span_between
-from scenic_lite.scene.bounds import bounds_of
+from scenic_lite.language.distributions import Integers, show_coordinates, span_between
 from scenic_lite.scene.constraints import containers
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Table, Tape, ThetaColumn, Value, columns_of, is_number
+from scenic_lite.values.intervals import UNBOUNDED, Interval, of_fixed, ordered
+from scenic_lite.values.operations import row_of
 from scenic_lite.values.polygons import PolygonalRegion
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
@@ -124,6 +125,28 @@ def least(value: Value) -> float:
     except ScenicError:
         return -math.inf
     return bounds_of(tape, columns)[tape.slot(value)][0]
+
+
+def bounds_of(tape: Tape, columns: list[ThetaColumn]) -> list[Interval]:
+    """Return the interval of every register, unbounded where nothing is known."""
+    computed = {out for _, _, out in tape.steps}
+    bounds = [UNBOUNDED if slot in computed else of_fixed(value) for slot, value in enumerate(tape.registers)]
+    for slot, column in enumerate(columns):
+        bounds[slot] = ordered(column.offset, column.offset + column.span)
+    for operation, inputs, out in tape.steps:
+        row = row_of(operation)
+        if row is not None and row.interval is not None:
+            bounds[out] = row.interval(*(bounds[operand] for operand in inputs))
+        elif isinstance(operation, Table | Integers):
+            bounds[out] = of_choice(operation)
+    return bounds
+
+
+def of_choice(choice: Table | Integers) -> Interval:
+    if isinstance(choice, Integers):
+        return float(choice.first), float(choice.first + choice.count - 1)
+    options = choice.options
+    return (float(options.min()), float(options.max())) if options.dtype.kind in "if" else UNBOUNDED
 
 
 def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicError:

@@ -33,6 +33,14 @@ MOST_NUMBERS = 1 << 28  # alive at once while a tape runs: 2 GB
 Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
 
 
+def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Callable[[Any, Value], Value]]:
+    """Return the methods of an operator for a random left side and for a random right side."""
+    return (
+        lambda self, other: arithmetic(operation, self, other),
+        lambda self, other: arithmetic(operation, other, self),
+    )
+
+
 class RandomExpr:
     """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
 
@@ -67,29 +75,10 @@ class RandomExpr:
     def __rmul__(self, other: Value) -> Value:
         return scaled(self, other) if is_number(other) else arithmetic(MULTIPLY, other, self)
 
-    def __truediv__(self, other: Value) -> Value:
-        return arithmetic(DIVIDE, self, other)
-
-    def __rtruediv__(self, other: Value) -> Value:
-        return arithmetic(DIVIDE, other, self)
-
-    def __floordiv__(self, other: Value) -> Value:
-        return arithmetic(FLOOR_DIVIDE, self, other)
-
-    def __rfloordiv__(self, other: Value) -> Value:
-        return arithmetic(FLOOR_DIVIDE, other, self)
-
-    def __mod__(self, other: Value) -> Value:
-        return arithmetic(MODULO, self, other)
-
-    def __rmod__(self, other: Value) -> Value:
-        return arithmetic(MODULO, other, self)
-
-    def __pow__(self, other: Value) -> Value:
-        return arithmetic(POWER, self, other)
-
-    def __rpow__(self, other: Value) -> Value:
-        return arithmetic(POWER, other, self)
+    __truediv__, __rtruediv__ = both_ways(DIVIDE)
+    __floordiv__, __rfloordiv__ = both_ways(FLOOR_DIVIDE)
+    __mod__, __rmod__ = both_ways(MODULO)
+    __pow__, __rpow__ = both_ways(POWER)
 
     def __neg__(self) -> Value:
         return arithmetic(NEGATE, self)

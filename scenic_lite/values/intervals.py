@@ -1,6 +1,6 @@
 """Between which numbers a result lies, from where its operands lie: one rule for each operation that tells something.
 
-Read next: `values.operations`, which names the rule of each operation; `scene.bounds`, which applies them to a tape.
+Read next: `values.operations`, which names the rule of each operation; `scene.pruning`, which applies them to a tape.
 """
 
 from __future__ import annotations

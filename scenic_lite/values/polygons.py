@@ -1,11 +1,12 @@
 """Regions of any shape: polygons with holes, fixed or different in every scene; membership of many points at once.
 
-Read next: `values.slabs`, which draws the points of a fixed polygon; `values.shapes`, the geometry; `values.lines`.
+Read next: `values.shapes`, the geometry; `values.lines`.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,6 @@ from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import AND
 from scenic_lite.values.regions import Point2, Region, VectorField, truth_of
-from scenic_lite.values.slabs import Slabs
 
 MOST_CORNERS = 5000  # of one region
 FEW_EDGES = 60  # up to here plain arrays find faster than shapely whether an edge meets a rectangle
@@ -83,6 +83,63 @@ class PolygonalRegion(Region):
         return np.concatenate(parts).reshape(corners.shape[1:])
 
 
+class Slabs:
+    """Uniform points of a fixed shape from two uniform numbers: the first gives x, the second y.
+
+    The shape is cut at the x of every corner into S vertical slabs, in each of which it is a stack of up to K
+    trapezoids. x is the inverse of the share of the area left of it, y divides what lies on the vertical line through
+    x. So both grow with their numbers, and near numbers give near points wherever the shape is not interrupted.
+    """
+
+    def __init__(self, edges: Any) -> None:
+        """Cut closed rings that do not cross: edges [E, 4], x and y of both ends."""
+        xs = np.unique(edges[:, [0, 2]])
+        stacks = [stack_between(edges, *pair) for pair in pairwise(xs)]
+        deepest = max(len(stack) for stack in stacks)
+        sides = np.zeros((len(stacks), deepest, 4))  # lower left, lower right, upper left, upper right
+        for slab, stack in zip(sides, stacks, strict=True):
+            slab[: len(stack)] = stack
+            slab[len(stack) :] = stack[-1][[2, 3, 2, 3]] if len(stack) else 0.0
+        self.start, self.width = xs[:-1], np.diff(xs)
+        self.low, self.low_step = sides[..., 0], sides[..., 1] - sides[..., 0]
+        self.high = sides[..., 2:] - sides[..., :2]  # heights at the left and right, [S, K, 2]
+        self.left, self.right = self.high.sum(axis=1).T  # of the whole stack, [S]
+        areas = self.width * (self.left + self.right) / 2
+        self.ends = np.cumsum(areas) / areas.sum()
+        self.before = np.concatenate([[0.0], self.ends[:-1]])
+
+    def __call__(self, u: Any, v: Any) -> tuple[Any, Any]:
+        """[N], [N] -> x [N], y [N]."""
+        which = np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
+        share = np.clip((u - self.before[which]) / np.maximum(self.ends[which] - self.before[which], 1e-300), 0.0, 1.0)
+        left, right = self.left[which], self.right[which]
+        root = left + np.sqrt(left * left + (right * right - left * left) * share)
+        t = np.minimum(share * (left + right) / np.maximum(root, 1e-300), 1.0)
+        low, height = self._stack(which, t)
+        ends = np.cumsum(height, axis=1)
+        target = v * ends[:, -1]
+        level = np.minimum((target[:, None] > ends[:, :-1]).sum(axis=1), low.shape[1] - 1)
+        rows = np.arange(len(which))
+        y = low[rows, level] + target - (ends[rows, level] - height[rows, level])
+        return self.start[which] + t * self.width[which], y
+
+    def _stack(self, which: Any, t: Any) -> tuple[Any, Any]:
+        """The lower ends and the heights of the trapezoids on the verticals at t of some slabs, each [N, K]."""
+        t = t[:, None]
+        height = self.high[which]
+        return self.low[which] + t * self.low_step[which], height[..., 0] * (1 - t) + height[..., 1] * t
+
+
+def stack_between(edges: Any, start: float, end: float) -> Any:
+    """The trapezoids between two neighbouring xs, the lowest first: [K, 4]."""
+    low, high = np.minimum(edges[:, 0], edges[:, 2]), np.maximum(edges[:, 0], edges[:, 2])
+    x0, y0, x1, y1 = edges[(low <= start) & (high >= end)].T
+    at_start, at_end = (y0 + (y1 - y0) * ((x - x0) / (x1 - x0)) for x in (start, end))
+    order = np.argsort(at_start + at_end, kind="stable")
+    lines = np.stack([at_start, at_end], axis=1)[order]
+    return np.hstack([lines[::2], lines[1::2]])
+
+
 class Holds:
     """Whether points, or rectangles, lie in a fixed shape, boundaries included."""
 
@@ -123,9 +180,9 @@ class ShapeRegion(Region):
         return (self._shape,)
 
     def point(self, u: Value, v: Value) -> Vector:
-        from scenic_lite.values import shape_points
+        from scenic_lite.values import shapes
 
-        both = RandomExpr(shape_points.points_of, (self._shape, u, v), "any")
+        both = RandomExpr(shapes.points_of, (self._shape, u, v), "any")
         return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
 
     def contains(self, point: Vector) -> Value:
