@@ -13,7 +13,7 @@ from typing import Any
 from scenic_lite.core.environment import Environment, near
 from scenic_lite.core.exceptions import ExceptionClass
 from scenic_lite.core.scope import Scope, name_draws
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import LOAD, Watched
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -284,13 +284,15 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    """Evaluated by whoever runs the episode."""
+    """Keep a condition for whoever runs the episode; a duration is a value of the scene, like any other."""
+    duration = None
     if isinstance(node, nodes.TerminateAfter):
         duration = scope.value(node.duration)
         if not is_number(duration) and not isinstance(duration, RandomExpr):
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
-    scope.state.terminations.append(Watched(node, scope.place(node), scope, name_of_termination(node)))
+    watched = Watched(node, scope.place(node), scope, name_of_termination(node))
+    scope.state.terminations.append(watched._replace(duration=duration) if scope.mode.phase == LOAD else watched)
 
 
 def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import EPISODE
+from scenic_lite.core.state import EPISODE, LOAD
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import (
@@ -224,7 +224,13 @@ def side(words: str) -> Callable[[Scope, Value], Value]:
     return operator
 
 
+def in_initial_scenario(scope: Scope) -> bool:
+    """`initial scenario`: whether the program itself is being set up, and no scenario that a match starts."""
+    return scope.mode.phase == LOAD
+
+
 OPERATORS: dict[str, Callable[..., Value]] = {
+    "initial scenario": in_initial_scenario,
     "deg": degrees,
     "distance": distance,
     "angle": angle,

@@ -82,7 +82,8 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
         pending += [(call.behavior.scope, part) for part in body_of(call.behavior)]
     if state.main is not None and state.main_frame is not None:
         pending.append((state.main_frame, state.main.behavior.node))
-    return [*(call.arguments for call in calls), *reached(pending)]
+    durations = [item.duration for item in state.terminations]
+    return [*(call.arguments for call in calls), *durations, *reached(pending)]
 
 
 def refuse_huge_values(state: LoadState, objects: list[Instance], file: str) -> None:

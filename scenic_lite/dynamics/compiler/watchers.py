@@ -70,7 +70,10 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
         tree, out = each.watched.tree, Label()
         if each.flag is not None:
             code.row(op.JUMP_UNLESS, each.flag, c=out)
-        duration = needs_number(frame_for(c, each.watched).value(tree.duration), "a duration")
+        duration = each.watched.duration  # of the scene
+        if duration is None:
+            duration = frame_for(c, each.watched).value(tree.duration)
+        duration = needs_number(duration, "a duration")
         register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
         code.put(out)
 

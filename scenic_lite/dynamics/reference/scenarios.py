@@ -196,7 +196,10 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
-                duration = self._scope_of(watched).value(tree.duration)
+                duration = watched.duration  # of the scene
+                if duration is None:
+                    duration = self._scope_of(watched).value(tree.duration)
+                duration = settled(duration, self.episode.row)
                 if not is_number(duration):
                     message = f"a duration is a number, not {describe_kind(duration)}"
                     raise watched.scope.error("type", message, tree.duration)

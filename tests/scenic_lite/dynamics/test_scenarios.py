@@ -3,11 +3,14 @@
 What it does well is in the golden oracle.
 """
 
+import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
+from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import toy_world
+from scenic_lite.dynamics.toy import first_table, run, toy_world
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 
@@ -163,3 +166,74 @@ def test_the_main_scenario_gets_no_arguments():
     with pytest.raises(ScenicError, match=r"1:1: Main\(speed\): 'speed' is missing") as caught:
         load(text, dialect=3)
     assert "defaults" in caught.value.hint
+
+
+# ------------------------------------------------------------ where a program begins
+
+LIMITED = """
+behavior Walk():
+    while True:
+        take 1
+ego = new Object at 0 @ 0, with behavior Walk()
+terminate after Range(2, 6) steps
+"""
+
+
+@pytest.mark.parametrize(("theta", "steps"), [(-1.0, 2), (0.0, 4), (1.0, 6)])
+def test_the_time_limit_of_a_program_is_a_column_of_theta(theta, steps):
+    program = load(LIMITED, dialect=3)
+    assert program.dim == 1
+    reference, trace = played(LIMITED, 9, theta=[theta])
+    assert (len(trace.commands), trace.ending) == (steps, "scenarioComplete: reached time limit")
+    controller = CompiledController(compile_program(program, toy_world()), np.array([theta]))
+    compiled = run(first_table(program, np.array([theta])), controller, 9, 1.0)
+    assert [each.actions for each in compiled.commands] == [each.actions for each in trace.commands]
+
+
+INITIAL = """
+behavior Tell():
+    while True:
+        take 1 if initial scenario else 2
+scenario Sub():
+    setup:
+        inner = initial scenario
+    compose:
+        wait
+scenario Main():
+    setup:
+        outer = initial scenario
+        ego = new Object at 0 @ 0, with behavior Tell()
+    compose:
+        s = Sub()
+        do s
+        require outer and not s.inner
+        wait
+"""
+
+
+def test_the_initial_scenario_is_the_one_that_loading_sets_up():
+    assert actions(INITIAL, 3) == "2 2 2"
+    assert differences(INITIAL, range(1), steps=4)[0] == []
+
+
+def test_the_variables_of_a_scenario_that_has_run_are_its_attributes():
+    text = """
+scenario Sub(n):
+    setup:
+        far = n + Range(1, 2)
+        mate = new Object at 5 @ 5
+    compose:
+        wait
+scenario Main():
+    setup:
+        ego = new Object at 0 @ 0
+    compose:
+        s = Sub(2)
+        do s
+        require 3 <= s.far <= 4
+        require s.mate.position.x == 5
+        wait
+"""
+    found, compiled = differences(text, range(4), steps=4)
+    assert found == []
+    assert compiled.warnings == ()
