@@ -35,13 +35,7 @@ EXCEPTIONS = {
 
 # What is not yet as it should be. A line goes when its cause goes: the tests fail for lines without a cause, too.
 KNOWN_UPWARD: set[str] = set()
-KNOWN_RINGED: set[str] = {
-    "scenic_lite.dynamics.compiler.behaviors",
-    "scenic_lite.dynamics.compiler.composing",
-    "scenic_lite.dynamics.compiler.interrupts",
-    "scenic_lite.dynamics.compiler.setups",
-    "scenic_lite.dynamics.compiler.watchers",
-}
+KNOWN_RINGED: set[str] = set()
 KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/core/types.py: value.name",
     "scenic_lite/syntax/blocks.py: parser_scenic",

@@ -1,7 +1,7 @@
 """Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors inlined into the thread that runs them.
 
-What each means, and in which order its parts are evaluated, is `reference`'s to say. Read next:
-`dynamics.compiler.interrupts`.
+What each means, and in which order its parts are evaluated, is the reference interpreter's to say. Read next:
+`dynamics.compiler.compile`, which makes threads of behaviors.
 """
 
 from __future__ import annotations
@@ -16,10 +16,22 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Instance, RandomChoic
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, over_options
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.interrupts import Limit, abort, limited, try_interrupt
+from scenic_lite.dynamics.compiler.interrupts import (
+    abort,
+    check_guards,
+    check_invariants,
+    frame_of,
+    limit_of,
+    limited,
+    pause,
+    suspend,
+    try_interrupt,
+)
 from scenic_lite.dynamics.compiler.registers import store_in_register
+from scenic_lite.dynamics.compiler.scenarios import run_scenarios
+from scenic_lite.dynamics.compiler.setups import require_later
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -74,30 +86,15 @@ def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
     if node.duration is None and node.until is None:
         pause(c)
     else:
-        limited(c, scope, limit_of(c, scope, node), lambda: idle(c))
+        limited(c, scope, limit_of(c, scope, node), partial(idle, c))
     check_invariants(c, scope)
 
 
-def pause(c: Compilation) -> None:
-    on = Label()
-    suspend(c, on)
-    c.code.put(on)
-
-
 def idle(c: Compilation) -> None:
+    """Let time pass until something else ends it."""
     again = Label()
     c.code.put_loop(again)
     suspend(c, again)
-
-
-def suspend(c: Compilation, on: Label) -> None:
-    """Let time pass and go on at a label. A compose block lets the step of its scenario go on."""
-    if c.part is not None and c.composing:
-        c.code.row(op.SET_SLOT, c.slot, c=on)
-        c.code.row(op.JUMP, c=c.part.after)
-    else:
-        c.code.row(op.WAIT, 0, c.slot, on)
-    c.code.reachable = False
 
 
 def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> None:
@@ -126,8 +123,6 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
 def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """`require[p] condition` in a behavior or monitor: the match is rejected if it does not hold now."""
     if is_temporal(node.condition):
-        from scenic_lite.dynamics.compiler.setups import require_later
-
         require_later(c, scope, node)
         return
     fine = Label()
@@ -173,7 +168,7 @@ def reveal(c: Compilation, agents: list[Instance]) -> None:
 
 
 def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
-    """A behavior in place: its guards, then its body."""
+    """Write a behavior in place: its guards, then its body."""
     with c.entered(call.behavior, node):
         scope = frame_of(c, call)
         if guards:
@@ -182,45 +177,9 @@ def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool
         c.code.put(scope.inlined.end)
 
 
-def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
-    """The variables of a behavior that begins."""
-    behavior = call.behavior
-    names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
-    inlined = InlinedBody(c.path, Label(), behavior)
-    scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, inlined)
-    scope.assigned = behavior.assigned
-    return scope
-
-
-def check_guards(c: Compilation, scope: CompiledScope) -> None:
-    behavior = scope.inlined.behavior
-    assert behavior is not None
-    check(c, scope, "precondition", behavior.node.preconditions)
-    check_invariants(c, scope)
-
-
-def check_invariants(c: Compilation, scope: CompiledScope) -> None:
-    """Whenever a thread goes on after time has passed."""
-    behavior = scope.inlined.behavior
-    if behavior is not None and behavior.node.invariants:
-        check(c, scope, "invariant", behavior.node.invariants)
-
-
-def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.expr]) -> None:
-    behavior = scope.inlined.behavior
-    assert behavior is not None
-    for condition in conditions:
-        fine = Label()
-        with c.code.statement():
-            jump_on(c, scope, condition, fine, when=True)
-            c.reject(f"violated {word} of {behavior.name} on line {condition.lineno}")
-            c.code.put(fine)
-
-
 def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
     calls = calls_of(c, scope, node)
     used = c.code.variables.used
-
     if node.how == "choose":
         run = choose_one(c, calls, node)  # before a condition is looked at
     elif node.how == "shuffle":
@@ -237,25 +196,20 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
-    """`do` of a behavior, or of whichever one it is in the match; in a compose block of scenarios."""
+    """Run a behavior, or whichever one it is in the match; in a compose block scenarios."""
     if c.composing:
-        from scenic_lite.dynamics.compiler.composing import run_parts
+        run_scenarios(c, calls, node)
+    elif isinstance(calls[0], BehaviorCall):
+        run_behavior(c, calls[0], node)
+    else:
+        options = enumerate(calls[0].options)
+        cases = {i: partial(run_round, c, partial(run_behavior, c, option, node), node, i) for i, option in options}
+        c.code.dispatch(register_of(c.code, calls[0].index), cases)
 
-        run_parts(c, calls, node)
-        return
-    call, end = calls[0], Label()
-    if isinstance(call, BehaviorCall):
-        run_behavior(c, call, node)
-        return
-    index = register_of(c.code, call.index)
-    for i, option in enumerate(call.options):
-        following = Label()
-        c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
-        with c.round(node, i):
-            run_behavior(c, option, node)
-        c.code.row(op.JUMP, c=end)
-        c.code.put(following)
-    c.code.put(end)
+
+def run_round(c: Compilation, run: Callable[[], object], node: ast.AST, number: int) -> None:
+    with c.round(node, number):
+        run()
 
 
 def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Called]:
@@ -288,84 +242,45 @@ def called(c: Compilation, scope: Scope, value: Value, place: ast.expr) -> Value
     raise scope.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
 
 
-def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Limit:
-    """When a `do` or `wait` ends: rows that jump when it does."""
-    if node.until is not None:
-        until = node.until
-        return lambda end: jump_on(c, scope, until, end, when=True)
-    assert node.duration is not None
-    duration = needs_number(scope.value(node.duration), "a duration")
-    code = c.code
-    start = code.variables.take(2)
-    time = c.time()
-    register_of(code, time, start)
-    steps = duration if node.unit == "steps" else duration / c.world.timestep
-    register_of(code, steps, start + 1)
-
-    def over(end: Label) -> None:
-        passed = code.temporaries.take()
-        code.row(op.SUBTRACT, passed, time.register, start)
-        code.row(op.JUMP_LESS_EQUAL, start + 1, passed, end)
-
-    return over
-
-
 # ------------------------------------------------------------ one of several
 
 
 def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> Callable[[], None]:
-    """`do choose`: one of those whose guards hold now, by weight; gives back what writes the rows that run it."""
+    """Write rows that choose, by weight, one of those whose guards hold now; return what writes those that run it."""
     able = c.code.variables.take(len(calls))
     for i, (call, _) in enumerate(calls):
         can_start(c, call, node, i, able + i)
-    ways, chosen, which = drawn(c, [weight for _, weight in calls], able), Label(), c.code.variables.take()
-    for i, way in enumerate(ways):
-        c.code.put(way)
-        register_of(c.code, i, which)
-        c.code.row(op.JUMP, c=chosen)
-    c.code.put(chosen)
+    chosen = drawn(c, [weight for _, weight in calls], able)
+    return lambda: c.code.dispatch(chosen, running(c, calls, node))
 
-    def run() -> None:
-        end = Label()
-        for i, (call, _) in enumerate(calls):
-            following = Label()
-            c.code.row(op.JUMP_NOT_EQUAL, which, c.code.constant(i), following)
-            with c.round(node, i):
-                run_called(c, [call], node)
-            c.code.row(op.JUMP, c=end)
-            c.code.put(following)
-        c.code.put(end)
 
-    return run
+def running(c: Compilation, calls: list[Called], node: nodes.Do) -> dict[int, Callable[[], None]]:
+    """Return what writes the rows that run each of some."""
+    return {
+        i: partial(run_round, c, partial(run_called, c, [call], node), node, i) for i, (call, _) in enumerate(calls)
+    }
 
 
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
-    """`do shuffle`: again and again one of those that are left."""
+    """Compile `do shuffle`: again and again one of those that are left."""
     code = c.code
-    able = code.variables.take(len(calls))
-    left = code.variables.take(len(calls))
+    able, left = code.variables.take(len(calls)), code.variables.take(len(calls))
     for i in range(len(calls)):
         register_of(code, 1, left + i)
-    again, end = Label(), Label()
+    again, some, end = Label(), Label(), Label()
     code.put_loop(again)
-    some = Label()
     for i in range(len(calls)):
         code.row(op.JUMP_IF, left + i, c=some)
     code.row(op.JUMP, c=end)
     code.put(some)
     for i, (call, _) in enumerate(calls):
-        gone = Label()
         register_of(code, 0, able + i)
-        code.row(op.JUMP_UNLESS, left + i, c=gone)
-        can_start(c, call, node, i, able + i)
-        code.put(gone)
-    ways = drawn(c, [weight for _, weight in calls], able)
-    for i, (call, _) in enumerate(calls):
-        code.put(ways[i])
-        register_of(code, 0, left + i)
-        with c.round(node, i):
-            run_called(c, [call], node)
-        code.row(op.JUMP, c=again)
+        with code.when(left + i):
+            can_start(c, call, node, i, able + i)
+    chosen = drawn(c, [weight for _, weight in calls], able)
+    code.row(op.STORE, left, chosen, code.constant(0))
+    code.dispatch(chosen, running(c, calls, node))
+    code.row(op.JUMP, c=again)
     code.put(end)
 
 
@@ -383,36 +298,31 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
     c.code.put(fails)
 
 
-def drawn(c: Compilation, weights: list[Value], able: int) -> list[Label]:
-    """Rows that go to one of some labels by weight, among those that are able; for a single one nothing is drawn."""
+def drawn(c: Compilation, weights: list[Value], able: int) -> int:
+    """Return a register with the place of one of those that are able, by weight; a single one is not drawn for."""
     code = c.code
     total, count, mark, share = (code.temporaries.take() for _ in range(4))
-    register_of(code, 0, total)
-    register_of(code, 0, count)
+    chosen = code.variables.take()
+    for register in (total, count, mark):
+        register_of(code, 0, register)
     for i, weight in enumerate(weights):
         code.row(op.MULTIPLY, share, register_of(code, weight), able + i)
         code.row(op.ADD, total, total, share)
         code.row(op.ADD, count, count, able + i)
-    some, one = Label(), Label()
+    some, certain, end = Label(), Label(), Label()
     code.row(op.JUMP_IF, count, c=some)
     c.reject('deadlock in "do choose/shuffle"')
     code.put(some)
-    ways = [Label() for _ in weights]
-    code.row(op.JUMP_EQUAL, count, code.constant(1), one)
+    code.row(op.JUMP_EQUAL, count, code.constant(1), certain)
     code.row(op.DRAW, mark, code.constant(0), total)
+    code.put(certain)
     for i, weight in enumerate(weights):
-        following = Label()
-        code.row(op.JUMP_UNLESS, able + i, c=following)
-        code.row(op.SUBTRACT, mark, mark, register_of(code, weight))
-        code.row(op.JUMP_LESS, mark, code.constant(0), ways[i])
-        code.put(following)
-    for i in reversed(range(len(weights))):  # the last one, should rounding leave something over
-        code.row(op.JUMP_IF, able + i, c=ways[i])
-    code.put(one)
-    for i in range(len(weights)):
-        code.row(op.JUMP_IF, able + i, c=ways[i])
-    code.reachable = False
-    return ways
+        with code.when(able + i):
+            register_of(code, i, chosen)  # and so at last the last one, should rounding leave something over
+            code.row(op.SUBTRACT, mark, mark, register_of(code, weight))
+            code.row(op.JUMP_LESS, mark, code.constant(0), end)
+    code.put(end)
+    return chosen
 
 
 DYNAMIC: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {

@@ -47,7 +47,7 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
         raise errors[0]
     for i, failed in enumerate(errors):
         if failed is not None:
-            differs = apply(NOT_EQUAL, choice.index, i, kind="truth")
+            differs = apply(NOT_EQUAL, choice.index, i)
             c.code.fault_unless(register_of(c.code, differs), failed.message)
     good = next(i for i, error in enumerate(errors) if error is None)
     values = [results[good][1] if errors[i] else value for i, (_, value) in enumerate(results)]
@@ -114,7 +114,7 @@ def whole_choice(value: Value, c: Compilation) -> Value:
     """Return a choice without None: a fault if it is None in the match."""
     if not isinstance(value, RandomChoice) or value.options[-1] is not None:
         return value
-    there = apply(NOT_EQUAL, value.index, len(value.options) - 1, kind="truth")
+    there = apply(NOT_EQUAL, value.index, len(value.options) - 1)
     c.code.fault_unless(register_of(c.code, there), "None is no object, number or vector")
     options = value.options[:-1]
     return options[0] if len(options) == 1 else choose(value.index, options)
@@ -128,14 +128,14 @@ def truth(value: Value) -> Value:
     if isinstance(value, RandomChoice):
         return choose(value.index, [truth(option) for option in value.options])
     if isinstance(value, RegisterList):
-        return apply(NOT_EQUAL, value.length, 0, kind="truth")
+        return apply(NOT_EQUAL, value.length, 0)
     if isinstance(value, RandomExpr):
-        return apply(NOT_EQUAL, value, "", kind="truth") if value.kind == "text" else value
+        return apply(NOT_EQUAL, value, "") if value.kind == "text" else value
     return bool(value)
 
 
 def opposite(value: Value) -> Value:
-    return apply(NOT, value, kind="truth") if isinstance(value, RandomExpr) else not value
+    return apply(NOT, value) if isinstance(value, RandomExpr) else not value
 
 
 def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: bool) -> None:
@@ -179,7 +179,7 @@ def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
         with c.code.captured() as rows:
             other = scope.value(operand)
         if not rows and is_condition(value) and is_condition(other):
-            value = apply(AND if is_and else OR, value, other, kind="truth")
+            value = apply(AND if is_and else OR, value, other)
         else:
             yes, no = ((rows, other), ([], value)) if is_and else (([], value), (rows, other))
             value = either(c, known, yes, no)
@@ -246,14 +246,14 @@ def same_thing(left: Value, right: Value) -> Value:
         things = list({id(each): each for each in (*left.options, *right.options)}.values())
         if not any(isinstance(each, RandomExpr | str | int | float) for each in things):
             first, second = numbered(left, things), numbered(right, things)
-            return apply(EQUAL, first, second, kind="truth")
+            return apply(EQUAL, first, second)
     if isinstance(left, RandomChoice):
         return choose(left.index, [same_thing(option, right) for option in left.options])
     if isinstance(right, RandomChoice):
         return choose(right.index, [same_thing(left, option) for option in right.options])
     live = isinstance(left, RandomExpr) or isinstance(right, RandomExpr)
     if live and all(isinstance(each, RandomExpr | bool | int | float | str) for each in (left, right)):
-        return apply(EQUAL, left, right, kind="truth")
+        return apply(EQUAL, left, right)
     if isinstance(left, Function) and isinstance(right, Function):
         return left.body is right.body
     return left is right

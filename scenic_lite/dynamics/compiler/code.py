@@ -124,6 +124,11 @@ class Assembler:
         self.reachable = self.reachable or label.used
         self.known.clear()
 
+    def put_reachable(self, label: Label) -> None:
+        """The label stands here; a slot leads to it."""
+        label.used = self.reachable = True
+        self.put(label)
+
     def put_loop(self, label: Label) -> None:
         """A label that only later rows will use."""
         self.rows.append(Row(LABEL, 0, 0, label, self.place))

@@ -59,7 +59,7 @@ class InlinedBody:
 class CompiledScope(Scope):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "given", "inlined", "undecided", "variables")
+    __slots__ = ("compilation", "flags", "inlined", "undecided", "variables")
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class CompiledScope(Scope):
         super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
         self.variables: dict[str, Variable] = {}
-        self.given: dict[str, int] = {}  # registers that say whether variables have a value yet
+        self.flags: dict[str, int] = {}  # registers that say whether variables have a value yet
         self.undecided: set[str] = set()  # targets of loops that a `break` may have left with any element
 
     def inner(self, names: dict[str, Value]) -> Scope:
@@ -100,8 +100,8 @@ class CompiledScope(Scope):
             return
         variable.store(value)
         self.locals[name] = variable.load()
-        if name in self.given:
-            code.row(op.COPY, self.given[name], code.constant(1))
+        if name in self.flags:
+            code.row(op.COPY, self.flags[name], code.constant(1))
 
     def lookup(self, name: str) -> Value:
         if name in self.undecided:
@@ -316,11 +316,11 @@ class Compilation:
         """The definition of the present scenario."""
         return None if self.part is None or self.part.call is None else self.part.call.behavior
 
-    def written(self) -> int:
+    def scenarios_begun(self) -> int:
         """How many scenarios the present compose block has run in the text so far."""
         return len(self.part.parts) if self.part is not None and self.composing else 0
 
-    def give_up(self, since: int) -> None:
+    def stop_scenarios(self, since: int) -> None:
         """End the scenarios that the compose block has begun in a statement and not come back to."""
         if self.part is not None and self.composing:
             for part in self.part.parts[since:]:

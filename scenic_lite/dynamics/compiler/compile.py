@@ -24,12 +24,12 @@ from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, forget, reveal, run_behavior
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, with_location
-from scenic_lite.dynamics.compiler.composing import acts, main_part, may_require, step, write_routines
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary
 from scenic_lite.dynamics.compiler.layout import Thread, finished
 from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.registers import TypeTable
+from scenic_lite.dynamics.compiler.scenarios import acts, main_part, may_require, step, write_routines
 from scenic_lite.dynamics.compiler.setups import SETTING_UP, monitor_of
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
 from scenic_lite.dynamics.compiler.watchers import Automaton, ends_of_match, forget_records, record, start

@@ -147,7 +147,7 @@ def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
 def both(a: Value, b: Value) -> Value:
     if a is True or b is True:
         return b if a is True else a
-    return False if b is False else apply(AND, a, b, kind="truth")
+    return False if b is False else apply(AND, a, b)
 
 
 def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:

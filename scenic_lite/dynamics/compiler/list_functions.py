@@ -69,7 +69,7 @@ def folded(
         return decided_by(c.code, arguments[0], truth, decisive)
     result: Value = not decisive
     for each in map(truth, arguments[0]):
-        result = apply(OR if decisive else AND, result, each, kind="truth")
+        result = apply(OR if decisive else AND, result, each)
     return result
 
 
@@ -126,7 +126,7 @@ def place_of_extreme(
             code.row(op.JUMP_EQUAL, place.register, code.constant(0), better)
         if isinstance(place, RegisterValue) or place > 0:
             pair = (mark, RegisterValue(best)) if least else (RegisterValue(best), mark)
-            jump(code, apply(LESS, *pair, kind="truth"), following, when=False)
+            jump(code, apply(LESS, *pair), following, when=False)
         code.put(better)
         register_of(code, mark, best)
         register_of(code, place, chosen.register)

@@ -137,7 +137,7 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
     if isinstance(index, int):
         return index if index >= 0 else materialize(code, apply(ADD, length, index))
     index = materialize(code, index)
-    negative = apply(LESS, index, 0, kind="truth")
+    negative = apply(LESS, index, 0)
     return materialize(code, choose(as_number(negative), [index, apply(ADD, index, length)]))
 
 
@@ -150,10 +150,10 @@ def place_of_key(c: Compilation, table: dict, key: Value) -> Value:
     else:
         place = len(table)
         for i, each in reversed(list(enumerate(table))):
-            same = materialize(c.code, apply(EQUAL, each, key, kind="truth"))
+            same = materialize(c.code, apply(EQUAL, each, key))
             place = choose(as_number(same), [place, i])
         place = materialize(c.code, place)
-    inside = apply(LESS, place, len(table), kind="truth")
+    inside = apply(LESS, place, len(table))
     c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
     return place
 
@@ -317,7 +317,7 @@ def contains(c: Compilation, scope: Scope, node: ast.Compare, container: Value, 
     if isinstance(item, RandomExpr | RandomChoice) and not isinstance(container, str):
         inside: Value = False
         for same in map(equals, scope.elements(container, node)):
-            inside = same if inside is False else apply(OR, inside, same, kind="truth")
+            inside = same if inside is False else apply(OR, inside, same)
         return inside
     return membership(scope, node, item, container)
 

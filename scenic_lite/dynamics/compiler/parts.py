@@ -1,7 +1,7 @@
 """A scenario at one place of the program that runs it: its registers, its labels, and what it watches while it runs.
 
 The program's own scenario is the part that has no parent. Every `do` of a compose block makes a part for each
-scenario that it names, as a `do` of a behavior makes rows of its own. Read next: `dynamics.compiler.composing`, which
+scenario that it names, as a `do` of a behavior makes rows of its own. Read next: `dynamics.compiler.scenarios`, which
 writes the rows.
 """
 

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from contextlib import nullcontext
+from functools import partial
 from typing import Any
 
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
-from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.interrupts import check_guards, frame_of
 from scenic_lite.dynamics.compiler.parts import (
     BehaviorOverride,
     Monitor,
@@ -114,12 +116,9 @@ def monitor_of(c: Compilation, call: BehaviorCall, flag: int | None) -> Monitor:
 
 def start_monitor(c: Compilation, monitor: Monitor) -> None:
     """Check its guards and let it begin."""
-    code, out = c.code, Label()
-    if monitor.flag is not None:
-        code.row(op.JUMP_UNLESS, monitor.flag, c=out)
-    check_first(c, monitor.call)
-    code.row(op.SET_SLOT, monitor.slot, c=monitor.entry)
-    code.put(out)
+    with nullcontext() if monitor.flag is None else c.code.when(monitor.flag):
+        check_first(c, monitor.call)
+        c.code.row(op.SET_SLOT, monitor.slot, c=monitor.entry)
 
 
 def check_first(c: Compilation, call: BehaviorCall) -> None:
@@ -150,16 +149,16 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
         values[name] = value if isinstance(value, RandomChoice) else checked(name, value, c.program.dialect)
     part = c.part
     assert part is not None
-    drivers = {}
+    overrides = []
     for name, value in values.items():
         if name == "behavior":
-            drivers = drive(c, part, target, value)
+            overrides = override_behavior(c, part, target, value)
         else:
-            change(c, part, target, name, value)
-    begin_driving(c, values.get("behavior"), drivers)
+            override_property(c, part, target, name, value)
+    begin_override(c, values.get("behavior"), overrides)
 
 
-def change(c: Compilation, part: ScenarioInstance, target: Instance, name: str, value: Value) -> None:
+def override_property(c: Compilation, part: ScenarioInstance, target: Instance, name: str, value: Value) -> None:
     """Another value for a property that no simulator knows."""
     c.refuse_live(target, name)
     key = ("object", target.label, name)
@@ -169,14 +168,11 @@ def change(c: Compilation, part: ScenarioInstance, target: Instance, name: str, 
     c.keep(key, value)
 
 
-def note_first(
-    c: Compilation,
-    part: ScenarioInstance,
-    key: tuple[str, str],
-    save: Callable[[], object],
-    restore: Callable[[], object],
-) -> None:
-    """Before the first override of a property in a scenario, what it was is saved."""
+Rows = Callable[[], object]  # what writes some
+
+
+def note_first(c: Compilation, part: ScenarioInstance, key: tuple[str, str], save: Rows, restore: Rows) -> None:
+    """Save what a property was before its first override in a scenario."""
     if key not in part.overridden:
         part.overridden[key] = Overridden(c.code.fixed.take(), save, restore)
     first, done = part.overridden[key], Label()
@@ -186,11 +182,8 @@ def note_first(
     c.code.put(done)
 
 
-Drivers = dict[int, BehaviorOverride]  # by the number of the option, 0 if there is one only
-
-
-def drive(c: Compilation, part: ScenarioInstance, target: Instance, value: Value) -> Drivers:
-    """Another behavior for an object: its register says which one it has now."""
+def override_behavior(c: Compilation, part: ScenarioInstance, target: Instance, value: Value) -> list[BehaviorOverride]:
+    """Give an object another behavior, or one of several: its register says which one it has now."""
     code, label = c.code, target.label
     if label not in c.driving:
         c.driving[label] = code.fixed.take()
@@ -201,15 +194,14 @@ def drive(c: Compilation, part: ScenarioInstance, target: Instance, value: Value
     note_first(c, part, (label, "behavior"), save, lambda: register_of(code, RegisterValue(before), register))
     if value is None:
         register_of(code, -1, register)
-        return {}
+        return []
     options = value.options if isinstance(value, RandomChoice) else (value,)
-    drivers = {i: driver_of(c, part, target, option) for i, option in enumerate(options)}
+    overrides = [driver_of(c, part, target, option) for option in options]
     if isinstance(value, RandomChoice):
-        first = register_of(code, drivers[0].number)
-        code.row(op.ADD, register, first, register_of(code, value.index))
+        code.row(op.ADD, register, code.constant(overrides[0].number), register_of(code, value.index))
     else:
-        register_of(code, drivers[0].number, register)
-    return drivers
+        register_of(code, overrides[0].number, register)
+    return overrides
 
 
 def driver_of(c: Compilation, part: ScenarioInstance, target: Instance, call: Value) -> BehaviorOverride:
@@ -223,20 +215,20 @@ def driver_of(c: Compilation, part: ScenarioInstance, target: Instance, call: Va
     return driver
 
 
-def begin_driving(c: Compilation, value: Value, drivers: Drivers) -> None:
+def begin_override(c: Compilation, value: Value, overrides: list[BehaviorOverride]) -> None:
     """Check the guards of the behavior that an object is given, and let it begin."""
-    code, end, agent = c.code, Label(), c.agent
-    for i, driver in drivers.items():
-        following = Label()
-        if isinstance(value, RandomChoice):
-            code.row(op.JUMP_NOT_EQUAL, register_of(code, value.index), code.constant(i), following)
-        c.agent = driver.agent
-        check_first(c, driver.call)
-        c.agent = agent
-        code.row(op.SET_SLOT, driver.slot, c=driver.entry)
-        code.row(op.JUMP, c=end)
-        code.put(following)
-    code.put(end)
+    cases = {i: partial(begin_one, c, each) for i, each in enumerate(overrides)}
+    if isinstance(value, RandomChoice):
+        c.code.dispatch(register_of(c.code, value.index), cases)
+    elif overrides:
+        cases[0]()
+
+
+def begin_one(c: Compilation, behavior: BehaviorOverride) -> None:
+    agent, c.agent = c.agent, behavior.agent
+    check_first(c, behavior.call)
+    c.agent = agent
+    c.code.row(op.SET_SLOT, behavior.slot, c=behavior.entry)
 
 
 # ------------------------------------------------------------ temporal requirements

@@ -209,7 +209,7 @@ def compile_while(c: Compilation, scope: CompiledScope, node: ast.While) -> None
 
 
 def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
-    around.parts = scope.compilation.written()
+    around.parts = scope.compilation.scenarios_begun()
     scope.inlined.loops.append(around)
     try:
         with scope.compilation.repeated():
@@ -297,13 +297,13 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
 
 def compile_break(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
     around = scope.inlined.loops[-1]
-    c.give_up(around.parts)
+    c.stop_scenarios(around.parts)
     c.code.row(op.JUMP, c=around.exit)
 
 
 def compile_continue(c: Compilation, scope: CompiledScope, node: ast.Continue) -> None:
     around = scope.inlined.loops[-1]
-    c.give_up(around.parts)
+    c.stop_scenarios(around.parts)
     c.code.row(op.JUMP, c=around.again)
 
 

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import product
 
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
-from scenic_lite.dynamics.compiler.behaviors import check_guards, frame_of
-from scenic_lite.dynamics.compiler.choices import jump_on, needs_number
+from scenic_lite.dynamics.compiler.choices import branch, needs_number
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
+from scenic_lite.dynamics.compiler.interrupts import check_guards, frame_of
 from scenic_lite.dynamics.compiler.parts import ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
@@ -67,30 +67,27 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     register_of(code, 0, taken)
     register_of(code, math.inf, allowed)
     for each in limits:
-        tree, out = each.watched.tree, Label()
-        if each.flag is not None:
-            code.row(op.JUMP_UNLESS, each.flag, c=out)
-        duration = each.watched.duration  # of the scene
-        if duration is None:
-            duration = frame_for(c, each.watched).value(tree.duration)
-        duration = needs_number(duration, "a duration")
-        register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
-        code.put(out)
+        tree, duration = each.watched.tree, each.watched.duration  # of the scene, if it has one
+        with while_noted(c, each):
+            if duration is None:
+                duration = frame_for(c, each.watched).value(tree.duration)
+            needs_number(duration, "a duration")
+            register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
+
+
+def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[None]:
+    """Rows written inside are for a statement that the match has come to."""
+    return nullcontext() if item.flag is None else c.code.when(item.flag)
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
     """`terminate when`, `terminate simulation when`: rows that end something with the label of the first that holds."""
     for each in part.terminations:
-        watched, no = each.watched, Label()
-        if not isinstance(watched.tree, nodes.TerminateWhen) or watched.tree.scope != extent:
-            continue
-        scope = frame_for(c, watched)
-        with c.code.statement():
-            if each.flag is not None:
-                c.code.row(op.JUMP_UNLESS, each.flag, c=no)
-            jump_on(c, scope, watched.tree.condition, no, when=False)
-            end(watched.label)
-            c.code.put(no)
+        tree = each.watched.tree
+        if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
+            scope = frame_for(c, each.watched)
+            with c.code.statement(), while_noted(c, each), branch(c, scope, tree.condition):
+                end(each.watched.label)
 
 
 def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
@@ -110,12 +107,9 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 @contextmanager
 def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterator[None]:
     """Rows written inside are for a scenario while it runs."""
-    out = Label()
-    if part.parent is not None:
-        c.code.row(op.JUMP_UNLESS, part.running, c=out)
-    with c.within(part), c.rounds(number):
+    running = nullcontext() if part.parent is None else c.code.when(part.running)
+    with running, c.within(part), c.rounds(number):
         yield
-    c.code.put(out)
 
 
 # ------------------------------------------------------------ records
@@ -132,17 +126,15 @@ def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
                         take_record(c, each)
 
 
-def take_record(c: Compilation, each: WatchedItem) -> None:
-    code, tree, out = c.code, each.watched.tree, Label()
-    if each.flag is not None:
-        code.row(op.JUMP_UNLESS, each.flag, c=out)
-    value = in_registers(c, store_in_register(code, frame_for(c, each.watched).value(tree.value)))
-    taken = code.fixed.take()
-    code.begin_with(taken, -1)
-    code.notes[taken] = f"{each.watched.label}.taken"
-    register_of(code, c.time(), taken)
-    c.records.append(Record(each.watched.label, tree.when, taken, value))
-    code.put(out)
+def take_record(c: Compilation, item: WatchedItem) -> None:
+    code, tree, label = c.code, item.watched.tree, item.watched.label
+    with while_noted(c, item):
+        value = in_registers(c, store_in_register(code, frame_for(c, item.watched).value(tree.value)))
+        taken = code.fixed.take()
+        code.begin_with(taken, -1)
+        code.notes[taken] = f"{label}.taken"
+        register_of(code, c.time(), taken)
+        c.records.append(Record(label, tree.when, taken, value))
 
 
 def in_registers(c: Compilation, value: Value) -> Value:
@@ -225,12 +217,9 @@ def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
         index = code.temporaries.take()
         register_of(code, 0, index)
         for atom in atoms:
-            no = Label()
             code.row(op.ADD, index, index, index)
-            with code.statement():
-                jump_on(c, scope, atom, no, when=False)
-            code.row(op.ADD, index, index, code.constant(1))
-            code.put(no)
+            with code.statement(), branch(c, scope, atom):
+                code.row(op.ADD, index, index, code.constant(1))
         code.row(op.SELECT, state, index, Operands(tuple(code.constant(each) for each in following)))
         code.row(op.JUMP, c=end)
         code.put(other)

@@ -14,10 +14,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from scenic_lite.core.types import BehaviorCall, RandomChoice
-from scenic_lite.dynamics.compiler.behaviors import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
 from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.interrupts import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.parts import ScenarioInstance, part_of
 from scenic_lite.dynamics.compiler.setups import set_up, start_monitor
 from scenic_lite.dynamics.compiler.watchers import conditions, limit_of, see_step, unsatisfied
@@ -49,10 +49,10 @@ def main_part(c: Compilation) -> ScenarioInstance:
 # ------------------------------------------------------------ `do` of scenarios
 
 
-def run_parts(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
+def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     """Begin all that are named, one after the other, then let each take a step at each time until all have ended."""
     code = c.code
-    parts = [part for i, call in enumerate(calls) for part in begun(c, call, node, i)]
+    parts = [part for call in calls for part in begun(c, call, node)]
     again, end = Label(), Label()
     code.put_loop(again)
     for part in parts:
@@ -68,20 +68,14 @@ def run_parts(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     code.put(end)
 
 
-def begun(c: Compilation, call: Value, node: nodes.Do, number: int) -> list[ScenarioInstance]:
-    """Rows that begin a scenario, or whichever one it is in the match; all that it can be."""
+def begun(c: Compilation, call: Value, node: nodes.Do) -> list[ScenarioInstance]:
+    """Write rows that begin a scenario, or whichever one it is in the match; return all that it can be."""
     if isinstance(call, BehaviorCall):
         return [begin(c, call, node)]
     assert isinstance(call, RandomChoice)
-    parts, end = [], Label()
-    index = register_of(c.code, call.index)
-    for i, option in enumerate(call.options):
-        following = Label()
-        c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
-        parts.append(begin(c, option, node))
-        c.code.row(op.JUMP, c=end)
-        c.code.put(following)
-    c.code.put(end)
+    parts: list[ScenarioInstance] = []
+    cases = {i: lambda option=option: parts.append(begin(c, option, node)) for i, option in enumerate(call.options)}
+    c.code.dispatch(register_of(c.code, call.index), cases)
     return parts
 
 
@@ -100,7 +94,8 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstanc
     part = part_of(code, call.behavior.name, parent, call)
     part.ego = c.state.ego
     with entered(c, part, node):
-        part.scope = frame_of_part(c, part)
+        part.scope = frame_of(c, call)
+        del part.scope.locals["self"]
         check_guards(c, part.scope)
         with c.within(part, setting_up=True):
             set_up(c, part)
@@ -110,14 +105,6 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstanc
     if parent.ego is None:
         c.state.ego = part.ego
     return part
-
-
-def frame_of_part(c: Compilation, part: ScenarioInstance) -> CompiledScope:
-    """The variables of a scenario that begins."""
-    assert part.call is not None
-    scope = frame_of(c, part.call)
-    del scope.locals["self"]
-    return scope
 
 
 def show_names(part: ScenarioInstance) -> None:
@@ -208,8 +195,7 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     assert part.call is not None
     node = part.call.behavior.scenario
     code.row(op.RESUME, part.slot)
-    part.beginning.used = code.reachable = True
-    code.put(part.beginning)
+    code.put_reachable(part.beginning)
     with c.block(part.slot):
         if node.compose:
             scope.pin(watched_names(part))
@@ -278,12 +264,10 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
     for each in part.parts:
         each.call_routine(code, each.stop)
     for property_ in part.overridden.values():
-        kept = Label()
-        code.row(op.JUMP_UNLESS, property_.flag, c=kept)
-        with code.statement():
-            property_.restore()
-        register_of(code, 0, property_.flag)
-        code.put(kept)
+        with code.when(property_.flag):
+            with code.statement():
+                property_.restore()
+            register_of(code, 0, property_.flag)
     unsatisfied(c, part)
     if part.parent is not None:
         for register, value in part.resets:
