@@ -64,11 +64,15 @@ def carry_out(page, folder):
         if language == "sh":
             for line in block.splitlines():
                 run(line, folder)
-        elif where.startswith("In `") and "at the end of" in where:
+        elif "at the end of `" in where:
             add_row(folder / names[0], names[1], block)
-        elif where.startswith("In `"):
+        elif "at the end of the file" in where:
             path = folder / names[0]
             path.write_text(path.read_text() + "\n\n" + block)
+        elif ", after `" in where:
+            before, line, after = (folder / names[0]).read_text().partition(f"    {names[1]}\n")
+            assert line, f"{names[0]} has no line {names[1]}"
+            (folder / names[0]).write_text(before + line + block + after)
         else:
             write(folder / names[0], block)
     return len(steps)
