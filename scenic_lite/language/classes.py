@@ -1,6 +1,6 @@
 """The built-in classes Point, OrientedPoint and Object, and what follows from their properties.
 
-Spec section 4, the table of properties. Read next: `language.specifiers`, which makes instances.
+Read next: `language.specifiers`, which makes instances.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scenic_lite.values.regions import SectorRegion
 
 
 def constants(**values: Value) -> dict[str, Default]:
-    """Defaults that are the same for every instance."""
+    """Return defaults that are the same for every instance."""
     return {name: constant(value) for name, value in values.items()}
 
 
@@ -83,7 +83,7 @@ SIDES = {
 
 
 def is_oriented(value: Value) -> bool:
-    """Whether it is an OrientedPoint or Object."""
+    """Return whether it is an OrientedPoint or Object."""
     return isinstance(value, Instance) and value.cls.derives_from(ORIENTED_POINT)
 
 
@@ -92,7 +92,7 @@ def is_object(value: Value) -> bool:
 
 
 def as_heading(value: Value) -> Value:
-    """The heading that a value stands for: a number, or that of an oriented object. None if it is neither."""
+    """Return the heading that a value stands for: a number, or that of an oriented object. None if it is neither."""
     if is_scalar(value):
         return value
     if is_oriented(value):
@@ -123,7 +123,7 @@ ORIENTATION: dict[str, Callable[[Instance], Value]] = {
 
 
 def checked(name: str, value: Value, dialect: int) -> Value:
-    """A property's value, coerced to its type. Raises ScenicError if it cannot be."""
+    """Return a property's value, coerced to its type. Raises ScenicError if it cannot be."""
     if name in SWITCHES and not isinstance(value, RandomExpr | RandomChoice):
         return bool(value)
     if name == "positionStdDev":
@@ -152,7 +152,7 @@ def checked(name: str, value: Value, dialect: int) -> Value:
 
 
 def spread_of(value: Value, dialect: int) -> Value:
-    """The standard deviation of a position: a number in dialect 2; in dialect 3 one for each axis, the third unused."""
+    """Return the standard deviation of a position: a number in dialect 2, one for each axis in dialect 3."""
     if dialect == 2 and not is_scalar(value):
         if value is UNIT_SPREAD:
             return 1.0
@@ -173,7 +173,7 @@ def oriented_point(at: Vector, heading: Value, place: SourceSpan) -> Instance:
 
 
 def side_of(instance: Instance, side: str) -> Instance:
-    """The OrientedPoint at the middle of a side, or at a corner."""
+    """Return the OrientedPoint at the middle of a side, or at a corner."""
     across, along = SIDES[side]
     offset = Vector(instance.properties["width"] * (across / 2), instance.properties["length"] * (along / 2))
     heading = instance.properties["heading"]
@@ -181,7 +181,7 @@ def side_of(instance: Instance, side: str) -> Instance:
 
 
 def view_of(instance: Instance) -> SectorRegion:
-    """What a Point (all round) or OrientedPoint (its sector) can see."""
+    """Return what a Point (all round) or OrientedPoint (its sector) can see."""
     position, reach = instance.properties["position"], instance.properties["visibleDistance"]
     if not is_oriented(instance):
         return SectorRegion(position, reach)
@@ -191,19 +191,19 @@ def view_of(instance: Instance) -> SectorRegion:
 
 
 def outline(instance: Instance) -> list[Vector]:
-    """The corners of an object."""
+    """Return the corners of an object."""
     p = instance.properties
     return corners(p["position"], p["heading"], p["width"], p["length"])
 
 
 def rectangle_of(instance: Instance) -> tuple[Value, ...]:
-    """x, y, heading, width, length of an object."""
+    """Return x, y, heading, width, length of an object."""
     p = instance.properties
     return p["position"].x, p["position"].y, p["heading"], p["width"], p["length"]
 
 
 def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
-    """Whether the viewer's sector holds a point or meets an object's rectangle; nothing hides anything.
+    """Return whether the viewer's sector holds a point or meets an object's rectangle; nothing hides anything.
 
     Dialect 2 looks at the corners of the rectangle alone, as Scenic 2 does.
     """
@@ -214,9 +214,9 @@ def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
             raise ScenicError("type", f"`can see` needs an object or a point, not {describe_kind(seen)}")
         return view.contains(point)
     if dialect == 2:
-        found: Value = False
+        seen_corner: Value = False
         for corner in outline(seen):
-            found = apply(OR, found, view.contains(corner), kind="truth")
-        return found
+            seen_corner = apply(OR, seen_corner, view.contains(corner), kind="truth")
+        return seen_corner
     sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
     return apply(SECTOR_MEETS, *sector, *rectangle_of(seen))

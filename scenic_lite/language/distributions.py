@@ -1,6 +1,6 @@
 """The distributions of the language, each one column of θ through its inverse cumulative distribution.
 
-Spec section 7. A draw from [-1, 1] is mapped to the value by the tape (`graph`); nothing here samples. Read next:
+A draw from [-1, 1] is mapped to the value by the tape (`graph`); nothing here samples. Read next:
 `values.regions`, for points drawn from a region.
 """
 
@@ -37,10 +37,10 @@ def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
 
 
 def span_between(low: float, high: float) -> float:
-    """What must be added to `low` for exactly `high`: their difference, unless rounding leads past the end."""
+    """Return what must be added to `low` for exactly `high`: their difference, unless rounding leads past the end."""
     span = high - low
     near = (span, math.nextafter(span, 0.0), math.nextafter(span, 2 * span))
-    return next((each for each in near if low + each == high), near[1])
+    return next((step for step in near if low + step == high), near[1])
 
 
 def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
@@ -67,9 +67,9 @@ def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
 
 
 def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
-    """One of the options with probability proportional to its weight."""
+    """Return one of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if scope.mode.phase != EPISODE else "rejection"  # of the episode (spec section 7)
+        kind = "value" if scope.mode.phase != EPISODE else "rejection"  # of the episode, where only the draw is in vain
         raise ScenicError(kind, "a choice among no values")
     column = scope.draw("choice", scope.place(node))
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
@@ -84,7 +84,7 @@ def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[fl
 
 
 class Cut:
-    """From a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
+    """Maps a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
 
     def __init__(self, bounds: Any) -> None:
         self.bounds = bounds
@@ -110,7 +110,7 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
 
 
 def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
-    """As `draw_integers` with random ends; a scene whose range is empty is rejected."""
+    """Draw as `draw_integers` does, with random ends; a scene whose range is empty is rejected."""
     column = scope.draw("integers", scope.place(node))
     first, last = apply(CEILING, low), apply(FLOOR, high)
     filled = apply(LESS_EQUAL, first, last, kind="truth")
@@ -121,17 +121,17 @@ def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Va
 
 
 def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Value) -> Value:
-    """One of the integers, each with its weight."""
+    """Return one of the integers, each with its weight."""
     if not isinstance(weights, list | tuple) or len(weights) != len(integers):
-        found = describe_kind(weights)
+        kind = describe_kind(weights)
         raise ScenicError(
-            "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {found}"
+            "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {kind}"
         )
     return draw_discrete(scope, node, dict(zip(integers, weights, strict=True)))
 
 
 def integer_between(uniform: Any, first: Any, last: Any) -> Any:
-    """From a uniform number [N] to one of the integers from `first` to `last`; `first` if there is none."""
+    """Map a uniform number [N] to one of the integers from `first` to `last`; `first` if there is none."""
     count = np.maximum(last - first + 1, 1)
     return (first + np.minimum(np.floor(uniform * count), count - 1)).astype(np.int64)
 
@@ -140,7 +140,7 @@ CEILING, FLOOR = Operation(math.ceil, np.ceil), Operation(math.floor, np.floor)
 
 
 class Integers:
-    """From a uniform number [N] to one of `count` integers from `first`."""
+    """Map a uniform number [N] to one of `count` integers from `first`."""
 
     def __init__(self, first: int, count: int) -> None:
         self.first, self.count = first, count
@@ -176,7 +176,7 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
 
 
 def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]:
-    """A uniform point of a region (one column or two), and the region's heading there or None."""
+    """Return a uniform point of a region (one column or two), and the region's heading there or None."""
     options = region.options if isinstance(region, RandomChoice) else (region,)
     count = max(option.columns for option in options)
     scales = region.scales() if isinstance(region, Region) else [(0.0, 1.0)] * count
@@ -186,7 +186,7 @@ def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]
     if isinstance(region, RandomChoice):
         points, headings = zip(*(point_for(option, columns) for option in options), strict=True)
         point, heading = region.map_options(list(points)), None
-        if all(each is not None for each in headings):
+        if all(heading is not None for heading in headings):
             heading = region.map_options(list(headings))
     else:
         point = region.point(columns[0], columns[-1])
@@ -202,14 +202,14 @@ def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]
 
 
 def point_for(region: Region, uniforms: list[ThetaColumn]) -> tuple[Vector, Value]:
-    """The point of a region for unscaled uniform numbers."""
+    """Return the point of a region for unscaled uniform numbers."""
     scaled = [offset + span * u for (offset, span), u in zip(region.scales(), uniforms, strict=False)]
     point = region.point(scaled[0], scaled[-1])
     return point, region.heading_of(point, scaled[0])
 
 
 def show_coordinates(columns: list[ThetaColumn], point: Vector, bounds: tuple[float, ...] | None) -> None:
-    """A person thinks of the point's coordinates, not of the numbers that it is made of."""
+    """Show the point's coordinates, of which a person thinks, not the numbers that it is made of."""
     low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
     for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
         column.shown, column.low, column.high = shown, low, high
@@ -227,12 +227,12 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
 
 
 def choice_like(value: Value, drawn: RandomExpr) -> Value:
-    """The value itself, or the same choice by another index."""
+    """Return the value itself, or the same choice by another index."""
     return choose(drawn, value.options) if isinstance(value, RandomChoice) else drawn
 
 
 def redrawn(scope: Scope, node: ast.AST, column: ThetaColumn) -> RandomExpr:
-    """What `column` shows, computed from a new column; other random values in it stay the same."""
+    """Return what `column` shows, computed from a new column; other random values in it stay the same."""
     fresh = scope.draw(column.draw_kind, scope.place(node), column.offset, column.span)
     fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
     fresh.shown = replaced(column.shown, {id(column): fresh})
@@ -240,9 +240,9 @@ def redrawn(scope: Scope, node: ast.AST, column: ThetaColumn) -> RandomExpr:
 
 
 def replaced(value: RandomExpr, known: dict[int, RandomExpr]) -> RandomExpr:
-    """A copy of a value whose inputs are replaced by what is known for them."""
+    """Return a copy of a value whose inputs are replaced by what is known for them."""
     if id(value) not in known:
-        parts = [replaced(each, known) if isinstance(each, RandomExpr) else each for each in value.inputs]
+        parts = [replaced(operand, known) if isinstance(operand, RandomExpr) else operand for operand in value.inputs]
         same = all(a is b for a, b in zip(parts, value.inputs, strict=True))
         known[id(value)] = value if same else RandomExpr(value.operation, tuple(parts), value.kind)
     return known[id(value)]

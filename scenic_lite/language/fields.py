@@ -29,7 +29,7 @@ MOST_OPERATIONS = 100_000  # of one field
 
 
 def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: Callable[[Value], Value]) -> VectorField:
-    """A field given by a function of the program, which may branch on the point.
+    """Return a field given by a function of the program, which may branch on the point.
 
     `heading` checks what the function gives.
     """
@@ -53,8 +53,8 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
 def heading_by_row(
     scope: Scope, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
 ) -> RandomExpr:
-    """What a function of the program says at a random point, called once for each sample."""
-    pending = [(part.scope, each) for part in definitions_in(function) for each in body_of(part)]
+    """Return what a function of the program says at a random point, called once for each sample."""
+    pending = [(part.scope, tree) for part in definitions_in(function) for tree in body_of(part)]
     columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
     result = RandomExpr(HeadingByRow(scope, node, function, columns, heading), (point.x, point.y, *columns))
     scope.watch(result)
@@ -76,9 +76,9 @@ class HeadingByRow(PerSampleOperation):
         self.function, self.heading = function, heading
 
     def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
-        rows = np.broadcast_arrays(*(np.atleast_1d(each) for each in (x, y, *draws)))
+        rows = np.broadcast_arrays(*(np.atleast_1d(values) for values in (x, y, *draws)))
         with self.bindings.restored(self.scope.state):
-            headings = [self._one(*row) for row in self.scenes(each.tolist() for each in rows)]
+            headings = [self._one(*row) for row in self.scenes(values.tolist() for values in rows)]
         return np.array(headings, float)
 
     def _one(self, x: float, y: float, *draws: Value) -> float:
@@ -92,7 +92,7 @@ class HeadingByRow(PerSampleOperation):
 def cells_field(
     name: str, cells: Sequence[tuple[Region, Value]], otherwise: Callable[[Vector], Value], default: Value
 ) -> VectorField:
-    """The heading of the first cell that holds the point; that of `otherwise` where the cell's is None.
+    """Return the heading of the first cell that holds the point; that of `otherwise` where the cell's is None.
 
     Outside all cells `default`; if that is None the field has no heading there, and scenes that need it are rejected.
     """
@@ -116,7 +116,7 @@ def constant_heading(heading: Value) -> Callable[[Vector], Value]:
 
 
 def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]:
-    """Where one arrives, and the field's heading there: equal Euler steps (spec section 5, `following`)."""
+    """Return where one arrives, and the field's heading there, after equal Euler steps."""
     if not isinstance(field, VectorField):
         raise ScenicError("type", "only a vector field can be followed")
     if not is_scalar(distance):
@@ -126,7 +126,7 @@ def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]
 
 
 def along(field: VectorField, start: Vector, distance: Value) -> Vector:
-    """The end of equal Euler steps along a field."""
+    """Return the end of equal Euler steps along a field."""
     if not (start.fixed and is_number(distance)):
         return followed(field, start, distance)
     steps = int(steps_of(field, distance))
@@ -140,14 +140,14 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
 
 
 def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
-    """The same in every scene; one node, however many steps."""
+    """Return the same in every scene; one node, however many steps."""
     walk = Walk(field)
     end = RandomExpr(walk, (start.x, start.y, distance, *walk.others), "any")
     return Vector(RandomExpr(walk.x_of, (end,)), RandomExpr(walk.y_of, (end,)))
 
 
 def steps_of(field: VectorField, distance: Any) -> Any:
-    """How many steps are taken over a distance: no fewer than the field's least, none longer than its longest."""
+    """Return how many steps are taken over a distance: not fewer than the field's least, none above its longest."""
     if field.longest_step is None:
         return np.full(np.shape(distance), field.least_steps)
     needed = np.ceil(np.nan_to_num(np.asarray(distance, dtype=float) / field.longest_step, nan=0.0))
@@ -161,17 +161,17 @@ class Walk:
         self.field = field
         self.here = [ThetaColumn("range", UNPLACED), ThetaColumn("range", UNPLACED)]
         self.heading = field.heading_at(Vector(*self.here))
-        others = [each for each in columns_of(self.heading) if not any(each is own for own in self.here)]
+        others = [column for column in columns_of(self.heading) if not any(column is own for own in self.here)]
         self.others = tuple(others)
         self.known = [*self.here, *others]
 
     @cached_property
     def tape(self) -> Tape | None:
-        """Made when all is loaded, since `pruning` changes nodes."""
+        """Return the tape of the heading, made when all is loaded, since `pruning` changes nodes."""
         return Tape([self.heading], self.known, MOST_OPERATIONS) if isinstance(self.heading, RandomExpr) else None
 
     def __call__(self, x: Any, y: Any, distance: Any, *others: Any) -> tuple[Any, Any]:
-        rows = [each.astype(float) for each in np.broadcast_arrays(x, y, distance, *others)]
+        rows = [values.astype(float) for values in np.broadcast_arrays(x, y, distance, *others)]
         x, y, distance = rows[:3]
         steps = steps_of(self.field, distance)
         for step in range(steps.max(initial=0)):

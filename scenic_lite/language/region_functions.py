@@ -1,6 +1,6 @@
 """The functions that make regions and vector fields, with the arguments that Scenic gives them.
 
-Spec section 8. Names of arguments that have no meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`)
+Names of arguments that have no meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`)
 are accepted. Read next: `values.regions`; `language.region_members`, what regions can be asked.
 """
 
@@ -48,7 +48,7 @@ def sector(
 
 
 def size(name: str, value: Value) -> Value:
-    """A length of a region; 0 is a region of one point or line."""
+    """Return a length of a region; 0 is a region of one point or line."""
     extent = number(value)
     if is_number(extent) and not 0 <= extent < math.inf:
         raise ScenicError("value", f"the {name} of a region must be finite and not negative, not {extent}")
@@ -64,7 +64,7 @@ def polygon(
     orientation: Value = None,
     name: Value = None,
 ) -> Region:
-    """By its corners, or of the shape of other regions (`polygon=other.polygons`)."""
+    """Make a polygon by its corners, or of the shape of other regions (`polygon=other.polygons`)."""
     field = field_or_none(orientation)
     if polygon is not None:
         return reshaped(scope, node, polygon, field)
@@ -78,7 +78,7 @@ def polygon(
 
 
 def reshaped(scope: Scope, node: ast.AST, source: Value, orientation: VectorField | None) -> Region:
-    """The area of one or several regions, with another orientation."""
+    """Return the area of one or several regions, with another orientation."""
     from scenic_lite.values import algebra
 
     parts = [source] if isinstance(source, Region) else scope.elements(source, node)
@@ -99,7 +99,7 @@ def polyline(
     orientation: Value = True,
     name: Value = None,
 ) -> Region:
-    """By its points, or of the chains of other polylines (`polyline=`); `orientation` True: along the segments."""
+    """Make one by its points, or of other polylines (`polyline=`); `orientation` True: along the segments."""
     field = True if orientation is True else field_or_none(orientation)
     if polyline is not None:
         if not isinstance(polyline, PolylineRegion):
@@ -140,7 +140,7 @@ def grid(scope: Scope, node: ast.AST, name: Value, grid: Value, *steps: Value, o
 
 
 def workspace(region: Value = None) -> Region:
-    """A region of its own, though of the same points: objects in a workspace are pruned less (`pruning`)."""
+    """Return a region of its own, though of the same points: objects in a workspace are pruned less (`pruning`)."""
     if region is None:
         return Everywhere()
     if not isinstance(region, Region):
@@ -170,7 +170,7 @@ def polygonal_field(
     headingFunction: Value = None,
     defaultHeading: Value = None,
 ) -> VectorField:
-    """A heading for each cell, or a function for cells without one; `defaultHeading` outside all."""
+    """Return a heading for each cell, or a function for cells without one; `defaultHeading` outside all."""
     pairs = [cell_of(scope, node, cell) for cell in scope.elements(cells, node)]
     default = None if defaultHeading is None else number(defaultHeading)
     if headingFunction is None and default is None and any(heading is None for _, heading in pairs):
@@ -196,7 +196,7 @@ def piecewise_field(
     tolerance: Value = 0,
     defaultHeading: Value = None,
 ) -> VectorField:
-    """The orientation of the first region that holds the point."""
+    """Return the orientation of the first region that holds the point."""
     parts = scope.elements(regions, node)
     for part in parts:
         if not isinstance(part, Region):
@@ -225,7 +225,7 @@ def number(value: Value) -> Value:
 
 
 def heading_for(scope: Scope) -> Callable[[Value], Value]:
-    """What a field's function gives, as a heading: dialect 3 normalises it."""
+    """Return what a field's function gives, as a heading: dialect 3 normalises it."""
     return number if scope.state.dialect == 2 else lambda value: normalised(number(value))
 
 
@@ -244,7 +244,7 @@ def field_or_none(value: Value) -> VectorField | None:
 
 
 def corners_of(scope: Scope, node: ast.AST, points: Value, least: int, what: str) -> list[Vector]:
-    """Any number of points, of two coordinates or three. Raises ScenicError if there are too few."""
+    """Return any number of points, of two coordinates or three. Raises ScenicError if there are too few."""
     if points is None or isinstance(points, RandomChoice | Region):
         raise ScenicError("type", f"{what} is given by a list of points, not {describe_kind(points)}")
     elements = scope.elements(points, node)
@@ -256,7 +256,7 @@ def corners_of(scope: Scope, node: ast.AST, points: Value, least: int, what: str
 
 
 def flat(point: Value) -> Value:
-    """Without its third coordinate."""
+    """Return a point without its third coordinate."""
     return point[:2] if isinstance(point, list | tuple) and len(point) == 3 else point
 
 

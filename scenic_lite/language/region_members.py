@@ -69,7 +69,7 @@ def combining(scope: Scope) -> Any:
 
 
 def bounds(self: Region) -> tuple:
-    """((low x, low y), (high x, high y))."""
+    """Return ((low x, low y), (high x, high y))."""
     limits = self.bounds()
     if limits is None:
         raise ScenicError("unsupported", "this can be asked of a fixed, bounded region only")
@@ -144,8 +144,8 @@ FIELD_METHODS = own(followFrom=follow_from)
 
 
 def chain_all(scope: Scope, node: Any, regions: Value) -> Region:
-    """Several polylines as one."""
-    parts = [line(region(each)) for each in scope.elements(regions, node)]
+    """Return several polylines as one."""
+    parts = [line(region(part)) for part in scope.elements(regions, node)]
     if not parts:
         return Nowhere()
     return PolylineRegion([chain.tolist() for part in parts for chain in part.chains])
@@ -159,7 +159,7 @@ CLASS_FUNCTIONS = {
     "Region": needs_context(uniformPointIn=lambda scope, node, region: point_in(scope, node, region)[0]),
     "VectorField": needs_context(
         forUnionOf=lambda scope, node, regions, tolerance=0: patchwork(
-            [region(each) for each in scope.elements(regions, node)]
+            [region(part) for part in scope.elements(regions, node)]
         )
     ),
 }
@@ -169,7 +169,7 @@ CLASS_FUNCTIONS = {
 
 
 def parameter(name: str) -> Callable[[Region], Value]:
-    """A parameter of a rectangle, disc, sector or polyline."""
+    """Return a parameter of a rectangle, disc, sector or polyline."""
 
     def read(self: Region) -> Value:
         if isinstance(self, SectorRegion) and name == "position":
@@ -202,7 +202,7 @@ def area(self: Region) -> Value:
 
 
 def points(self: Region) -> Value:
-    """The corners of a polygon, the points of a polyline or a set: pairs."""
+    """Return the corners of a polygon, the points of a polyline or a set: pairs."""
     if isinstance(self, PolylineRegion):
         return tuple(self.vertices())
     if isinstance(self, PointSetRegion):
@@ -213,7 +213,7 @@ def points(self: Region) -> Value:
 
 
 def end_of(self: Region, last: bool) -> Instance:
-    """An OrientedPoint at the start or end of a polyline."""
+    """Return an OrientedPoint at the start or end of a polyline."""
     chain = line(self)
     at = chain.chains[-1][-1] if last else chain.chains[0][0]
     place = Vector(float(at[0]), float(at[1]))

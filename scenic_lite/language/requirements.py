@@ -1,6 +1,6 @@
 """`require` and `mutate`: what a scene must satisfy, and the noise that its objects get when all else is computed.
 
-Spec sections 2, 9 and 10. A condition is evaluated where it stands, so that its errors stand there too; if objects
+A condition is evaluated where it stands, so that its errors stand there too; if objects
 are given noise it is evaluated again after the last statement, since it speaks of the scene with the noise. Read next:
 `core.bindings`, `core.per_sample`, `scene.constraints`.
 """
@@ -50,7 +50,7 @@ def require(scope: Scope, node: nodes.Require) -> None:
 
 
 def condition_of(scope: Scope, node: ast.expr) -> Value:
-    """A condition over all samples at once; row by row if functions in it decide on random values."""
+    """Return a condition over all samples at once; row by row if functions in it decide on random values."""
     if is_temporal(node):
         return possible(formula_of(node), lambda part: condition_of(scope, part))
     try:
@@ -69,7 +69,7 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
 
 
 def source_text(scope: Scope, node: ast.AST) -> str:
-    """The first line of a statement as the program writes it."""
+    """Return the first line of a statement as the program writes it."""
     place = scope.place(node)
     line = scope.source.line(place.line)
     end = place.end_column if place.end_line == place.line else len(line)
@@ -88,7 +88,7 @@ def mutate(scope: Scope, node: nodes.Mutate) -> None:
     if not is_number(scale):
         hint = "the property mutationScale may be random"
         raise scope.error("type", f"`mutate by` needs a fixed number, not {describe_kind(scale)}", node, hint)
-    targets = [scope.value(each) for each in node.targets] if node.targets else list(state.objects)
+    targets = [scope.value(target) for target in node.targets] if node.targets else list(state.objects)
     for target in targets:
         if not is_object(target):
             raise scope.error("type", f"`mutate` needs objects, not {describe_kind(target)}", node)
@@ -96,8 +96,8 @@ def mutate(scope: Scope, node: nodes.Mutate) -> None:
 
 
 def settle(state: LoadState) -> None:
-    """After the last statement: add the noise of the objects that have any, and tell the requirements."""
-    noisy = [each for each in state.objects if not is_zero(each.properties["mutationScale"])]
+    """Add the noise of the objects that have any, after the last statement, and tell the requirements."""
+    noisy = [instance for instance in state.objects if not is_zero(instance.properties["mutationScale"])]
     for instance in noisy:
         try:
             add_noise(state, instance)
@@ -114,7 +114,7 @@ def is_zero(value: Value) -> bool:
 
 
 def add_noise(state: LoadState, instance: Instance) -> None:
-    """Position and heading as the scene shows them; what was computed from them keeps the values without noise."""
+    """Add noise to position and heading; what was computed from them keeps the values without noise."""
     properties = instance.properties
     spread = properties["positionStdDev"]
     if not isinstance(spread, Vector):
@@ -127,7 +127,7 @@ def add_noise(state: LoadState, instance: Instance) -> None:
 
 
 def name_coordinates(instance: Instance) -> None:
-    """Columns that are a coordinate go by its name, also when the coordinate gets noise on top."""
+    """Name columns that are a coordinate by it, also when the coordinate gets noise on top."""
     position = instance.properties["position"]
     for axis, coordinate in (("x", position.x), ("y", position.y)):
         for column in columns_of(coordinate):
@@ -136,7 +136,7 @@ def name_coordinates(instance: Instance) -> None:
 
 
 def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Value:
-    """A normal value with mean 0, one column of θ named like `ego.noise.x`."""
+    """Return a normal value with mean 0, one column of θ named like `ego.noise.x`."""
     spread = instance.properties["mutationScale"] * spread
     if is_zero(spread):
         return 0.0

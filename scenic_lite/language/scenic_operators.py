@@ -1,6 +1,6 @@
 """The operators that Scenic adds to Python's: distances, angles, relative positions, visibility.
 
-Spec section 6; operands left out are None and stand for the ego. Read next: `evaluation.expressions`.
+Operands left out are None and stand for the ego. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
     if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
         return field_relative(x, y)
     random_frames = is_random_frame if scope.state.dialect == 3 else is_oriented
-    if all(is_oriented(each) or random_frames(each) for each in (x, y)):
+    if all(is_oriented(operand) or random_frames(operand) for operand in (x, y)):
         raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
     if is_oriented(y):
         return into_frame(scope, x, y)
@@ -111,12 +111,12 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
 
 
 def is_random_frame(value: Value) -> bool:
-    """Whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
+    """Return whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
     return isinstance(value, RandomChoice) and all(is_oriented(option) for option in value.options)
 
 
 def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
-    """An OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
+    """Return an OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
         return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base.place)
@@ -127,7 +127,7 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
 
 
 def field_relative(x: Value, y: Value) -> LazyValue:
-    """Headings that wait for the object's position: a field stands for its heading there."""
+    """Return headings that wait for the object's position: a field stands for its heading there."""
     terms = [late_heading(value) for value in (x, y)]
     needs = frozenset().union(*(needed for needed, _ in terms))
     return LazyValue(needs, lambda self: terms[0][1](self) + terms[1][1](self))
@@ -168,12 +168,12 @@ def intersects(scope: Scope, x: Value, y: Value) -> Value:
 def objects_intersect(x: Value, y: Value) -> Value:
     if not (is_object(x) and is_object(y)):
         raise ScenicError("unsupported", "`intersects` is supported between objects only")
-    numbers = [part for each in (x, y) for part in rectangle_of(each)]
+    numbers = [part for instance in (x, y) for part in rectangle_of(instance)]
     return apply(RECTANGLES_MEET, *numbers)
 
 
 def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:
-    """A relation of two values, of which each may be a random one of several."""
+    """Return a relation of two values, of which each may be a random one of several."""
     if isinstance(x, RandomChoice):
         return x.map_options([over_choices(relation, option, y) for option in x.options])
     if isinstance(y, RandomChoice):
@@ -211,7 +211,7 @@ def region_of(words: str, value: Value) -> Region:
 
 
 def side(words: str) -> Callable[[Scope, Value], Value]:
-    """The operator `front of O`, `back left of O`, ..."""
+    """Return the operator `front of O`, `back left of O`, ..."""
     first, *rest = words.split()
     name = first + "".join(word.capitalize() for word in rest)
 

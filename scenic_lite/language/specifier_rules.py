@@ -1,6 +1,6 @@
 """The specifier of each specifier: `at`, `in`, `ahead of`, `facing` and the rest.
 
-Spec section 5. Each function takes the frame, the node and the evaluated operands. Read next:
+Each function takes the scope, the node and the evaluated operands. Read next:
 `language.scenic_operators`.
 """
 
@@ -29,7 +29,7 @@ DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behin
 
 
 def optional_heading(scope: Scope, priority: int = OPTIONAL) -> dict[str, int]:
-    """The heading that a position specifier may bring along: dialect 3 sets the parent's."""
+    """Return the heading that a position specifier may bring along: dialect 3 sets the parent's."""
     return {"parentOrientation" if scope.state.dialect == 3 else "heading": priority}
 
 
@@ -83,7 +83,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
 
 
 def check_region(words: str, region: Value) -> bool:
-    """Whether a region has an orientation. Raises ScenicError if it is none."""
+    """Return whether a region has an orientation. Raises ScenicError if it is none."""
     options = region.options if isinstance(region, RandomChoice) else (region,)
     for option in options:
         if not isinstance(option, Region):
@@ -137,7 +137,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
 
 
 def own_extent(anchor: Value, extent: str) -> Value:
-    """Width or length of an object; points have none."""
+    """Return the width or length of an object; points have none."""
     if isinstance(anchor, RandomChoice):
         return anchor.map_options([own_extent(option, extent) for option in anchor.options])
     return anchor.properties[extent] if is_object(anchor) else 0.0
@@ -170,7 +170,7 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 
 
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
-    """A position, and in dialect 3 a parent heading."""
+    """Return a position, and in dialect 3 a parent heading."""
     words = node.name  # type: ignore[attr-defined]
     if scope.state.dialect == 3:
         gives = POSITION | optional_heading(scope)
@@ -201,7 +201,7 @@ def not_visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSp
 def in_or_out_of_sight(
     scope: Scope, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]
 ) -> ResolvedSpecifier:
-    """A position drawn from a region that depends on what can be seen."""
+    """Return a position drawn from a region that depends on what can be seen."""
     dialect = scope.state.dialect
     words = "visible" if sight.wanted else "not visible"
 
@@ -273,7 +273,7 @@ def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value
 def heading_specifier(
     scope: Scope, node: ast.AST, compute: Callable[[Instance], Value], needs: Any
 ) -> ResolvedSpecifier:
-    """A required heading; dialect 3 normalises it."""
+    """Return a required heading; dialect 3 normalises it."""
     finish = normalised if scope.state.dialect == 3 else lambda heading: heading
     return ResolvedSpecifier(
         "facing", node, {"heading": REQUIRED}, lambda self: {"heading": finish(compute(self))}, frozenset(needs)

@@ -1,6 +1,6 @@
 """Specifiers: what each gives and needs, and how an instance's properties are resolved from them.
 
-Spec sections 4 and 5; the differences between the dialects are section 13. Read next: `language.specifier_rules`, the
+Read next: `language.specifier_rules`, the
 specifier of each specifier.
 """
 
@@ -83,7 +83,7 @@ class Resolution:
         return self.scope.error("specifier", message, specifier.node, near(need, self.by_property))
 
     def _circle(self, specifier: ResolvedSpecifier) -> str:
-        others = [each.name for each in self.waiting[self.waiting.index(specifier) + 1 :]]
+        others = [other.name for other in self.waiting[self.waiting.index(specifier) + 1 :]]
         return f"through `{'`, `'.join(others)}`" if others else ""
 
 
@@ -157,7 +157,7 @@ def higher_priority(
 def default_of(
     scope: Scope, cls: ScenicClass, name: str, instance: Instance, owner: str | None = None
 ) -> ResolvedSpecifier:
-    """The class's default for a property, as a specifier; `additive` ones collect those of all bases."""
+    """Return the class's default for a property, as a specifier; `additive` ones collect those of all bases."""
     owning = scope.owning(instance, owner or name)
     defaults = cls.defaults_of(name)
     needs = frozenset().union(*(default.needs for default in defaults[:1]))
@@ -181,7 +181,7 @@ def default_of(
 
 
 def instance_node(instance: Instance) -> ast.AST:
-    """A node at the place where the instance is made, to blame for its defaults."""
+    """Return a node at the place where the instance is made, to blame for its defaults."""
     place = instance.place
     return ast.Pass(
         lineno=place.line, col_offset=place.column, end_lineno=place.end_line, end_col_offset=place.end_column
@@ -191,7 +191,7 @@ def instance_node(instance: Instance) -> ast.AST:
 def split_heading(
     scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
 ) -> None:
-    """In dialect 3 heading = that of the parent + yaw, unless required; the class's default is the parent's."""
+    """Make the heading of dialect 3 that of the parent + yaw, unless required; the class's default is the parent's."""
     node = instance_node(instance)
     heading, yaw = by_property["heading"], by_property.get("yaw")
     if yaw is not None and not heading.name.startswith("default"):
@@ -237,19 +237,19 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
 
 def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
     """Return a behavior that was drawn as the behavior `A or B(chosen): do chosen`; any other value as it is."""
-    if not isinstance(value, RandomChoice) or not all(isinstance(each, BehaviorCall) for each in value.options):
+    if not isinstance(value, RandomChoice) or not all(isinstance(option, BehaviorCall) for option in value.options):
         return value
-    name = " or ".join(dict.fromkeys(each.behavior.name for each in value.options))
+    name = " or ".join(dict.fromkeys(option.behavior.name for option in value.options))
     do = nodes.Do([ast.Name("chosen", ast.Load())], "all", None, None, None, None)
     parameters = ast.arguments([], [ast.arg("chosen")], None, [], [], None, [])
     tree = nodes.Behavior(name, parameters, [], [], [do], "behavior", None)
-    for each in (do, do.calls[0], tree):
-        ast.copy_location(each, node)
+    for made in (do, do.calls[0], tree):
+        ast.copy_location(made, node)
     return BehaviorCall(Behavior(name, tree, (), {}, scope), {"chosen": value}, scope.place(node))
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
-    """A property that the class does not declare is allowed, but looks like a slip if a declared one is near."""
+    """Warn of a property that the class does not declare, if it looks like a slip."""
     known = cls.property_names()
     if name in known:
         scope.state.declared.add(scope.place(node))

@@ -1,4 +1,4 @@
-"""Temporal requirements: linear temporal logic over finite episodes, with four truth values (spec section 12).
+"""Temporal requirements: linear temporal logic over finite episodes, with four truth values.
 
 After each step a formula is true, presumably true, presumably false or false: `False` and `True` say that no further
 step can change it, `Presumably` what it would be if the episode ended now. A formula is carried along by progression:
@@ -39,7 +39,7 @@ class Truth(Enum):
 
     @property
     def holds(self) -> bool:
-        """Whether the formula holds if the episode ends now."""
+        """Return whether the formula holds if the episode ends now."""
         return self.value > Truth.PRESUMABLY_FALSE.value
 
 
@@ -47,11 +47,11 @@ class Formula:
     """What is required from some step on."""
 
     def after(self, step: Step) -> Formula:
-        """What remains to be required of the later steps once `step` has passed."""
+        """Return what remains to be required of the later steps once `step` has passed."""
         raise NotImplementedError
 
     def at_end(self) -> bool:
-        """Whether it holds of an episode that ends before the step it begins with."""
+        """Return whether it holds of an episode that ends before the step it begins with."""
         raise NotImplementedError
 
 
@@ -151,7 +151,7 @@ def negation(formula: Formula) -> Formula:
 
 
 def conjunction(left: Formula, right: Formula) -> Formula:
-    """Both, as simple as can be: what is settled or said twice is left out."""
+    """Return both, as simple as can be: what is settled or said twice is left out."""
     if left == FALSE or right == FALSE:
         return FALSE
     if left == TRUE or left in parts_of(right):
@@ -176,12 +176,12 @@ def always(operand: Formula) -> Formula:
 
 
 def is_temporal(node: ast.AST) -> bool:
-    """Whether an expression contains a temporal operator."""
-    return any(isinstance(each, nodes.Operator) and each.name in OPERATORS for each in ast.walk(node))
+    """Return whether an expression contains a temporal operator."""
+    return any(isinstance(part, nodes.Operator) and part.name in OPERATORS for part in ast.walk(node))
 
 
 def formula_of(node: ast.expr) -> Formula:
-    """The formula that an expression writes."""
+    """Return the formula that an expression writes."""
     if not is_temporal(node):
         return Atom(node)
     if isinstance(node, ast.UnaryOp):
@@ -190,7 +190,7 @@ def formula_of(node: ast.expr) -> Formula:
         join = conjunction if isinstance(node.op, ast.And) else disjunction
         return reduce(join, map(formula_of, node.values))
     assert isinstance(node, nodes.Operator), "the checker lets temporal operators stand nowhere else"
-    operands = [formula_of(each) for each in node.operands if each is not None]
+    operands = [formula_of(operand) for operand in node.operands if operand is not None]
     return MEANINGS[node.name](*operands)
 
 
@@ -210,7 +210,7 @@ class Check:
         self.rest = formula
 
     def step(self, step: Step) -> Truth:
-        """Tell what holds now; returns what is known then."""
+        """Take in what holds now, and return what is known then."""
         known: dict[int, bool] = {}
 
         def once(expression: ast.expr) -> bool:
@@ -225,7 +225,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether the requirement holds if the episode ends now."""
+        """Return whether the requirement holds if the episode ends now."""
         return self.rest.at_end()
 
 
@@ -233,12 +233,12 @@ class Check:
 
 
 def possible(formula: Formula, value: Callable[[ast.expr], Value]) -> Value:
-    """Whether a formula is not yet false after the first step; of many samples if `value` says so (spec section 9)."""
+    """Whether a formula is not yet false after the first step; of many samples if `value` says so."""
     return apply(NOT, known(formula, value, False), kind="truth")
 
 
 def known(formula: Formula, value: Callable[[ast.expr], Value], truth: bool) -> Value:
-    """Whether a formula is known to be `truth` after the first step, as Scenic counts: an `until` is never false."""
+    """Return whether a formula is known to be `truth` after the first step; to Scenic an `until` is never false."""
     if isinstance(formula, Settled):
         return formula.value is truth
     if isinstance(formula, Atom):
@@ -247,6 +247,6 @@ def known(formula: Formula, value: Callable[[ast.expr], Value], truth: bool) -> 
     if isinstance(formula, Not):
         return known(formula.operand, value, not truth)
     if isinstance(formula, Both):
-        parts: list[Any] = [known(each, value, truth) for each in (formula.left, formula.right)]
+        parts: list[Any] = [known(side, value, truth) for side in (formula.left, formula.right)]
         return apply(AND if truth else OR, *parts, kind="truth")
     return known(formula.right, value, True) if truth and isinstance(formula, Until) else False

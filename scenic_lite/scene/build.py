@@ -26,7 +26,7 @@ from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, colum
 def build_program(mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> Program:
     """Make the Program of a load whose statements have all run. Raises ScenicError if it can have no scene."""
     state = mode.state
-    objects = name_objects(sorted(state.objects, key=lambda each: each is not state.ego))  # the ego first
+    objects = name_objects(sorted(state.objects, key=lambda instance: instance is not state.ego))  # the ego first
     constraints = constraints_of(state, objects)
     read_in_episodes = values_read_in_episodes(state, objects)
     refuse_huge_values(state, objects, source.file)
@@ -75,9 +75,9 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
     What is random in them is sampled with the scene; what a behavior draws itself is not.
     """
     attached = [instance.properties["behavior"] for instance in objects]
-    calls = [each for each in (*attached, *state.monitors) if isinstance(each, BehaviorCall)]
+    calls = [value for value in (*attached, *state.monitors) if isinstance(value, BehaviorCall)]
     watched = (*state.terminations, *state.records, *state.temporal)
-    pending: list[tuple[Environment, ast.AST]] = [(each.scope, each.tree) for each in watched]
+    pending: list[tuple[Environment, ast.AST]] = [(statement.scope, statement.tree) for statement in watched]
     for call in calls:
         pending += [(call.behavior.scope, part) for part in body_of(call.behavior)]
     if state.main is not None and state.main_frame is not None:
@@ -152,5 +152,5 @@ def outline_parts(instance: Instance) -> list[Value]:
 
 
 def violated_always(program: Program, constraint: Constraint, members: list[Instance]) -> ScenicError:
-    where = ", ".join(f"{title_of(each)} is at {each.properties['position']!r}" for each in members)
+    where = ", ".join(f"{title_of(instance)} is at {instance.properties['position']!r}" for instance in members)
     return program.error("value", f"{constraint.label} in every scene", constraint.place, where)

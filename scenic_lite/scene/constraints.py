@@ -47,7 +47,7 @@ class Outlines:
     length: Any
 
     def of(self, objects: Any) -> tuple[Any, ...]:
-        """x, y, heading, width, length of some objects."""
+        """Return x, y, heading, width, length of some objects."""
         return tuple(part[objects] for part in (self.x, self.y, self.heading, self.width, self.length))
 
 
@@ -55,7 +55,7 @@ class Overlaps:
     """Tests every pair of objects that may not overlap."""
 
     def __init__(self, objects: list[Instance]) -> None:
-        strict = [i for i, each in enumerate(objects) if each.properties["allowCollisions"] is False]
+        strict = [i for i, instance in enumerate(objects) if instance.properties["allowCollisions"] is False]
         pairs = [(i, j) for j in strict for i in strict if i < j]
         self.first = np.array([i for i, _ in pairs], dtype=int)
         self.second = np.array([j for _, j in pairs], dtype=int)
@@ -99,7 +99,7 @@ def turned_meet(*numbers: Any) -> Any:
     meets = dx * dx + dy * dy <= reach * reach
     near = np.nonzero(meets)
     if len(near[0]):
-        meets[near] = rectangles_meet(*(np.broadcast_to(each, meets.shape)[near] for each in numbers))
+        meets[near] = rectangles_meet(*(np.broadcast_to(part, meets.shape)[near] for part in numbers))
     return meets
 
 
@@ -139,8 +139,11 @@ class Constraints:
     def __init__(self, batched: list[Overlaps | Containment], nodes: list[tuple[Constraint, Value]]) -> None:
         """A node is true where its constraint holds."""
         self.batched, self.nodes = batched, nodes
-        self.all = (*(each for test in batched for each in test.constraints), *(each for each, _ in nodes))
-        hard = [i for i, each in enumerate(self.all) if each.probability == 1]
+        self.all = (
+            *(constraint for test in batched for constraint in test.constraints),
+            *(constraint for constraint, _ in nodes),
+        )
+        hard = [i for i, constraint in enumerate(self.all) if constraint.probability == 1]
         self._hard = None if len(hard) == len(self.all) else np.array(hard, dtype=int)
         self._slots: list[bool | int] = []
 
@@ -193,11 +196,11 @@ def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
 
 def constraint_of_requirement(state: LoadState, constraints: Constraints) -> list[int | None]:
     """Return which constraint each requirement is; None for one that holds in every scene."""
-    at = len(constraints.all) - sum(each.condition is not True for each in state.requirements)
+    at = len(constraints.all) - sum(requirement.condition is not True for requirement in state.requirements)
     numbers: list[int | None] = []
-    for each in state.requirements:
-        numbers.append(None if each.condition is True else at)
-        at += each.condition is not True
+    for requirement in state.requirements:
+        numbers.append(None if requirement.condition is True else at)
+        at += requirement.condition is not True
     return numbers
 
 
@@ -220,8 +223,8 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
     """Yield the overlap constraints of pairs of which one allows collisions in some scenes only."""
     for j, b in enumerate(objects):
         for a in objects[:j]:
-            allowed = [each.properties["allowCollisions"] for each in (a, b)]
-            if any(isinstance(each, RandomExpr) for each in allowed) and True not in allowed:
+            allowed = [instance.properties["allowCollisions"] for instance in (a, b)]
+            if any(isinstance(value, RandomExpr) for value in allowed) and True not in allowed:
                 meets = apply(RECTANGLES_MEET, *rectangle_of(a), *rectangle_of(b))
                 excused = apply(OR, *allowed, kind="truth")
                 constraint = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
@@ -245,7 +248,7 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
 
 def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
     """Yield what the specifiers `visible` and `not visible` of dialect 3 demand of objects that came to be."""
-    made = {id(each) for each in objects}
+    made = {id(instance) for instance in objects}
     for instance, (viewer, visible) in state.sights:
         if id(instance) not in made:
             continue

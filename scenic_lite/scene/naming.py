@@ -66,7 +66,7 @@ class ThetaLayout:
 
 
 def unique(names: Iterable[str]) -> list[str]:
-    """The same names, repeated ones numbered from 2."""
+    """Return the same names, repeated ones numbered from 2."""
     taken: set[str] = set()
     result = []
     for name in names:
@@ -87,7 +87,7 @@ def name_objects(objects: list[Instance]) -> list[Instance]:
 
 
 def title_of(value: Value) -> str:
-    """How a chosen value is shown."""
+    """Return how a chosen value is shown."""
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, Vector) and value.fixed:
@@ -96,14 +96,14 @@ def title_of(value: Value) -> str:
 
 
 def title_of_option(options: Sequence[Value], index: int) -> str:
-    """How a chosen option is shown: by its number too, if others look the same."""
+    """Return how a chosen option is shown: by its number too, if others look the same."""
     titles = [title_of(option) for option in options]
     alike = titles.count(titles[index]) > 1
     return f"{titles[index]} (no. {index + 1} of {len(titles)})" if alike else titles[index]
 
 
 def name_arguments(objects: list[Instance]) -> None:
-    """Draws made for an argument of a behavior are named by it, if no variable is: `ego.behavior.speed`."""
+    """Name draws made for an argument of a behavior by it, if no variable does: `ego.behavior.speed`."""
     for instance in objects:
         behavior = instance.properties["behavior"]
         arguments = behavior.arguments if isinstance(behavior, BehaviorCall) else {}
@@ -116,7 +116,7 @@ def name_arguments(objects: list[Instance]) -> None:
 
 
 def owners_of(column: ThetaColumn) -> list[Instance]:
-    """Whose specifiers made a column: an object's, and the one's in whose specifiers that was made, and so on."""
+    """Return whose specifiers made a column: an object, the one in whose specifiers that was made, and so on."""
     owners, owner = [], column.owner
     while owner is not None:
         owners.append(owner[0])
@@ -125,7 +125,7 @@ def owners_of(column: ThetaColumn) -> list[Instance]:
 
 
 def shown_parts(value: Value) -> list[Value]:
-    """What a column may show of a value: itself, its coordinates, or the index of a choice."""
+    """Return what a column may show of a value: itself, its coordinates, or the index of a choice."""
     vector = as_vector(value)
     if vector is not None:
         return [vector.x, vector.y]
@@ -133,7 +133,7 @@ def shown_parts(value: Value) -> list[Value]:
 
 
 def column_names(columns: list[ThetaColumn]) -> list[str]:
-    """A name for each column: its variable, or object and axis, or object and property."""
+    """Return a name for each column: its variable, or object and axis, or object and property."""
     return unique(column_name(column) for column in columns)
 
 
@@ -150,7 +150,7 @@ def column_name(column: ThetaColumn) -> str:
 
 
 def axis_of(column: ThetaColumn, instance: Instance) -> str:
-    """x or y, if the column is that of a point or of the instance's position."""
+    """Return x or y, if the column is that of a point or of the instance's position."""
     if column.draw_kind.startswith("point."):
         return column.draw_kind.removeprefix("point.")
     position = instance.properties.get("position")
@@ -160,7 +160,7 @@ def axis_of(column: ThetaColumn, instance: Instance) -> str:
 
 
 def path_of(instance: Instance) -> str:
-    """An object's label; for a point made inside a specifier, its owner's name and the property."""
+    """Return an object's label; for a point made inside a specifier, its owner's name and the property."""
     if instance.label or instance.name or instance.owner is None:
         return instance.title()
     owner, name = instance.owner

@@ -85,17 +85,17 @@ class Program:
 
     @property
     def dim(self) -> int:
-        """D, the number of columns of θ."""
+        """Return D, the number of columns of θ."""
         return len(self.layout.draws)
 
     @property
     def draws(self) -> tuple[Draw, ...]:
-        """One Draw for each of the D columns of θ."""
+        """Return one Draw for each of the D columns of θ."""
         return self.layout.draws
 
     @property
     def areas(self) -> tuple[Area, ...]:
-        """The outlines of the workspace and of the regions from which points are drawn."""
+        """Return the outlines of the workspace and of the regions from which points are drawn."""
         return areas_of(self.mode.state.workspace, self.mode.state.points)
 
     def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
@@ -134,7 +134,7 @@ class Program:
 
     @cached_property
     def _shown(self) -> Tape:
-        """The tape of what a person would want to see of each column."""
+        """Return the tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
     def _evaluate(self, theta: np.ndarray) -> tuple[Scenes, CheckResults]:
@@ -165,7 +165,7 @@ class Program:
         """
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
-        soft = [i for i, each in enumerate(self.requirements) if each.probability < 1]
+        soft = [i for i, constraint in enumerate(self.requirements) if constraint.probability < 1]
         chosen = [rng.random(n) < self.requirements[i].probability for i in soft]
         in_force = np.ones((n, len(self.requirements)), dtype=bool)  # [n, R]
         in_force[:, soft] = np.stack(chosen, axis=1) if soft else True

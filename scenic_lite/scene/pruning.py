@@ -2,7 +2,7 @@
 
 The valid scenes and their distribution stay the same, since whatever is left out would be rejected; fewer levels are
 invalid. Only objects that stand at such a point itself, or at a fixed step from it, are pruned: not those with noise.
-Spec section 9. Read next: `scene.constraints`, which tests what is left.
+Read next: `scene.constraints`, which tests what is left.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def prune(state: LoadState) -> None:
     in as the radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
     ScenicError where an object fits nowhere.
     """
-    points = {id(part): i for i, each in enumerate(state.points) for part in (each.point.x, each.point.y)}
+    points = {id(part): i for i, drawn in enumerate(state.points) for part in (drawn.point.x, drawn.point.y)}
     parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
     for container, (where, label) in containers(state, state.objects).items():
         for instance in [state.objects[i] for i in where] if is_fixed_area(container) else []:
@@ -80,14 +80,14 @@ def prune(state: LoadState) -> None:
 
 
 def is_fixed_area(region: Region) -> bool:
-    """Whether a region is the same in every scene, has an area, and is known by its boundary."""
+    """Return whether a region is the same in every scene, has an area, and is known by its boundary."""
     if not isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion):
         return False
     return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
 
 
 def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tuple[int, float, float] | None:
-    """The index of the drawn point that a position is, and the fixed step from there."""
+    """Return the index of the drawn point that a position is, and the fixed step from there."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
     if at is None or state.points[at].point.x is not x or state.points[at].point.y is not y:
@@ -96,7 +96,7 @@ def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tu
 
 
 def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
-    """A value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
+    """Return a value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
     step = 0.0
     while isinstance(value, RandomExpr) and id(value) not in points and value.operation in (np.add, np.subtract):
         first, second = value.inputs
@@ -111,12 +111,12 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
 
 
 def inner_radius(instance: Instance) -> float:
-    """A lower bound of the radius of an object's inner circle in every scene."""
+    """Return a lower bound of the radius of an object's inner circle in every scene."""
     return min(max(0.0, least(instance.properties[name])) / 2 for name in ("width", "length"))
 
 
 def least(value: Value) -> float:
-    """A lower bound; -inf if none is known."""
+    """Return a lower bound; -inf if none is known."""
     if not isinstance(value, RandomExpr):
         return float(value)
     columns = list(columns_of(value))
@@ -171,7 +171,7 @@ def draw_from(state: LoadState, at: int, part: Region) -> None:
 
 
 def common_part(base: Region, demand: Demand) -> Region | None:
-    """The part of a region that meets a demand; the region itself if that is almost all of it, None if it is empty."""
+    """Return the part of a region that meets a demand; the region itself if that is almost all, None if nothing."""
     container = demand.container
     if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
         return common_rectangle(base, demand)
@@ -185,7 +185,7 @@ def aligned(a: RectangularRegion, b: RectangularRegion) -> bool:
 
 
 def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegion | None:
-    """As `common_part`, in the frame of two rectangles of the same heading."""
+    """Return the common part in the frame of two rectangles of the same heading."""
     container = demand.container
     assert isinstance(container, RectangularRegion)
     middle = base.position.rotated(-base.heading)
@@ -202,12 +202,12 @@ def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegi
 
 
 def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
-    """What two intervals, given by middle and half length, have in common."""
+    """Return what two intervals, given by middle and half length, have in common."""
     return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
 
 
 def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
-    """As `common_part` where that is one of the two discs; None if they overlap, or are apart."""
+    """Return the common part where that is one of the two discs; None if they overlap, or are apart."""
     container = demand.container
     assert isinstance(container, SectorRegion)
     middle, radius = container.center - demand.step, container.radius - demand.radius
@@ -218,7 +218,7 @@ def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
 
 
 def common_shape(base: Region, demand: Demand) -> Region | None:
-    """As `common_part`, for regions of any shape."""
+    """Return the common part of regions of any shape."""
     from scenic_lite.values import algebra, shapes
 
     room = circumscribed(demand.container).shape()
@@ -232,7 +232,7 @@ def common_shape(base: Region, demand: Demand) -> Region | None:
 
 
 def circumscribed(region: Region) -> Region:
-    """A region whose polygon holds all of the given one, also its arcs."""
+    """Return a region whose polygon holds all of the given one, also its arcs."""
     if not isinstance(region, SectorRegion):
         return region
     radius = region.radius / math.cos(min(region.angle, TURN) / 2 / ARC_SEGMENTS)
@@ -243,7 +243,7 @@ def circumscribed(region: Region) -> Region:
 
 
 def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
-    """Columns that are the coordinates themselves stay so, between nearer limits."""
+    """Bring the limits of columns that are the coordinates themselves nearer."""
     for column, (low, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.low, column.high = low, low, low + span
         column.span = span_between(low, low + span)
@@ -264,8 +264,8 @@ def redraw(state: LoadState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColu
 
 
 def successor(state: LoadState, column: ThetaColumn) -> ThetaColumn:
-    """A new column in the place of another one."""
+    """Return a new column in the place of another one."""
     fresh = ThetaColumn(column.draw_kind, column.place)
     fresh.name, fresh.owner = column.name, column.owner
-    state.columns[next(i for i, each in enumerate(state.columns) if each is column)] = fresh
+    state.columns[next(i for i, other in enumerate(state.columns) if other is column)] = fresh
     return fresh

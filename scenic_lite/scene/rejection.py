@@ -26,7 +26,7 @@ class RejectionReport:
 
     @property
     def acceptance(self) -> float:
-        """Share of the draws that were valid."""
+        """Return the share of the draws that were valid."""
         return self.accepted / self.draws
 
     def __str__(self) -> str:
@@ -38,11 +38,14 @@ class RejectionReport:
 
     def lines(self) -> list[str]:
         """Return one line for each constraint that rejected something."""
-        rows = [(f"    line {each.place.line}: {each.label}", share) for each, share in self.rejected[:SHOWN]]
+        rows = [
+            (f"    line {constraint.place.line}: {constraint.label}", share)
+            for constraint, share in self.rejected[:SHOWN]
+        ]
         width = max((len(text) for text, _ in rows), default=0) + 6
         lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
         if len(self.rejected) > SHOWN:
             lines.append(f"    and {len(self.rejected) - SHOWN} rules more")
-        if any(each.probability < 1 for each, _ in self.rejected):
+        if any(constraint.probability < 1 for constraint, _ in self.rejected):
             lines.append("    (a soft requirement rejects in its share of the scenes only, and makes no draw invalid)")
         return lines

@@ -65,12 +65,12 @@ def refuse_huge(value: Value, what: str) -> None:
     """Raise ScenicError if a value that scenes must hold is endless or very large when written out."""
     count, stack = 0, [(value, 0)]
     while stack:
-        each, depth = stack.pop()
+        part, depth = stack.pop()
         count += 1
         if count > LARGEST_VALUE or depth > DEEPEST_VALUE:
             raise exceeded(f"{what} has more than {LARGEST_VALUE:,} parts, or holds itself")
-        if isinstance(each, list | tuple | set | dict | RandomChoice | BehaviorCall):
-            stack += [(part, depth + 1) for part in parts_of(each)]
+        if isinstance(part, list | tuple | set | dict | RandomChoice | BehaviorCall):
+            stack += [(inner, depth + 1) for inner in parts_of(part)]
 
 
 class Planner:
@@ -81,22 +81,22 @@ class Planner:
         self.indices = {id(instance): i for i, instance in enumerate(objects)}
 
     def fixed(self, value: Value) -> Any:
-        """A fixed value in the form that Scenes give it."""
+        """Return a fixed value in the form that Scenes give it."""
         if isinstance(value, Vector):
             return (value.x, value.y)
         if isinstance(value, Instance):
             index = self.indices.get(id(value))
             return self.fixed(value.properties["position"]) if index is None else index
         if isinstance(value, list | tuple):
-            return type(value)(self.fixed(each) for each in value)
+            return type(value)(self.fixed(part) for part in value)
         if isinstance(value, dict):
-            return {key: self.fixed(each) for key, each in value.items()}
+            return {key: self.fixed(part) for key, part in value.items()}
         if isinstance(value, BehaviorCall):
             return value.behavior.name
         return value
 
     def plan(self, value: Value) -> Plan | None:
-        """How to read a value that varies; None if it is fixed."""
+        """Return how to read a value that varies; None if it is fixed."""
         if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
             return lambda registers, count: registers[slot]
@@ -113,12 +113,12 @@ class Planner:
         return self._sequence(value)
 
     def _varying(self, value: Value) -> Iterator[RandomExpr]:
-        """Objects of the program are given by index, so that what varies of them does not matter."""
+        """Return what varies of a value; not of the program's objects, which are given by index."""
         if isinstance(value, Instance):
             return iter(()) if id(value) in self.indices else randoms_in(value.properties["position"])
         if isinstance(value, list | tuple | dict):
             parts = value.values() if isinstance(value, dict) else value
-            return (each for part in parts for each in self._varying(part))
+            return (leaf for part in parts for leaf in self._varying(part))
         return randoms_in(value)
 
     def _vector(self, value: Vector) -> Plan:
@@ -139,15 +139,15 @@ class Planner:
         return read
 
     def _sequence(self, value: Any) -> Plan:
-        kind, readers = type(value), [self.reader(each) for each in value]
+        kind, readers = type(value), [self.reader(part) for part in value]
         return lambda registers, count: kind(reader(registers, count) for reader in readers)
 
     def _dictionary(self, value: dict) -> Plan:
-        readers = {key: self.reader(each) for key, each in value.items()}
+        readers = {key: self.reader(part) for key, part in value.items()}
         return lambda registers, count: {key: reader(registers, count) for key, reader in readers.items()}
 
     def reader(self, value: Value) -> Plan:
-        """As `plan`, for fixed values too."""
+        """Return how to read a value, fixed or not."""
         plan = self.plan(value)
         if plan is not None:
             return plan
@@ -156,7 +156,7 @@ class Planner:
 
 
 def row_of(value: Any, row: int) -> Any:
-    """One sample's part of a value over the samples."""
+    """Return one sample's part of a value over the samples."""
     if isinstance(value, np.ndarray):
         part = value[row]
         if isinstance(part, np.ndarray):
@@ -229,7 +229,7 @@ class Arrangement:
             ]
 
     def write(self, registers: list[Any], count: int) -> tuple[np.ndarray, np.ndarray, Outlines]:
-        """positions [N, O, 2], headings [N, O], and the objects' rectangles."""
+        """Return positions [N, O, 2], headings [N, O], and the objects' rectangles."""
         x, y = self._filled("x", registers, count), self._filled("y", registers, count)
         heading, width, length = (
             self._filled(part, registers, count) if self.random[part] else self.fixed[part]
@@ -242,7 +242,7 @@ class Arrangement:
         return positions, headings, Outlines(x, y, heading, width, length)
 
     def _filled(self, part: str, registers: list[Any], count: int) -> np.ndarray:
-        """[O, N]."""
+        """Return one number of every object: [O, N]."""
         values = np.empty((self.count, count))
         values[:] = self.fixed[part]
         for i, slot in self.random[part]:
@@ -278,7 +278,7 @@ class Area(NamedTuple):
 def areas_of(workspace: Region | None, points: Iterable[DrawnPoint]) -> tuple[Area, ...]:
     """Return the workspace, and the regions from which points are drawn, as named; not random or endless ones."""
     areas = [Area("workspace", strips_of(workspace))] if workspace is not None else []
-    regions = {id(region): region for region in (each.whole or each.region for each in points)}
+    regions = {id(region): region for region in (drawn.whole or drawn.region for drawn in points)}
     areas += [Area("drawn", strips_of(region)) for region in regions.values() if region is not workspace]
     return tuple(area for area in areas if area.strips)
 

@@ -55,14 +55,14 @@ def theta_of(subject: Subject, scenes: Scenes | Mapping[Any, Any], default: np.n
     Raises ScenicError naming the draws that nothing decides, or the value that is not met.
     """
     targets = list(targets_of_scenes(subject, scenes) if isinstance(scenes, Scenes) else targets_of(subject, scenes))
-    lengths = sorted({len(each.asked) for each in targets} - {1})
+    lengths = sorted({len(target.asked) for target in targets} - {1})
     if len(lengths) > 1:
         message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
         raise ScenicError("value", message)
     count = lengths[0] if lengths else 1
     if default is not None and len(default) not in (1, count):
         raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
-    targets = [each._replace(asked=np.broadcast_to(each.asked, count)) for each in targets]
+    targets = [target._replace(asked=np.broadcast_to(target.asked, count)) for target in targets]
     groups = groups_of(targets, subject.layout.columns)
     decided = {d for _, columns in groups for d in columns}
     free = [d for d, column in enumerate(subject.layout.columns) if d not in decided and column.span != 0]
@@ -85,13 +85,13 @@ def undetermined(draws: list[Draw]) -> ScenicError:
 
 
 def groups_of(targets: list[Target], columns: Sequence[ThetaColumn]) -> list[tuple[list[Target], list[int]]]:
-    """The targets that share columns, directly or through others, and these columns' indices."""
+    """Return the targets that share columns, directly or through others, and these columns' indices."""
     index = {id(column): d for d, column in enumerate(columns)}
     groups: list[tuple[list[Target], set[Any]]] = []
     for target in targets:
-        group, shared = [target], set[Any](index[id(each)] for each in columns_of(*randoms_in(target.value)))
+        group, shared = [target], set[Any](index[id(column)] for column in columns_of(*randoms_in(target.value)))
         shared.add((target.title, target.part))  # so that both coordinates of a position are in one message
-        for other in [each for each in groups if each[1] & shared]:
+        for other in [known for known in groups if known[1] & shared]:
             groups.remove(other)
             group, shared = [*other[0], *group], other[1] | shared
         groups.append((group, shared))
@@ -102,7 +102,7 @@ def groups_of(targets: list[Target], columns: Sequence[ThetaColumn]) -> list[tup
 
 
 def targets_of_scenes(subject: Subject, scenes: Scenes) -> Iterator[Target]:
-    """Everything that scenes hold."""
+    """Yield everything that scenes hold."""
     count = scenes.positions.shape[1]
     if count != len(subject.objects):
         message = f"{subject.file} has {len(subject.objects)} objects, and these scenes have {count}"
@@ -117,7 +117,7 @@ def targets_of_scenes(subject: Subject, scenes: Scenes) -> Iterator[Target]:
 
 
 def targets_of(subject: Subject, description: Mapping[Any, Any]) -> Iterator[Target]:
-    """What a person asks of objects, parameters and draws. Raises ScenicError for a name that is none of them."""
+    """Yield what a person asks of objects, parameters and draws. Raises ScenicError for a name that is none of them."""
     draws = {draw.name: column.shown for draw, column in zip(subject.layout.draws, subject.layout.columns, strict=True)}
     places = {draw.name: draw.place for draw in subject.layout.draws} | dict(subject.param_places)
     names = draws | dict(subject.params)
@@ -136,7 +136,7 @@ def targets_of(subject: Subject, description: Mapping[Any, Any]) -> Iterator[Tar
 
 
 def targets_of_object(subject: Subject, instance: Instance, asked: Mapping[str, Any]) -> Iterator[Target]:
-    """What is asked of an object's properties, and of the arguments of its behavior."""
+    """Yield what is asked of an object's properties, and of the arguments of its behavior."""
     for name, data in asked.items():
         known, parts = instance.properties, {name: data}
         if name == "behavior" and isinstance(data, Mapping):
@@ -151,7 +151,7 @@ def targets_of_object(subject: Subject, instance: Instance, asked: Mapping[str, 
 
 
 def object_named(subject: Subject, key: Any, others: Mapping[str, Value]) -> int | None:
-    """An object's index by its index, its label, `ego`, or its class if it is the only one of it; None for `others`."""
+    """Return an object's index by its index, label, `ego` or class, if the only one of it; None for `others`."""
     titles = [instance.title() for instance in subject.objects]
     if isinstance(key, int | np.integer):
         if not 0 <= key < len(titles):
@@ -159,7 +159,7 @@ def object_named(subject: Subject, key: Any, others: Mapping[str, Value]) -> int
         return int(key)
     if key in titles or key in others:
         return titles.index(key) if key in titles else None
-    alike = [i for i, each in enumerate(subject.objects) if key in [cls.name for cls in each.cls.lineage()]]
+    alike = [i for i, instance in enumerate(subject.objects) if key in [cls.name for cls in instance.cls.lineage()]]
     if len(alike) > 1:
         hint = f"say {', '.join(titles[i] for i in alike)}"
         raise ScenicError("name", f"{subject.file} has {len(alike)} objects of the class {key}", hint=hint)
@@ -171,7 +171,7 @@ def object_named(subject: Subject, key: Any, others: Mapping[str, Value]) -> int
 
 
 def stance_of(instance: Instance, asked: Any) -> dict[str, Any]:
-    """(x, y) or (x, y, heading), each a number or an array [N]; or an array [N, 2] or [N, 3]."""
+    """Return what (x, y) or (x, y, heading) ask, each a number or an array [N]; or an array [N, 2] or [N, 3]."""
     parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim == 2 else asked
     if not isinstance(parts, list | tuple | np.ndarray) or len(parts) not in (2, 3):
         raise ScenicError("type", f"{instance.title()} takes (x, y) or (x, y, heading), not {asked!r}", instance.place)
@@ -179,10 +179,10 @@ def stance_of(instance: Instance, asked: Any) -> dict[str, Any]:
 
 
 def leaves(subject: Subject, target: Target) -> Iterator[Target]:
-    """The plain values of which a value of any structure is made; regions and the like are not asked for."""
+    """Yield the plain values of which a value of any structure is made; regions and the like are not asked for."""
     value, asked = target.value, target.asked
     pairs: list[tuple[Value, Any]] = []
-    if isinstance(value, Instance) and not any(value is each for each in subject.objects):
+    if isinstance(value, Instance) and not any(value is instance for instance in subject.objects):
         pairs = [(value.properties["position"], asked)]
     elif isinstance(value, Vector):
         parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim == 2 else asked
@@ -190,7 +190,7 @@ def leaves(subject: Subject, target: Target) -> Iterator[Target]:
             raise ScenicError("type", f"{target.part} takes (x, y), not {asked!r}", target.place)
         pairs = [(value.x, parts[0]), (value.y, parts[1])]
     elif isinstance(value, dict) and isinstance(asked, Mapping):
-        pairs = [(each, asked[key]) for key, each in value.items() if key in asked]
+        pairs = [(part, asked[key]) for key, part in value.items() if key in asked]
     elif isinstance(value, list | tuple) and isinstance(asked, list | tuple) and len(value) == len(asked):
         pairs = list(zip(value, asked, strict=True))
     elif isinstance(value, RandomExpr | RandomChoice | str | bool) or is_number(value):
@@ -200,7 +200,7 @@ def leaves(subject: Subject, target: Target) -> Iterator[Target]:
 
 
 def array_of(target: Target) -> np.ndarray:
-    """What is asked of a plain value, as an array [N] or [1]."""
+    """Return what is asked of a plain value, as an array [N] or [1]."""
     asked, numeric = target.asked, kind_of(target.value) == "number"
     array = np.array([asked, None], dtype=object)[:-1] if isinstance(asked, list | tuple | str) else np.asarray(asked)
     if numeric and array.dtype.kind not in "biuf":
@@ -218,26 +218,28 @@ class System:
 
     def __init__(self, targets: list[Target], columns: list[ThetaColumn], objects: Sequence[Instance]) -> None:
         self.targets = targets
-        self.tape = Tape([node for each in targets for node in randoms_in(each.value)], columns, 10**9)
+        self.tape = Tape([node for target in targets for node in randoms_in(target.value)], columns, 10**9)
         planner = Planner(self.tape, list(objects))
-        self.readers = [planner.reader(each.value) for each in targets]
+        self.readers = [planner.reader(target.value) for target in targets]
         self.offset = np.array([column.offset for column in columns])
         self.span = np.array([column.span for column in columns])
 
     def values(self, unit: np.ndarray) -> list[Any]:
-        """What the targets are at unit [M, C]: W arrays [M], or values that never vary."""
+        """Return what the targets are at unit [M, C]: W arrays [M], or values that never vary."""
         with np.errstate(all="ignore"):
             registers = self.tape.run((self.offset + unit * self.span).T)
             return [reader(registers, len(unit)) for reader in self.readers]
 
     def gaps(self, unit: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """[M, W]: by how much unit [M, C] misses what is asked in some rows [M]."""
+        """Return by how much unit [M, C] misses what is asked in some rows [M]: [M, W]."""
         values = self.values(unit)
-        parts = [gap(value, each.asked[rows], each.part) for value, each in zip(values, self.targets, strict=True)]
+        parts = [
+            gap(value, target.asked[rows], target.part) for value, target in zip(values, self.targets, strict=True)
+        ]
         return np.stack([np.broadcast_to(part, len(unit)) for part in parts], axis=1)
 
     def solve(self, start: np.ndarray) -> np.ndarray:
-        """Unit [N, C] that gives what is asked, near the start if it can. Raises ScenicError if a row has none."""
+        """Return unit [N, C] that gives what is asked, near the start if possible; else raise ScenicError."""
         rows = np.arange(len(start))
         unit, error = self._descend(start, rows)
         missed = rows[~(error <= CLOSE)]
@@ -254,7 +256,7 @@ class System:
         return unit
 
     def _descend(self, start: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss-Newton from start [M, C]: where it ends, and the largest gap [M] there."""
+        """Return where Gauss-Newton leads from start [M, C], and the largest gap [M] there."""
         unit = start.copy()
         value = self.gaps(unit, rows)  # [M, W]
         reach = np.ones(len(unit))  # of a step, halved where it leads astray
@@ -271,7 +273,7 @@ class System:
         return unit, np.nan_to_num(np.abs(value).max(axis=1), nan=np.inf)
 
     def _step(self, unit: np.ndarray, value: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """The shortest step [M, C] of least squares; columns at an end of [0, 1] stay, others make up for it."""
+        """Return the shortest step [M, C] of least squares; columns at an end of [0, 1] stay, others make up for it."""
         nudge = np.where(unit > 0.5, -NUDGE, NUDGE)
         slope = np.empty((*value.shape, unit.shape[1]))  # [M, W, C]
         for c in range(unit.shape[1]):
@@ -287,7 +289,7 @@ class System:
         return step
 
     def _nearest(self, rows: np.ndarray) -> np.ndarray:
-        """The points of a coarse scan that come nearest to what is asked in some rows: [M, STARTS, C]."""
+        """Return the points of a coarse scan that come nearest to what is asked in some rows: [M, STARTS, C]."""
         count = len(self.offset)
         root = 1.5
         for _ in range(50):  # of x ** (C + 1) = x + 1, whose powers fill the cube evenly
@@ -296,17 +298,19 @@ class System:
         values = self.values(scan)
         best = []
         for row in rows:
-            parts = [gap(value, each.asked[[row]], each.part) for value, each in zip(values, self.targets, strict=True)]
+            parts = [
+                gap(value, target.asked[[row]], target.part) for value, target in zip(values, self.targets, strict=True)
+            ]
             far = np.abs(np.stack([np.broadcast_to(part, SCAN) for part in parts], axis=1)).max(axis=1)
             best.append(scan[np.argsort(np.nan_to_num(far, nan=np.inf), kind="stable")[:STARTS]])
         return np.stack(best)
 
     def _unmet(self, unit: np.ndarray, row: int) -> ScenicError:
-        """For one scene: the first value that is not met, and the nearest that was found."""
+        """Return the error for one scene: the first value that is not met, and the nearest that was found."""
         missed = np.abs(self.gaps(unit[[row]], np.array([row])))[0]
         first = self.targets[int(np.flatnonzero(~(missed <= CLOSE))[0])]
         pairs = zip(self.targets, self.values(unit[[row]]), strict=True)
-        family = [(each.asked[row], value) for each, value in pairs if each[:2] == first[:2]]
+        family = [(target.asked[row], value) for target, value in pairs if target[:2] == first[:2]]
         asked, nearest = (shown(values) for values in zip(*family, strict=True))
         which = f" in scene {row}" if len(unit) > 1 else ""
         hint = f"the nearest that was found is {nearest}" if self.span.size else f"the program fixes it at {nearest}"
@@ -314,14 +318,14 @@ class System:
 
 
 def shown(parts: Sequence[Any]) -> str:
-    """A value, or the two coordinates of a place, in one scene."""
+    """Return a value, or the two coordinates of a place, in one scene."""
     values = [np.ravel(part)[0] if isinstance(part, np.ndarray) else part for part in parts]
     texts = [f"{value:g}" if isinstance(value, int | float | np.number) else str(value) for value in values]
     return f"({' @ '.join(texts)})" if len(texts) == 2 else ", ".join(texts)
 
 
 def gap(value: Any, asked: Any, part: str) -> Any:
-    """By how much values [M] miss what is asked; 1 where they are no numbers and not the same."""
+    """Return by how much values [M] miss what is asked; 1 where they are no numbers and not the same."""
     value = np.asarray(value)
     if value.dtype.kind in "biuf" and asked.dtype.kind in "biuf":
         gaps = value.astype(float) - asked
@@ -333,7 +337,7 @@ def gap(value: Any, asked: Any, part: str) -> Any:
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two values agree, numbers up to rounding."""
+    """Return whether two values agree, numbers up to rounding."""
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
     if is_number(a) and is_number(b):

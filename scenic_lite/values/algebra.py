@@ -1,8 +1,8 @@
 """Regions made of regions: intersections, differences and unions, and whether regions meet or hold one another.
 
 Fixed regions are combined once. Regions that differ from scene to scene are combined in every scene (so that a point
-drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection. Spec
-section 8. Read next: `values.polygons`.
+drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection.
+Read next: `values.polygons`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from scenic_lite.values.regions import (
 
 
 def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
-    """The intersection, with the orientation of `a` if it has one, else of `b`.
+    """Return the intersection, with the orientation of `a` if it has one, else of `b`.
 
     Dialect 2 draws from `b`, and rejects by `a`, where both are random rectangles, discs or sectors: so that those
     which overlap more are the likelier ones.
@@ -57,7 +57,7 @@ def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
 
 
 def remainder(a: Region, b: Region) -> Region:
-    """What is in `a` and not in `b`; of a polyline it has no orientation."""
+    """Return what is in `a` and not in `b`; of a polyline it has no orientation."""
     if isinstance(b, Everywhere):
         return Nowhere()
     if isinstance(b, Nowhere) or isinstance(a, Nowhere):
@@ -70,7 +70,7 @@ def remainder(a: Region, b: Region) -> Region:
 
 
 def union(a: Region, b: Region) -> Region:
-    """Uniform over the whole, also where the two overlap; each part keeps its orientation."""
+    """Return a region uniform over the whole, also where the two overlap; each part keeps its orientation."""
     if isinstance(a, Everywhere) or isinstance(b, Nowhere):
         return a
     if isinstance(b, Everywhere) or isinstance(a, Nowhere):
@@ -79,7 +79,7 @@ def union(a: Region, b: Region) -> Region:
 
 
 def union_of(regions: Iterable[Region]) -> Region:
-    """Of any number of regions."""
+    """Return the union of any number of regions."""
     nothing: Region = Nowhere()
     return reduce(union, regions, nothing)
 
@@ -95,7 +95,7 @@ def made_of(operation: Operation, a: Region, b: Region, orientation: VectorField
 
 
 def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
-    """The region of a fixed shape, whatever it turned out to be."""
+    """Return the region of a fixed shape, whatever it turned out to be."""
     if shape.is_empty:
         return Nowhere()
     if shapely.get_num_coordinates(shape) > MOST_CORNERS:
@@ -109,27 +109,27 @@ def region_of(shape: Any, orientation: VectorField | None = None) -> Region:
 
 
 def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
-    """The points of a set that lie in another region, or those that do not."""
+    """Return the points of a set that lie in another region, or those that do not."""
     inside = [other.contains(Vector(float(x), float(y))) for x, y in points.points]
-    if any(isinstance(each, RandomExpr) for each in inside):
+    if any(isinstance(truth, RandomExpr) for truth in inside):
         return Filtered(points, other.contains if kept else lambda p: apply(NOT, other.contains(p), kind="truth"))
-    left = [tuple(point) for point, each in zip(points.points, inside, strict=True) if bool(each) is kept]
+    left = [tuple(point) for point, held in zip(points.points, inside, strict=True) if bool(held) is kept]
     return PointSetRegion(left, points.orientation or other.orientation) if left else Nowhere()
 
 
 def meet(a: Region, b: Region) -> Value:
-    """Whether two regions have a common point."""
+    """Return whether two regions have a common point."""
     for first, second in ((a, b), (b, a)):
         if isinstance(first, Everywhere | Nowhere):
             return isinstance(first, Everywhere) and not isinstance(second, Nowhere)
         if isinstance(first, PointSetRegion):
             inside = [second.contains(Vector(float(x), float(y))) for x, y in first.points]
-            return reduce(lambda some, each: apply(OR, some, each, kind="truth"), inside)
+            return reduce(lambda some, truth: apply(OR, some, truth, kind="truth"), inside)
     return apply(shapes.MEET, a.shape(), b.shape(), kind="truth")
 
 
 def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
-    """Whether all of `b` lies in `a`, or within `tolerance` of it."""
+    """Return whether all of `b` lies in `a`, or within `tolerance` of it."""
     if isinstance(a, Everywhere) or isinstance(b, Nowhere):
         return True
     if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
@@ -139,13 +139,13 @@ def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
 
 
 def grown(region: Region, by: Value) -> Region:
-    """The region and all points within a distance of it (for a negative one, what is so deep inside)."""
+    """Return the region and all points within a distance of it (for a negative one, what is so deep inside)."""
     shape = apply(shapes.GROWN, region.shape(), by, kind="any")
     return ShapeRegion(shape) if isinstance(shape, RandomExpr) else region_of(shape)
 
 
 def boundary(region: Region) -> Region:
-    """Of a fixed polygon, as polylines."""
+    """Return the boundary of a fixed polygon, as polylines."""
     shape = fixed_shape(region).boundary
     lines = shape.geoms if hasattr(shape, "geoms") else [shape]
     return PolylineRegion([[tuple(point) for point in line.coords] for line in lines])
@@ -159,14 +159,14 @@ def fixed_shape(region: Region) -> Any:
 
 
 def size_of(region: Region) -> Value:
-    """Area, length or number of points."""
+    """Return area, length or number of points."""
     if region.dimension == 0:
         return len(region.points) if isinstance(region, PointSetRegion) else None
     return apply(shapes.AREA if region.dimension == 2 else shapes.LENGTH, region.shape())
 
 
 def depth_of_middle(region: Region) -> Value:
-    """How far the middle of a region's bounds is from its boundary; 0 outside."""
+    """Return how far the middle of a region's bounds is from its boundary; 0 outside."""
     return numbers_of(middle_depths, region.shape())
 
 

@@ -109,7 +109,7 @@ def rectangles_meet(
 
 
 def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:
-    """Discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
+    """Return discs or parts of one as closed polygons, arcs as chords of equal length: [N] or scalars -> [N, K, 2]."""
     x, y, radius, heading, angle = np.broadcast_arrays(*np.atleast_1d(x, y, radius, heading, angle))
     turns = heading[:, None] + np.minimum(angle, TURN)[:, None] * np.linspace(-0.5, 0.5, count + 1)
     rim_x, rim_y = x[:, None] - radius[:, None] * np.sin(turns), y[:, None] + radius[:, None] * np.cos(turns)
@@ -129,7 +129,7 @@ def normal_cdf(z: float) -> float:
 
 def normal_cdfs(z: Any) -> Any:
     """Return Φ of each element."""
-    return 0.5 * np.array([math.erfc(-each / math.sqrt(2)) for each in z])
+    return 0.5 * np.array([math.erfc(-number / math.sqrt(2)) for number in z])
 
 
 def normal_quantile(uniform: Any) -> Any:

@@ -1,6 +1,6 @@
 """Vectors, angles and oriented rectangles; one code for numbers and for random values.
 
-Headings are radians, 0 along +y, anticlockwise (spec section 6). Read next: `values.regions`; `scene.constraints`,
+Headings are radians, 0 along +y, anticlockwise. Read next: `values.regions`; `scene.constraints`,
 which tests rectangles.
 """
 
@@ -60,7 +60,7 @@ class Vector:
         return is_number(self.x) and is_number(self.y)
 
     def rotated(self, angle: Value) -> Vector:
-        """Turned anticlockwise by `angle`; exactly itself if that is 0."""
+        """Return it turned anticlockwise by `angle`; exactly itself if that is 0."""
         c, s = cosine(angle), sine(angle)
         return Vector(self.x * c - self.y * s, self.x * s + self.y * c)
 
@@ -73,11 +73,11 @@ class Located(ABC):
 
     @abstractmethod
     def position_vector(self) -> Vector | None:
-        """The position, or None if it has none (yet)."""
+        """Return the position, or None if it has none (yet)."""
 
 
 def is_scalar(value: Value) -> bool:
-    """Whether it is a number, fixed or random."""
+    """Return whether it is a number, fixed or random."""
     return is_number(value) or (isinstance(value, RandomExpr) and value.kind == "number")
 
 
@@ -95,7 +95,7 @@ def scalar_operand(value: Value, sign: str) -> Value:
 
 
 def as_vector(value: Value) -> Vector | None:
-    """A vector from what the language accepts as one: itself, a pair of numbers, anything with a position.
+    """Return a vector from what the language accepts as one: itself, a pair of numbers, anything with a position.
 
     Of three coordinates the third must be 0.
     """
@@ -117,7 +117,7 @@ def cosine(angle: Value) -> Value:
 
 
 def normalised(angle: Value) -> Value:
-    """The same angle in [-π, π]; both ends stay as they are."""
+    """Return the same angle in [-π, π]; both ends stay as they are."""
     return apply(NORMALISE, angle)
 
 
@@ -126,12 +126,12 @@ def distance_between(start: Vector, end: Vector) -> Value:
 
 
 def angle_between(start: Vector, end: Vector) -> Value:
-    """Heading of the ray from `start` to `end`."""
+    """Return the heading of the ray from `start` to `end`."""
     ray = end - start
     return normalised(apply(ARC_TANGENT_2, ray.y, ray.x) - math.pi / 2)
 
 
 def corners(position: Vector, heading: Value, width: Value, length: Value) -> list[Vector]:
-    """The corners of an oriented rectangle, anticlockwise from the front right."""
+    """Return the corners of an oriented rectangle, anticlockwise from the front right."""
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
     return [position + Vector(width * x, length * y).rotated(heading) for x, y in signs]

@@ -129,7 +129,7 @@ def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:
-    """As `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
+    """Do as `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
     kinds = {kind_of(operand) for operand in operands}
     if kinds <= {"number", "truth"}:
         return apply(operation, *(as_number(operand) for operand in operands))
@@ -139,7 +139,7 @@ def arithmetic(operation: Operation, *operands: Value) -> Value:
 
 
 def as_number(value: Value) -> Value:
-    """A truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
+    """Return a truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
     return RandomExpr(to_integers, (value,)) if isinstance(value, RandomExpr) and value.kind == "truth" else value
 
 
@@ -172,7 +172,7 @@ class Table:
 
 
 def select(index: RandomExpr, options: tuple) -> RandomExpr:
-    """The random choice among numbers or texts, themselves random or not."""
+    """Return the random choice among numbers or texts, themselves random or not."""
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
     if any(isinstance(option, RandomExpr) for option in options):
@@ -181,7 +181,7 @@ def select(index: RandomExpr, options: tuple) -> RandomExpr:
 
 
 def columns_of(*values: Value) -> Iterator[ThetaColumn]:
-    """The columns that random values are computed from, each once."""
+    """Yield the columns that random values are computed from, each once."""
     seen: set[int] = set()
     stack = list(reversed(values))
     while stack:
@@ -212,7 +212,7 @@ class Tape:
         return self.slots[id(value)]
 
     def find(self, value: RandomExpr) -> int | None:
-        """The register of any value that is computed on the way to the outputs."""
+        """Return the register of any value that is computed on the way to the outputs."""
         return self._slots.get(id(value))
 
     def keep(self, *values: Value) -> None:
@@ -239,7 +239,7 @@ class Tape:
 
     @cached_property
     def _schedule(self) -> tuple[list[tuple[Callable[..., Any], tuple[int, ...], int, tuple[int, ...]]], int]:
-        """The steps, each with the registers that it is the last to read; and how many are alive at most."""
+        """Return the steps, each with the registers that it is the last to read; and how many are alive at most."""
         last = {slot: at for at, (_, inputs, out) in enumerate(self.steps) for slot in (out, *inputs)}
         dying: dict[int, list[int]] = {}
         for _, _, out in self.steps:

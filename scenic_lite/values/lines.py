@@ -28,7 +28,7 @@ class PolylineRegion(Region):
     dimension = 1
 
     def __init__(self, chains: list[list[Point2]], orientation: VectorField | bool | None = True) -> None:
-        """Each chain has two points or more. `orientation` True: along the segments; None: there is none."""
+        """Take chains, each of two points or more. `orientation` True: along the segments; None: there is none."""
         points = [np.array(chain, dtype=float) for chain in chains]
         self.chains = points
         self.starts = np.concatenate([chain[:-1] for chain in points])  # [S, 2]
@@ -68,7 +68,7 @@ class PolylineRegion(Region):
         return RandomExpr(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
 
     def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
-        """The nearest segment of each point, how far along it, and the distance."""
+        """Return the nearest segment of each point, how far along it, and the distance."""
         dx, dy = np.asarray(x)[..., None] - self.starts[:, 0], np.asarray(y)[..., None] - self.starts[:, 1]
         square = np.maximum(self.lengths * self.lengths, 1e-300)
         along = np.clip((dx * self.steps[:, 0] + dy * self.steps[:, 1]) / square, 0.0, 1.0)  # [..., S]
@@ -90,7 +90,7 @@ class PolylineRegion(Region):
         return numbers_of(lambda x, y: self.nearest(x, y)[2], point.x, point.y)
 
     def signed_distance(self, point: Vector) -> Value:
-        """Positive on the left of the nearest segment."""
+        """Return the distance, positive on the left of the nearest segment."""
         return numbers_of(self._signed, point.x, point.y)
 
     def _signed(self, x: Any, y: Any) -> Any:
@@ -100,7 +100,7 @@ class PolylineRegion(Region):
         return np.where(side >= 0, distance, -distance)
 
     def projected(self, point: Vector) -> Vector:
-        """The nearest point of the polyline."""
+        """Return the nearest point of the polyline."""
         return Vector(*(numbers_of(self._project(axis), point.x, point.y) for axis in (0, 1)))
 
     def _project(self, axis: int) -> Callable[[Any, Any], Any]:
@@ -111,19 +111,19 @@ class PolylineRegion(Region):
         return coordinate
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
-        """The point so far along the polyline from its start (or that share of its length)."""
+        """Return the point so far along the polyline from its start (or that share of its length)."""
         share = distance if normalized else distance / self.length
         x = numbers_of(lambda u: self._x(np.clip(u, 0.0, 1.0)), share)
         return Vector(x, numbers_of(lambda u: self._y(np.clip(u, 0.0, 1.0)), share))
 
     def __add__(self, other: Value) -> PolylineRegion:
-        """Both, each part keeping its direction."""
+        """Return both, each part keeping its direction."""
         if not isinstance(other, PolylineRegion):
             raise TypeError("a polyline and something else")
         return PolylineRegion([chain.tolist() for chain in (*self.chains, *other.chains)])
 
     def vertices(self) -> list[Point2]:
-        """Its points in order; where one chain ends as the next begins, once."""
+        """Return its points in order; where one chain ends as the next begins, once."""
         points: list[Point2] = []
         for chain in self.chains:
             own = [(float(x), float(y)) for x, y in chain]
@@ -215,13 +215,13 @@ class GridRegion(PointSetRegion):
         return truth_of(self._free, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """The corners are free, and no obstacle's grid point lies in the rectangle."""
+        """Return the corners are free, and no obstacle's grid point lies in the rectangle."""
         inside = Region.contains_corners(self, corners)
         numbers = [part for corner in corners for part in (corner.x, corner.y)]
         return apply(AND, inside, truth_of(self._unobstructed, *numbers), kind="truth")
 
     def _unobstructed(self, *numbers: Any) -> Any:
-        x0, y0, x1, y1, x2, y2 = (np.asarray(each)[..., None] for each in numbers[:6])
+        x0, y0, x1, y1, x2, y2 = (np.asarray(number)[..., None] for number in numbers[:6])
         heading = np.arctan2(y0 - y1, x0 - x1)  # of the front side, from left to right
         across, along = in_frame(self.obstacles[:, 0] - (x0 + x2) / 2, self.obstacles[:, 1] - (y0 + y2) / 2, heading)
         half_width, half_length = np.hypot(x0 - x1, y0 - y1) / 2, np.hypot(x1 - x2, y1 - y2) / 2

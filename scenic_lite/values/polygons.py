@@ -27,7 +27,7 @@ class PolygonalRegion(Region):
     """A fixed polygon or several, with holes or without."""
 
     def __init__(self, shape: Any, orientation: VectorField | None = None) -> None:
-        """`shape` is a valid shapely Polygon or MultiPolygon, not empty."""
+        """Take a valid shapely Polygon or MultiPolygon, not empty."""
         self._shape = shape
         self.orientation = orientation
 
@@ -36,14 +36,14 @@ class PolygonalRegion(Region):
 
     @cached_property
     def rings(self) -> list[Any]:
-        """Its closed boundaries, each [n, 2]: outer ones and holes."""
+        """Return its closed boundaries, each [n, 2]: outer ones and holes."""
         import shapely
 
         return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(self._shape))]
 
     @cached_property
     def edges(self) -> Any:
-        """x, y of both ends of each edge of its boundary, [E, 4]."""
+        """Return x, y of both ends of each edge of its boundary, [E, 4]."""
         return np.concatenate([np.hstack([ring[:-1], ring[1:]]) for ring in self.rings])
 
     def outlines(self) -> list[Any]:
@@ -75,8 +75,8 @@ class PolygonalRegion(Region):
         return self._holds.rectangles(*numbers)
 
     def _clear(self, *numbers: Any) -> Any:
-        """Whether no edge of the boundary enters a rectangle, given x and y of its corners in turn: [N]."""
-        corners = np.stack(np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in numbers)))  # [8, N]
+        """Return whether no edge of the boundary enters a rectangle, given x and y of its corners in turn: [N]."""
+        corners = np.stack(np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers)))  # [8, N]
         size = max(1, BLOCK // len(self.edges))
         whole = corners.reshape(8, -1)
         parts = [edges_clear(self.edges, whole[:, i : i + size]) for i in range(0, whole.shape[1], size)]
@@ -109,7 +109,7 @@ class Slabs:
         self.before = np.concatenate([[0.0], self.ends[:-1]])
 
     def __call__(self, u: Any, v: Any) -> tuple[Any, Any]:
-        """[N], [N] -> x [N], y [N]."""
+        """Return the points of uniform numbers: [N], [N] -> x [N], y [N]."""
         which = np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
         share = np.clip((u - self.before[which]) / np.maximum(self.ends[which] - self.before[which], 1e-300), 0.0, 1.0)
         left, right = self.left[which], self.right[which]
@@ -124,14 +124,14 @@ class Slabs:
         return self.start[which] + t * self.width[which], y
 
     def _stack(self, which: Any, t: Any) -> tuple[Any, Any]:
-        """The lower ends and the heights of the trapezoids on the verticals at t of some slabs, each [N, K]."""
+        """Return the lower ends and the heights of the trapezoids on the verticals at t of some slabs, each [N, K]."""
         t = t[:, None]
         height = self.high[which]
         return self.low[which] + t * self.low_step[which], height[..., 0] * (1 - t) + height[..., 1] * t
 
 
 def stack_between(edges: Any, start: float, end: float) -> Any:
-    """The trapezoids between two neighbouring xs, the lowest first: [K, 4]."""
+    """Return the trapezoids between two neighbouring xs, the lowest first: [K, 4]."""
     low, high = np.minimum(edges[:, 0], edges[:, 2]), np.maximum(edges[:, 0], edges[:, 2])
     x0, y0, x1, y1 = edges[(low <= start) & (high >= end)].T
     at_start, at_end = (y0 + (y1 - y0) * ((x - x0) / (x1 - x0)) for x in (start, end))
@@ -154,7 +154,7 @@ class Holds:
         return self.points(self.shape, x, y)
 
     def rectangles(self, *numbers: Any) -> Any:
-        """Given x and y of the corners in turn, [N] or scalars."""
+        """Return whether rectangles lie inside, given x and y of the corners in turn, [N] or scalars."""
         from scenic_lite.values import shapes
 
         return shapes.covers_rectangles(self.shape, *numbers)
@@ -199,7 +199,7 @@ class ShapeRegion(Region):
 
 
 def polygon_through(points: list[Point2], orientation: VectorField | None = None) -> PolygonalRegion:
-    """The polygon with fixed corners. Raises ScenicError if it crosses itself or has no area."""
+    """Return the polygon with fixed corners. Raises ScenicError if it crosses itself or has no area."""
     import shapely
 
     if len(points) < 3:
@@ -213,7 +213,7 @@ def polygon_through(points: list[Point2], orientation: VectorField | None = None
 
 
 def edges_clear(edges: Any, corners: Any) -> Any:
-    """Whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
+    """Return whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
 
     An edge stays out exactly if it is apart from the rectangle along one of its two sides, or along its own normal.
     """

@@ -1,8 +1,8 @@
 """Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
 
 Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), and says whether
-points and rectangles lie in it. Spec section 8. Read next: `values.polygons`, for
-regions of any shape; `language.fields`; `values.algebra`, which combines regions.
+points and rectangles lie in it. Read next: `values.polygons`, for regions of any shape;
+`language.fields`; `values.algebra`, which combines regions.
 """
 
 from __future__ import annotations
@@ -40,39 +40,39 @@ class Region:
     dimension = 2
 
     def scales(self) -> list[tuple[float, float]]:
-        """Offset and span of the numbers that `point` wants, for each column."""
+        """Return offset and span of the numbers that `point` wants, for each column."""
         return [(0.0, 1.0)] * self.columns
 
     def point(self, u: Value, v: Value) -> Vector:
-        """The point for two uniform numbers, scaled as `scales` says."""
+        """Return the point for two uniform numbers, scaled as `scales` says."""
         raise NotImplementedError
 
     def heading_of(self, point: Vector, u: Value) -> Value:
-        """The orientation at a point that was drawn with `u`; None if the region has none."""
+        """Return the orientation at a point that was drawn with `u`; None if the region has none."""
         return self.orientation.heading_at(point) if self.orientation else None
 
     def contains(self, point: Vector) -> Value:
         raise NotImplementedError
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
+        """Return whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
         inside = self.contains(corners[0])
         for corner in corners[1:]:
             inside = apply(AND, inside, self.contains(corner), kind="truth")
         return inside
 
     def distance(self, point: Vector) -> Value:
-        """From a point, 0 inside. Raises ScenicError where it is endless."""
+        """Return the distance from a point, 0 inside. Raises ScenicError where it is endless."""
         from scenic_lite.values import shapes
 
         return apply(shapes.DISTANCE, self.shape(), point.x, point.y)
 
     def shape(self) -> Value:
-        """Its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
+        """Return its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
         raise ScenicError("unsupported", f"{title(self)} cannot be combined with another region here")
 
     def bounds(self) -> tuple[float, float, float, float] | None:
-        """Low x, high x, low y, high y; None if random or endless."""
+        """Return low x, high x, low y, high y; None if random or endless."""
         try:
             points = np.concatenate(self.outlines())
         except ScenicError:
@@ -81,19 +81,19 @@ class Region:
         return float(low_x), float(high_x), float(low_y), float(high_y)
 
     def outlines(self) -> list[Any]:
-        """Its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
+        """Return its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
         raise ScenicError("unsupported", f"{title(self)} has no fixed outline")
 
     def vertices(self) -> list[Point2] | None:
-        """The points of a polyline, which can be counted and walked through; None for other regions."""
+        """Return the points of a polyline, which can be counted and walked through; None for other regions."""
         return None
 
     def fixed(self) -> bool:
-        """Whether it is the same in every scene."""
+        """Return whether it is the same in every scene."""
         return all(is_number(part) for part in self.parameters())
 
     def parameters(self) -> tuple[Value, ...]:
-        """What it is made of, and may be random."""
+        """Return what it is made of, and may be random."""
         return ()
 
 
@@ -130,7 +130,7 @@ class RectangularRegion(Region):
     def outlines(self) -> list[Any]:
         if not self.fixed():
             return super().outlines()
-        corners = [(each.x, each.y) for each in self.corners()]
+        corners = [(corner.x, corner.y) for corner in self.corners()]
         return [np.array([*corners, corners[0]])]
 
     def shape(self) -> Value:
@@ -149,7 +149,7 @@ class SectorRegion(Region):
         return self.center.x, self.center.y, self.radius, self.heading, self.angle
 
     def round(self) -> bool:
-        """Whether it is known to be a whole disc."""
+        """Return whether it is known to be a whole disc."""
         return is_number(self.angle) and self.angle >= TURN
 
     def point(self, u: Value, v: Value) -> Vector:
@@ -163,14 +163,14 @@ class SectorRegion(Region):
         return apply(IN_SECTOR, delta.x, delta.y, reach, self.heading, self.angle)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Exact, also where the sector is more than half a disc and so not convex."""
+        """Return whether a rectangle lies inside, also where the sector is more than half a disc and so not convex."""
         inside = super().contains_corners(corners)
         if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
             return inside
         sides = [self.heading + self.angle * 0.5, self.heading - self.angle * 0.5]
         for side in sides:
             end = Vector(self.center.x - self.radius * sine(side), self.center.y + self.radius * cosine(side))
-            numbers = [part for each in (self.center, end, *corners) for part in (each.x, each.y)]
+            numbers = [part for corner in (self.center, end, *corners) for part in (corner.x, corner.y)]
             inside = apply(AND, inside, truth_of(stays_aside, *numbers), kind="truth")
         return inside
 
@@ -238,28 +238,28 @@ class Filtered(Region):
 
 
 def title(region: Region) -> str:
-    """A region in a message."""
+    """Return a region in a message."""
     return type(region).__name__
 
 
 def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
-    """A test written for arrays, on numbers or random values."""
+    """Return a test written for arrays, on numbers or random values."""
     return apply(Operation(quietly(test, bool), test), *operands, kind="truth")
 
 
 def numbers_of(function: Callable[..., Any], *operands: Value) -> Value:
-    """A number computed by a function written for arrays."""
+    """Return a number computed by a function written for arrays."""
     return apply(Operation(quietly(function, float), function), *operands)
 
 
 def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
-    """The distance of points from an oriented rectangle, 0 inside."""
+    """Return the distance of points from an oriented rectangle, 0 inside."""
     across, along = in_frame(x - cx, y - cy, heading)
     return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
 
 
 def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
-    """Whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
+    """Return whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
     p, q = (x, y), (end_x, end_y)
     points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
     crossed: Any = False
@@ -270,7 +270,7 @@ def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
 
 
 def turn_of(a: Any, b: Any, c: Any) -> Any:
-    """Twice the signed area of a triangle: positive if it runs anticlockwise."""
+    """Return twice the signed area of a triangle: positive if it runs anticlockwise."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 

@@ -21,7 +21,7 @@ EMPTY = shapely.Polygon()
 
 
 def guarded(build: Callable[..., Any]) -> Callable[..., Any]:
-    """The same construction of shapes, empty where numbers are not finite or geometry fails."""
+    """Return the same construction of shapes, empty where numbers are not finite or geometry fails."""
 
     def of_rows(*parts: Any) -> Any:
         try:
@@ -41,13 +41,13 @@ def one(build: Callable[..., Any], row: tuple) -> Any:
 
 
 def shaping(build: Callable[..., Any]) -> Operation:
-    """An operation that makes shapes: `build` takes arrays [N]."""
+    """Return an operation that makes shapes: `build` takes arrays [N]."""
     rows = guarded(build)
     return Operation(lambda *parts: rows(*(np.array([part]) for part in parts))[0], rows)
 
 
 def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
-    """[N] oriented rectangles."""
+    """Return [N] oriented rectangles."""
     x, y, heading, width, length = np.broadcast_arrays(x, y, heading, width, length)
     c, s = np.cos(heading), np.sin(heading)
     rings = [
@@ -58,25 +58,25 @@ def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
 
 
 def sectors(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
-    """[N] discs or parts of one; their arcs are chains of chords of equal length."""
+    """Return [N] discs or parts of one; their arcs are chains of chords of equal length."""
     return shapely.polygons(sector_rings(x, y, radius, heading, angle, COARSE))
 
 
 def polygons_of(*numbers: Any) -> Any:
-    """[N] polygons from the x and y of each corner in turn; empty where they cross themselves."""
+    """Return [N] polygons from the x and y of each corner in turn; empty where they cross themselves."""
     rows = np.broadcast_arrays(*numbers)
     made = shapely.polygons(np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1))
     return np.where(shapely.is_valid(made), made, EMPTY)
 
 
 def lines_of(*numbers: Any) -> Any:
-    """[N] polylines from the x and y of each point in turn."""
+    """Return [N] polylines from the x and y of each point in turn."""
     rows = np.broadcast_arrays(*numbers)
     return shapely.linestrings(np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1))
 
 
 def flat(shapes: Any) -> Any:
-    """Collections of mixed dimensions reduced to the parts of the highest: what a uniform point falls into."""
+    """Reduce collections of mixed dimensions to the parts of the highest: what a uniform point falls into."""
     mixed = shapely.get_type_id(shapes) == 7
     if not np.any(mixed):
         return shapes
@@ -121,7 +121,7 @@ LENGTH = Operation(lambda shape: float(shape.length), shapely.length)
 
 
 def grown(shape: Any, by: Any) -> Any:
-    """A shape and all that is within a distance of it."""
+    """Return a shape and all that is within a distance of it."""
     return shapely.buffer(shape, by, quad_segs=ARC_SEGMENTS // 4)
 
 
@@ -129,12 +129,12 @@ GROWN = shaping(grown)
 
 
 def moved(shape: Any, x: float, y: float) -> Any:
-    """A fixed shape somewhere else."""
+    """Return a fixed shape somewhere else."""
     return shapely.transform(shape, lambda points: points + (x, y))
 
 
 def holds_shape(shape: Any, other: Any) -> Any:
-    """Whether shapes lie in shapes, boundaries included."""
+    """Return whether shapes lie in shapes, boundaries included."""
     return shapely.covers(shapely.buffer(shape, CLOSENESS, join_style="mitre"), other)
 
 
@@ -142,8 +142,8 @@ HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), ho
 
 
 def covers_rectangles(shape: Any, *numbers: Any) -> Any:
-    """Whether a fixed, prepared shape holds rectangles, given x and y of their corners in turn."""
-    rows = np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in numbers))
+    """Return whether a fixed, prepared shape holds rectangles, given x and y of their corners in turn."""
+    rows = np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers))
     corners = np.stack([np.stack(rows[::2], -1), np.stack(rows[1::2], -1)], -1)
     known = np.isfinite(corners).all(axis=(-2, -1))  # what stands nowhere is in no shape
     return known & shapely.covers(shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))
@@ -177,7 +177,7 @@ def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
 
 
 def segments_of(lines: Any) -> tuple[Any, Any]:
-    """The segments of each polyline or ring, [E, 2, 2], and whose they are [E]."""
+    """Return the segments of each polyline or ring, [E, 2, 2], and whose they are [E]."""
     parts, owner = shapely.get_parts(lines, return_index=True)
     points, part = shapely.get_coordinates(parts, return_index=True)
     same = part[:-1] == part[1:]
@@ -185,7 +185,7 @@ def segments_of(lines: Any) -> tuple[Any, Any]:
 
 
 def line_points(lines: Any, u: Any, v: Any) -> Any:
-    """By the length along each polyline: [2, N]."""
+    """Return points by the length along each polyline: [2, N]."""
     segments, owner = segments_of(lines)
     lengths = np.hypot(*(segments[:, 1] - segments[:, 0]).T)
     ends = np.cumsum(lengths)
@@ -196,7 +196,7 @@ def line_points(lines: Any, u: Any, v: Any) -> Any:
 
 
 def piece_of(ends: Any, sizes: Any, owner: Any, u: Any) -> tuple[Any, Any]:
-    """For each row the piece of its own into which a share `u` of them all falls, and the running total there."""
+    """Return the piece of each row into which a share `u` of them all falls, and the running total there."""
     rows = np.arange(len(u))
     first, last = np.searchsorted(owner, rows, side="left"), np.searchsorted(owner, rows, side="right") - 1
     before = ends[first] - sizes[first]
@@ -205,7 +205,7 @@ def piece_of(ends: Any, sizes: Any, owner: Any, u: Any) -> tuple[Any, Any]:
 
 
 def polygon_points(polygons: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """By the area left of a point, and by the vertical through it."""
+    """Return points by the area left of them, and by the vertical through them."""
     segments, owner = segments_of(shapely.boundary(shapely.normalize(polygons)))
     segments, owner = segments[segments[:, 0, 0] != segments[:, 1, 0]], owner[segments[:, 0, 0] != segments[:, 1, 0]]
     turned = segments[:, 0, 0] > segments[:, 1, 0]
@@ -217,7 +217,7 @@ def polygon_points(polygons: Any, u: Any, v: Any) -> tuple[Any, Any]:
 
 
 def x_with(edges: Edges, u: Any, low: Any, high: Any) -> Any:
-    """Where the share `u` of each area lies to the left."""
+    """Return where the share `u` of each area lies to the left."""
     starts = np.searchsorted(edges.owner, np.arange(len(u)))
     slope = (edges.right[:, 1] - edges.left[:, 1]) / (edges.right[:, 0] - edges.left[:, 0])
 
@@ -234,7 +234,7 @@ def x_with(edges: Edges, u: Any, low: Any, high: Any) -> Any:
 
 
 def y_with(edges: Edges, x: Any, v: Any) -> Any:
-    """Where the share `v` of each vertical at x that lies in the shape is below."""
+    """Return where the share `v` of each vertical at x that lies in the shape is below."""
     at = x[edges.owner]
     crossing = (edges.left[:, 0] <= at) & (at < edges.right[:, 0])
     owner, at, left, right = (part[crossing] for part in (edges.owner, at, edges.left, edges.right))
