@@ -19,7 +19,7 @@ import numpy as np
 import torch
 
 FORMAT = "regista checkpoint"
-VERSION = 1
+VERSION = 2  # 1: before methods held learners
 ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__array__", "__integer__", "__tuple__")
 
 

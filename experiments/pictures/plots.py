@@ -144,11 +144,13 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Draw the return on every test scene, and of the levels trained on: return, success, regret and spread of θ.
 
-    `runs` gives the run folders of each method. All is drawn over env_steps.
+    `runs` gives the run folders of each method. All is drawn over env_steps; nothing is where no level was finished.
     """
     import matplotlib.pyplot as plt
 
     panels = _panels(runs)
+    if not panels:
+        return
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
     legend = 0.1 + 0.18 * -(-len(runs) // LEGEND_COLUMNS)  # inches

@@ -161,7 +161,7 @@ def test_files_of_others(tmp_path):
     with pytest.raises(CheckpointError, match="is no checkpoint of this program"):
         checkpoint.load(path)
     torch.save({"format": checkpoint.FORMAT, "version": 99, "state": {}}, path)
-    with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 1"):
+    with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 2"):
         checkpoint.load(path)
 
 
@@ -173,7 +173,7 @@ class Bomb:
 @pytest.mark.parametrize("write", [torch.save, lambda bomb, path: path.write_bytes(pickle.dumps(bomb))])
 def test_a_file_from_a_stranger_runs_no_code(tmp_path, monkeypatch, write):
     monkeypatch.chdir(tmp_path)
-    write({"format": checkpoint.FORMAT, "version": 1, "state": Bomb()}, tmp_path / "c.pt")
+    write({"format": checkpoint.FORMAT, "version": checkpoint.VERSION, "state": Bomb()}, tmp_path / "c.pt")
     with pytest.raises(CheckpointError):
         checkpoint.load(tmp_path / "c.pt")
     assert os.listdir(tmp_path) == ["c.pt"]

@@ -2,6 +2,8 @@
 
 import copy
 import inspect
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -355,3 +357,16 @@ def test_an_update_is_its_papers_box():
     made = {name for name, value in vars(Method).items() if callable(value) and not name.startswith("_")}
     for row in ued.METHODS.values():  # nothing of the base class is overridden but this
         assert made & vars(row.load()).keys() <= {"update"}
+
+
+def test_every_metric_is_explained_in_the_readme():
+    readme = (Path(ued.__file__).parent / "README.md").read_text()
+    explained = set(re.findall(r"^\| `([^`]+)` \|", readme, re.M))
+    logged = set()
+    for make in METHODS.values():
+        method = make(frontier())
+        names = {name for _ in range(6) for name in method.update()}
+        for student in [learner.name for learner in method.learners]:
+            names = {re.sub(rf"(^|/){student}(/|$)", r"\1NAME\2", name) for name in names}
+        logged |= names
+    assert logged == explained
