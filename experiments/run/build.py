@@ -97,6 +97,8 @@ def _load(path: Path, domain: Domain | None, dialect: int | None, settings: Prog
         program = load(path, domain, dialect)
     else:
         program = load(path, domain, dialect, settings.scenario, read_params(settings.param), settings.model)
+    for line in program.printed:
+        print(f"{program.file} prints: {line}", file=sys.stderr)
     for warning in program.warnings:
         warn(f"warning: {warning}")
     return program

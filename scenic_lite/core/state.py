@@ -98,6 +98,7 @@ class LoadState:
     fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
     handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
     warnings: list[ScenicError] = field(default_factory=list)
+    printed: list[str] = field(default_factory=list)
     doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes
     declared: set[SourceSpan] = field(default_factory=set)  # `with` specifiers of properties that the class declares
     watching: RuntimeChecks = field(default_factory=RuntimeChecks)

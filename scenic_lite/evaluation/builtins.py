@@ -17,6 +17,7 @@ from scenic_lite.core.builtin_tables import typed
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.exceptions import NAMED, ExceptionClass, Fault, named_fault
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LOAD
 from scenic_lite.core.types import (
     Behavior,
     Bound,
@@ -41,6 +42,7 @@ from scenic_lite.values.operations import AND, OR, TRUTH, Operation
 
 CALLABLE = (Function, Bound, Builtin, ScenicClass, ExceptionClass, Behavior)
 NOTHING = object()  # no default was given
+MOST_PRINTED = 1000  # lines that are kept
 
 
 # ------------------------------------------------------------ truth
@@ -206,9 +208,11 @@ def code(scope: Scope, node: ast.AST, character: Value) -> int:
 
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
-    """`print`: a program that is loaded has nobody to talk to; the values are written for their errors only."""
-    for value in values:
-        text_of(scope, value)
+    """`print`: what a program says while it is loaded is kept in `Program.printed`; in a match nobody listens."""
+    texts = [text_of(scope, value) for value in values]
+    if scope.mode.phase == LOAD and len(scope.state.printed) < MOST_PRINTED:
+        words = [text if isinstance(text, str) else "(random)" for text in texts]
+        scope.state.printed.append((sep if isinstance(sep, str) else " ").join(words))
 
 
 # ------------------------------------------------------------ types and attributes

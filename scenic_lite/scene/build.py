@@ -42,6 +42,7 @@ def build_program(mode: Mode, source: Source, text: str, warnings: tuple[ScenicE
         file=source.file,
         dialect=state.dialect,
         warnings=warnings,
+        printed=tuple(mode.state.printed),
         objects=tuple(info_of(instance) for instance in objects),
         instances=objects,
         params=plan.params,

@@ -36,6 +36,7 @@ class Program:
     Attributes:
         source, file: the text and where it came from; `dialect` 2 or 3.
         warnings: what looks like a slip but is legal.
+        printed: lines that the program's `print` wrote while it was loaded.
         objects: the O objects, the ego first, then in order of creation; `instances`: as the interpreter knows them.
         params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
         param_places: where each parameter, random or not, was set.
@@ -54,6 +55,7 @@ class Program:
     file: str
     dialect: int
     warnings: tuple[ScenicError, ...]
+    printed: tuple[str, ...]
     objects: tuple[ObjectInfo, ...]
     instances: list[Instance]
     params: dict[str, Any]

@@ -60,6 +60,13 @@ scenario Busy():
     assert capsys.readouterr().err == "regista: --param takes name=value, got 'lanes'\n"
 
 
+def test_what_a_program_prints_goes_to_stderr(street, capsys):
+    street.write_text(STREET + "print('a street of', 40)\n")
+    assert main(["inspect", str(street)]) == 0
+    output = capsys.readouterr()
+    assert "street.scenic prints: a street of 40\n" in output.err and "prints:" not in output.out
+
+
 def test_values_of_parameters_are_read_as_python_writes_them():
     texts = ["a=3", "b=-0.5", "c=True", "d=None", "e=[1, 'x']", "f=snow storm", "g="]
     assert read_params(texts) == {"a": 3, "b": -0.5, "c": True, "d": None, "e": [1, "x"], "f": "snow storm", "g": ""}

@@ -127,3 +127,21 @@ def test_a_misspelt_parameter_of_the_caller_is_warned_of():
     (warning,) = load(text, params={"gravty": -3}).warnings
     assert "'gravty'" in warning.message and warning.hint == "did you mean 'gravity'?"
     assert not load(text, params={"gravity": -3, "weather": "dry"}).warnings
+
+
+def test_what_a_program_prints_is_kept_and_goes_nowhere_else(capsys):
+    text = """
+print("lanes:", 3, [1, 2.5])
+print(Range(0, 1), "x", sep="-")
+print()
+behavior B():
+    print("in a match")
+    wait
+ego = new Object with behavior B
+for i in range(3000):
+    print(i)
+"""
+    program = load(text)
+    assert program.printed[:3] == ("lanes: 3 [1, 2.5]", "(random)-x", "")
+    assert len(program.printed) == 1000 and program.printed[-1] == "996"
+    assert capsys.readouterr() == ("", "")
