@@ -25,7 +25,7 @@ from scenic_lite.language.requirements import settle
 from scenic_lite.scene.build import build_program
 from scenic_lite.scene.program import Program
 from scenic_lite.scene.pruning import prune
-from scenic_lite.syntax.dialect import dialect_of
+from scenic_lite.syntax.parser import dialect_of
 
 
 def load(

@@ -38,17 +38,6 @@ KNOWN_UPWARD: set[str] = set()
 KNOWN_RINGED: set[str] = set()
 KNOWN_LOST_POINTERS: set[str] = {
     "scenic_lite/core/types.py: value.name",
-    "scenic_lite/syntax/blocks.py: parser_scenic",
-    "scenic_lite/syntax/calls.py: parser_expressions",
-    "scenic_lite/syntax/cursor.py: parser_expressions",
-    "scenic_lite/syntax/displays.py: parser_calls",
-    "scenic_lite/syntax/expressions.py: parser_statements",
-    "scenic_lite/syntax/lexer.py: parser_cursor",
-    "scenic_lite/syntax/literals.py: parser_strings",
-    "scenic_lite/syntax/operators.py: parser_expressions",
-    "scenic_lite/syntax/specifiers.py: parser_expressions",
-    "scenic_lite/syntax/statements.py: parser_blocks",
-    "scenic_lite/syntax/strings.py: parser_specifiers",
 }
 KNOWN_LONG_FILES: set[str] = set()
 

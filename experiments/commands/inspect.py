@@ -238,9 +238,8 @@ def render_code(program: Program, football: bool) -> str:
 
 def print_text(path: Path, config: InspectConfig) -> None:
     """Print the tokens or the tree of a program's text."""
-    from scenic_lite.syntax.dialect import dialect_of
     from scenic_lite.syntax.lexer import tokens
-    from scenic_lite.syntax.parser import parse
+    from scenic_lite.syntax.parser import dialect_of, parse
 
     text = path.read_text()
     if config.show == "tokens":

@@ -1,23 +1,34 @@
 """Rules of the language that need the whole tree: what may stand where, what may occur only once, what never ends.
 
-All findings are returned together, sorted by place. Names that are defined nowhere are not looked for here: that needs
-the imported library. Read next: `syntax.check_loops`, for endless loops, and `loader`, which runs the static half.
+All findings are returned together, sorted by place. What is allowed but surely not meant is a warning: Scenic lets an
+object have any property, so a slip such as `with bahavior B()` is silently without effect. Names that are defined
+nowhere are not looked for here: that needs the imported library. Read next: `loader`, which runs the static half.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
-from scenic_lite.syntax.check_doubts import BUILT_IN, doubts
-from scenic_lite.syntax.check_loops import endless_loop, suspends
+from scenic_lite.syntax.hints import nearest
 from scenic_lite.syntax.lexer import Source
 
 DYNAMIC = ("behavior", "monitor", "compose")
+SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do)
 TEMPORAL = frozenset({"always", "eventually", "next", "until", "implies"})
+BUILT_IN = frozenset(
+    {
+        *("position", "heading", "yaw", "width", "length", "speed", "velocity", "angularSpeed", "behavior"),
+        *("viewAngle", "visibleDistance", "cameraOffset", "allowCollisions", "requireVisible", "regionContainedIn"),
+        *("mutator", "mutationScale", "positionStdDev", "headingStdDev"),
+    }
+)
+ANGLES = frozenset({"facing", "apparently facing", "heading", "yaw", "viewAngle"})
+MAX_NAMES = 500  # of properties that are compared with the known ones
 
 
 class Context(NamedTuple):
@@ -29,17 +40,15 @@ class Context(NamedTuple):
     handler: bool = False  # in the block of an `interrupt when`
 
     def words(self) -> str:
-        """The place in words."""
+        """Return the place in words."""
         if self.kind == "compose":
             return "in a compose block"
         return f'in the {self.kind} "{self.name}"' if self.name else "at the top level"
 
 
 def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[ScenicError]:
-    """Every breach of the context rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
+    """Return every breach of the rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
     checker = _Checker(tree, Source(text, file), dialect)
-    for specifier, message, hint in doubts(tree):
-        checker.report(specifier, message, hint, kind="warning")
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:
         node, context = pending.pop()
@@ -47,36 +56,33 @@ def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[Scen
         if rule is not None:
             rule(checker, node, context)
         pending.extend(_children(node, context))
+    checker.whole()
     return sorted(checker.errors, key=lambda error: error.place[1:] if error.place else ())
 
 
 def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Context]]:
-    """The nodes below a node, each with its context."""
+    """Yield the nodes below a node, each with its context."""
     if isinstance(node, nodes.Behavior):
         context = Context(node.kind, node.name)
     elif isinstance(node, nodes.Scenario):
-        for statement in node.compose:
-            yield statement, Context("compose")
+        yield from ((statement, Context("compose")) for statement in node.compose)
         context = Context()
         node = ast.Module([*node.setup, *map(ast.Expr, [*node.preconditions, *node.invariants])], [])
-    elif isinstance(node, ast.FunctionDef):
-        context = Context("function", node.name)
-    elif isinstance(node, ast.Lambda):
-        context = Context("function", "lambda")
+    elif isinstance(node, ast.FunctionDef | ast.Lambda):
+        context = Context("function", node.name if isinstance(node, ast.FunctionDef) else "lambda")
     elif isinstance(node, ast.ClassDef):
-        context = Context("top" if context.kind == "top" else context.kind, context.name)
-    elif isinstance(node, ast.For | ast.While):
-        yield from ((statement, context) for statement in node.orelse)
-        context = context._replace(loop=True)
+        context = Context(context.kind, context.name)
     elif isinstance(node, nodes.Interrupt):
         context = context._replace(handler=True)
+    outer = context
+    if isinstance(node, ast.For | ast.While):
+        context = context._replace(loop=True)
     for name, value in ast.iter_fields(node):
-        if name == "orelse" and isinstance(node, ast.For | ast.While):
-            continue
         if isinstance(value, ast.AST):
             yield value, context
         elif isinstance(value, list):
-            yield from ((each, context) for each in value if isinstance(each, ast.AST))
+            inner = outer if name == "orelse" else context
+            yield from ((each, inner) for each in value if isinstance(each, ast.AST))
 
 
 class _Checker:
@@ -85,12 +91,20 @@ class _Checker:
     def __init__(self, tree: ast.Module, source: Source, dialect: int) -> None:
         self.source, self.dialect = source, dialect
         self.errors: list[ScenicError] = []
-        self.monitors: set[str] = set()
+        self.properties = set(BUILT_IN)
+        self.spelling: dict[str, str] = {}  # of the properties given: what was meant, perhaps
+        self.monitors: dict[str, nodes.Behavior] = {}
         self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
+        self.names: set[str] = set()  # that are read or set
+        self.forms: dict[int, ast.AST] = {}  # by dialect, the first thing that is written as in that one alone
         for node in ast.walk(tree):
-            if isinstance(node, nodes.Behavior):
+            if isinstance(node, ast.Name):
+                self.names.add(node.id)
+            elif isinstance(node, nodes.PropertyDefault):
+                self.properties.add(node.name)
+            elif isinstance(node, nodes.Behavior):
                 if node.kind == "monitor":
-                    self.monitors.add(node.name)
+                    self.monitors[node.name] = node
                 if not suspends(node.body):
                     self.idle[node.name] = node
 
@@ -102,6 +116,10 @@ class _Checker:
             end_line, end_column = line, len(self.source.line(line).split("#")[0].rstrip())
         self.errors.append(self.source.error(message, (line, column, end_line, end_column), hint, kind))
 
+    def doubt(self, node: ast.AST, message: str, hint: str = "") -> None:
+        """Add a warning."""
+        self.report(node, message, hint, "warning")
+
     # ------------------------------------------------------------ what may stand where
 
     def take(self, node: nodes.Take, context: Context) -> None:
@@ -110,7 +128,7 @@ class _Checker:
             self.report(node, f'"take" may only stand in a behavior, not {context.words()}', hint)
 
     def dynamic(self, node: ast.stmt, context: Context) -> None:
-        """`wait`, `do`, `terminate`, `try` with `interrupt when`."""
+        """Ask where `wait`, `do`, `terminate`, `try` with `interrupt when` stand."""
         if context.kind in DYNAMIC:
             return
         word = {nodes.Wait: "wait", nodes.Do: "do", nodes.Terminate: "terminate"}.get(type(node), "interrupt when")
@@ -125,12 +143,10 @@ class _Checker:
             self.report(node, '"do" takes one behavior here; several at once only in a compose block', hint)
 
     def static(self, node: ast.stmt, context: Context) -> None:
-        """Statements about the whole scene, and definitions."""
+        """Ask where statements about the whole scene, and definitions, stand."""
         if context.kind not in DYNAMIC:
             return
-        word = STATIC_WORDS[type(node)]
-        if isinstance(node, nodes.Behavior):
-            word = f"a {node.kind}"
+        word = f"a {node.kind}" if isinstance(node, nodes.Behavior) else STATIC_WORDS[type(node)]
         hint = 'write "if condition:" and "terminate" in it' if isinstance(node, nodes.TerminateWhen) else ""
         self.report(node, f"{word} cannot stand {context.words()}", hint)
 
@@ -152,7 +168,7 @@ class _Checker:
             self.report(node, f'"{word}" may only stand in a loop')
 
     def guard(self, node: ast.AnnAssign, context: Context) -> None:
-        """`invariant: c` behind the first statement, where Python takes it for the type of a variable."""
+        """Find `invariant: c` behind the first statement, where Python takes it for the type of a variable."""
         name = node.target.id if isinstance(node.target, ast.Name) else ""
         if context.kind in DYNAMIC and node.value is None and name in ("precondition", "invariant"):
             self.report(node, f'"{name}" may only stand before the first statement')
@@ -167,21 +183,21 @@ class _Checker:
         seen: set[str] = set()
         declared = BUILT_IN | {each.name for each in node.body if isinstance(each, nodes.PropertyDefault)}
         for statement in node.body:
+            if isinstance(statement, nodes.PropertyDefault):
+                if statement.name in seen:
+                    self.report(statement, f'the property "{statement.name}" occurs twice in the class "{node.name}"')
+                seen.add(statement.name)
             for target in statement.targets if isinstance(statement, ast.Assign) else ():
                 if isinstance(target, ast.Name) and target.id in declared:
                     message = f'"{target.id}" is a property of objects, and this sets an attribute of the class'
                     kind = "syntax" if self.dialect == 3 else "warning"  # Scenic 2 lets it pass without effect
                     self.report(statement, message, f'write "{target.id}: value"', kind)
-            if not isinstance(statement, nodes.PropertyDefault):
-                continue
-            if statement.name in seen:
-                self.report(statement, f'the property "{statement.name}" occurs twice in the class "{node.name}"')
-            seen.add(statement.name)
 
     def behavior(self, node: nodes.Behavior, context: Context) -> None:
         self.static(node, context)
-        if node.started and node.name in self.idle:
-            self.never(node, self.idle.pop(node.name))
+        if node.started:
+            self.forms.setdefault(2, node)
+            self.never(node, node.name)
 
     def scenario(self, node: nodes.Scenario, context: Context) -> None:
         self.static(node, context)
@@ -198,16 +214,17 @@ class _Checker:
             self.report(node, message, f"indent the {wanted} as deep as the block of the loop")
 
     def call(self, node: ast.Call, context: Context) -> None:
-        """A call of a behavior that does nothing."""
-        if isinstance(node.func, ast.Name) and node.func.id in self.idle:
-            self.never(node, self.idle.pop(node.func.id))
+        if isinstance(node.func, ast.Name):
+            self.never(node, node.func.id)
 
-    def never(self, node: ast.AST, definition: nodes.Behavior) -> None:
+    def never(self, node: ast.AST, name: str) -> None:
         """Report a behavior that takes no action, or a monitor that never waits, where it is to be run."""
-        monitor = definition.kind == "monitor"
-        does = "waits" if monitor else "takes an action"
-        message = f'the {definition.kind} "{definition.name}" of line {definition.lineno} never {does}'
-        self.report(node, message, 'is a "wait" missing?' if monitor else 'is a "take", "wait" or "do" missing?')
+        definition = self.idle.pop(name, None)
+        if definition is not None:
+            does, hint = "takes an action", 'is a "take", "wait" or "do" missing?'
+            if definition.kind == "monitor":
+                does, hint = "waits", 'is a "wait" missing?'
+            self.report(node, f'the {definition.kind} "{name}" of line {definition.lineno} never {does}', hint)
 
     # ------------------------------------------------------------ requirements
 
@@ -221,22 +238,99 @@ class _Checker:
             return
         if node.probability is not None:
             self.report(condition, "a temporal requirement cannot have a probability")
-        self.misplaced_temporal(condition)
-
-    def misplaced_temporal(self, condition: ast.expr) -> None:
-        """A temporal operator may be an operand of logic alone."""
-        pending: list[tuple[ast.AST, bool]] = [(condition, True)]
+        pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether only logic is around it
         while pending:
-            node, logical = pending.pop()
-            logic = isinstance(node, ast.BoolOp)
-            if isinstance(node, nodes.Operator) and node.name in TEMPORAL:
+            part, logical = pending.pop()
+            logic = isinstance(part, ast.BoolOp) or (isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not))
+            if isinstance(part, nodes.Operator) and part.name in TEMPORAL:
                 logic = True
                 if not logical:
                     hint = "only of and, or, not, implies, until"
-                    self.report(node, f'"{node.name}" cannot be an operand here', hint)
-            elif isinstance(node, ast.UnaryOp):
-                logic = isinstance(node.op, ast.Not)
-            pending.extend((child, logical and logic) for child in ast.iter_child_nodes(node))
+                    self.report(part, f'"{part.name}" cannot be an operand here', hint)
+            pending.extend((child, logical and logic) for child in ast.iter_child_nodes(part))
+
+    # ------------------------------------------------------------ warnings
+
+    def specifier(self, node: nodes.Specifier, context: Context) -> None:
+        """Doubt a property that no class has, and a heading without `deg`."""
+        name, value = node.name, node.arguments[0] if node.arguments else None
+        if name == "with":
+            place, value = node.arguments
+            name = str(place.value) if isinstance(place, ast.Constant) else ""
+            if isinstance(value, ast.Tuple) and not value.elts and name[:1].isupper():
+                message = f'this sets a property called "{name}" to an empty tuple'
+                return self.doubt(node, message, f'write "with behavior {name}()"')
+            if name not in self.spelling:
+                known = name in self.properties or len(self.spelling) > MAX_NAMES
+                self.spelling[name] = "" if known else nearest(name, self.properties)
+            if self.spelling[name]:
+                self.doubt(node, f'no class has the property "{name}"', self.spelling[name])
+        if name in ANGLES and (turns := _turns(value)):
+            message = f"angles are in radians, and this one makes {turns:.0f} turns"
+            self.doubt(node, message, 'degrees are written "90 deg"')
+
+    def instance(self, node: nodes.New, context: Context) -> None:
+        """Note in which dialect an instance is written: with `new` before its class, or without."""
+        if (node.lineno, node.col_offset) != (node.cls.lineno, node.cls.col_offset):
+            self.forms.setdefault(3, node)
+        elif node.certain:
+            self.forms.setdefault(2, node)
+
+    def whole(self) -> None:
+        """Doubt a program that mixes dialects, and monitors that nobody starts."""
+        if len(self.forms) == 2:
+            node, other = self.forms[5 - self.dialect], 5 - self.dialect
+            hint = 'write "monitor M():" and "require monitor M()"'
+            if isinstance(node, nodes.New):
+                hint = 'write "new" before the class' if other == 2 else 'leave out the "new"'
+            message = f"this is written as in Scenic {other}, and the program is read as Scenic {self.dialect}"
+            self.doubt(node, message, hint)
+        for name, monitor in self.monitors.items():
+            if not monitor.started and name not in self.names and "ego" in self.names:  # else a library
+                self.doubt(monitor, f'the monitor "{name}" is never required', f'write "require monitor {name}()"')
+
+
+def _turns(value: ast.expr | None) -> float:
+    """Return how often a literal angle goes round, if that is too often to be meant."""
+    if isinstance(value, ast.UnaryOp):
+        value = value.operand
+    if isinstance(value, ast.Constant) and isinstance(value.value, int | float) and value.value > 4 * math.pi:
+        return value.value / (2 * math.pi)
+    return 0.0
+
+
+def suspends(statements: Iterable[ast.AST]) -> bool:
+    """Return whether there is a statement among these, at any depth, that lets time pass or ends the scenario."""
+    return any(isinstance(node, (*SUSPENDING, nodes.Terminate)) for node in nodes.walk_own(*statements))
+
+
+def endless_loop(loop: ast.While) -> bool:
+    """Return whether a loop in a behavior, once it is running, never lets time pass and never ends.
+
+    Within one step the world stands still, so it must either let time pass or change what ends it. Only what is certain
+    counts: a loop that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than
+    the loop, but is usually one half of "look in each step", so it is no excuse.
+    """
+    body = list(nodes.walk_own(*loop.body))
+    if any(isinstance(node, (*SUSPENDING, ast.Break, ast.Return)) for node in body):
+        return False
+    if isinstance(loop.test, ast.Constant):
+        return bool(loop.test.value)
+    if any(isinstance(node, ast.Call | ast.NamedExpr) for node in [*body, *ast.walk(loop.test)]):
+        return False
+    read = {node.id for node in ast.walk(loop.test) if isinstance(node, ast.Name)}
+    return not read & set(_changed(body))
+
+
+def _changed(body: Iterable[ast.AST]) -> Iterator[str]:
+    """Yield the names that are assigned to, or whose attributes or elements are."""
+    for node in body:
+        if isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
+            target: ast.expr = node
+            while isinstance(target, ast.Attribute | ast.Subscript):
+                target = target.value
+            if isinstance(target, ast.Name):
+                yield target.id
 
 
 STATIC_WORDS = {
@@ -247,32 +341,24 @@ STATIC_WORDS = {
     nodes.Record: '"record"',
     nodes.TerminateWhen: '"terminate when"',
     nodes.TerminateAfter: '"terminate after"',
-    nodes.Behavior: "a behavior",
     nodes.Scenario: "a scenario",
 }
-
 RULES: dict[type[ast.AST], Callable[..., None]] = {
+    **dict.fromkeys(STATIC_WORDS, _Checker.static),
+    **dict.fromkeys((nodes.Wait, nodes.Terminate, nodes.TryInterrupt), _Checker.dynamic),
+    **dict.fromkeys((ast.Break, ast.Continue), _Checker.loop_exit),
     nodes.Take: _Checker.take,
-    nodes.Wait: _Checker.dynamic,
     nodes.Do: _Checker.do,
-    nodes.Terminate: _Checker.dynamic,
-    nodes.TryInterrupt: _Checker.dynamic,
     nodes.Abort: _Checker.abort,
     nodes.Param: _Checker.param,
-    nodes.Mutate: _Checker.static,
-    nodes.Model: _Checker.static,
-    nodes.Simulator: _Checker.static,
-    nodes.Record: _Checker.static,
-    nodes.TerminateWhen: _Checker.static,
-    nodes.TerminateAfter: _Checker.static,
     nodes.Behavior: _Checker.behavior,
     nodes.Scenario: _Checker.scenario,
     nodes.Require: _Checker.require,
+    nodes.Specifier: _Checker.specifier,
+    nodes.New: _Checker.instance,
     ast.ClassDef: _Checker.class_body,
     ast.While: _Checker.loop,
     ast.Call: _Checker.call,
-    ast.Break: _Checker.loop_exit,
-    ast.Continue: _Checker.loop_exit,
     ast.Return: _Checker.return_value,
     ast.AnnAssign: _Checker.guard,
 }

@@ -1,19 +1,19 @@
 """The walk over the tokens that all parts of the parser share: look, take, expect, build a node, report an error.
 
-Read next: `parser_expressions`.
+The productions are functions of a cursor, in the files that follow. Where an earlier file has something of a later one
+inside - a bracket has expressions, a block has statements - it finds it in the cursor, into which `parse` ties it.
+Read next: `syntax.specifiers`.
 """
 
 from __future__ import annotations
 
 import ast
-import difflib
 import keyword
-from collections.abc import Iterable
-from typing import NoReturn, TypeVar
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn, TypeVar
 
-from scenic_lite.errors import ScenicError
-from scenic_lite.syntax.hints import REFUSED
-from scenic_lite.syntax.lexer import Source, Token
+from scenic_lite.syntax.hints import REFUSED, kind_of
+from scenic_lite.syntax.lexer import Place, Source, Token, lex
 
 Node = TypeVar("Node", bound=ast.AST)
 
@@ -23,6 +23,19 @@ PYTHON_KEYWORDS = frozenset(keyword.kwlist)
 # Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
 SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
 VALUES = frozenset({"True", "False", "None", "not", "lambda"})
+LAYOUT = {
+    "newline": "the end of the line",
+    "indent": "a deeper indentation",
+    "dedent": "the end of the block",
+    "end": "the end of the program",
+}
+
+
+class Level:
+    """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
+
+    UNTIL, IMPLIES, OR, AND, NOT, COMPARE, SEE, ALONG, RELATIVE, AT, PREFIX, SUM, TERM, UNARY = range(14)
+
 
 # Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
 MAX_NESTING = 90
@@ -30,58 +43,63 @@ MAX_CHAIN = 100
 
 
 class Cursor:
-    """A place in a list of tokens. `token` is the one to be read next, `dialect` 2 or 3 (0: Python alone)."""
+    """A place in the tokens of a program. `token` is the one to be read next, `dialect` 2 or 3."""
 
-    def __init__(self, source: Source, tokens: list[Token], dialect: int) -> None:
+    expression: Callable[[], ast.expr]  # operators.expression
+    operation: Callable[[int], ast.expr]  # operators.operation
+    operators: Mapping[str, Any]  # operators.INFIX
+    prefixes: Mapping[str, Any]  # operators.PREFIXES
+    statements: Mapping[str, Any]  # scenic.STATEMENTS
+    blocks: Mapping[str, Any]  # scenic.BLOCKS
+
+    def __init__(self, source: Source, dialect: int) -> None:
         self.source = source
-        self.tokens = tokens
         self.dialect = dialect
-        self.scenic = dialect != 0
+        self.keywords = PYTHON_KEYWORDS | SCENIC_KEYWORDS if dialect == 3 else PYTHON_KEYWORDS
+        self.tokens = lex(source)
         self.index = 0
-        self.token = tokens[0]
+        self.token = self.tokens[0]
         self.nesting = 0
         self.brackets = 0  # how many are open: outside of them a line's end ends a statement
-        self.keywords = PYTHON_KEYWORDS | SCENIC_KEYWORDS if dialect == 3 else PYTHON_KEYWORDS
-
+        self.temporal = False  # within the condition of a `require`
+        self.asks_truth = False  # the next expression is a condition: no instance begins it
+        self.in_target = False  # no instance may begin here: the object of `override`
+        self.class_body = False  # directly in the body of a class
+        self.specifier_indents = 0  # how many INDENT tokens the specifiers of the present statement have used up
         # Where the longer reading of a word operator's first operand was tried in vain.
         self.no_partner: set[Token] = set()
-
-    # The two productions that lower layers refer to before they are defined.
-
-    def expression(self) -> ast.expr:
-        """`disjunction [if disjunction else expression] | lambda`; defined in parser_expressions."""
-        raise NotImplementedError
-
-    def operation(self, level: int) -> ast.expr:
-        """An expression whose operators bind at `level` or tighter; defined in parser_expressions."""
-        raise NotImplementedError
 
     # ------------------------------------------------------------ looking
 
     def peek(self, ahead: int = 1) -> Token:
-        """The token that many places ahead."""
+        """Return the token that many places ahead."""
         index = self.index + ahead
         return self.tokens[index] if index < len(self.tokens) else self.tokens[-1]
 
     def sees(self, *words: str) -> bool:
-        """Do these words (or signs) come next?"""
+        """Return whether these words (or signs) come next."""
         if self.token.text != words[0]:
             return False
         return all(self.peek(k).text == word for k, word in enumerate(words[1:], 1))
 
     def is_name(self, token: Token) -> bool:
-        """May the token be a name?"""
+        """Return whether the token may be a name."""
         return token.kind == "name" and token.text not in self.keywords
 
     def is_plain_name(self, token: Token) -> bool:
-        """Is the token a name in every dialect?"""
-        return self.is_name(token) and token.text not in SCENIC_KEYWORDS
+        """Return whether the token is a name in every dialect."""
+        return token.kind == "name" and token.text not in PYTHON_KEYWORDS and token.text not in SCENIC_KEYWORDS
 
     def starts_value(self, token: Token, signs: str = "([{") -> bool:
-        """Could a value begin with this token? `signs`: the operators that count."""
+        """Return whether a value could begin with this token; `signs`: the operators that count."""
         if token.kind == "name":
             return self.is_plain_name(token) or token.text in VALUES or token.text == "new"
         return token.kind in ("number", "string") or (token.kind == "operator" and token.text in signs)
+
+    @property
+    def ends_statement(self) -> bool:
+        """Whether the statement ends before the next token."""
+        return self.token.kind in ("newline", "end") or self.token.text == ";"
 
     @property
     def previous(self) -> Token:
@@ -89,11 +107,9 @@ class Cursor:
         return self.tokens[self.index - 1] if self.index else self.token
 
     def last_word(self) -> Token | None:
-        """The token read last that is more than layout."""
-        index = self.index - 1
-        while index >= 0 and self.tokens[index].kind in LAYOUT:
-            index -= 1
-        return self.tokens[index] if index >= 0 else None
+        """Return the token read last that is more than layout."""
+        words = (self.tokens[k] for k in range(self.index - 1, -1, -1) if self.tokens[k].kind not in LAYOUT)
+        return next(words, None)
 
     # ------------------------------------------------------------ moving
 
@@ -125,8 +141,7 @@ class Cursor:
     def expect(self, word: str, purpose: str = "", hint: str = "") -> Token:
         """Read this word; `purpose` completes the message 'expected "word" ...'."""
         if self.token.text != word:
-            wanted = f'expected "{word}"' + (f" {purpose}" if purpose else "")
-            self.fail(f"{wanted}, found {describe(self.token)}", hint)
+            self.missing(f'"{word}"' + (f" {purpose}" if purpose else ""), hint)
         return self.advance()
 
     def name(self, what: str) -> Token:
@@ -135,8 +150,14 @@ class Cursor:
             if self.token.kind == "name":
                 language = "the language" if self.token.text in PYTHON_KEYWORDS else "Scenic 3"
                 self.fail(f'"{self.token.text}" is a word of {language} and cannot be {what}')
-            self.fail(f"expected {what}, found {describe(self.token)}")
+            self.missing(what)
         return self.advance()
+
+    def word(self, what: str) -> str:
+        """Read a name that may be a word of Scenic: an attribute, a part of a module's name."""
+        if self.token.kind != "name" or self.token.text in PYTHON_KEYWORDS:
+            self.missing(what)
+        return self.advance().text
 
     # ------------------------------------------------------------ building
 
@@ -161,8 +182,7 @@ class Cursor:
             for element in target.elts:
                 self.stored(element, context)
         else:
-            verb = "delete" if context is DELETE else "assign to"
-            self.fail(f"cannot {verb} {kind_of(target)}", at=target)
+            self.fail(f"cannot {'delete' if context is DELETE else 'assign to'} {kind_of(target)}", at=target)
         return target
 
     # ------------------------------------------------------------ limits and errors
@@ -182,73 +202,32 @@ class Cursor:
         self, message: str, hint: str = "", *, at: Token | ast.AST | None = None, kind: str = "syntax"
     ) -> NoReturn:
         """Raise a ScenicError at a token or node; by default at the next token."""
-        raise self.error(message, hint, at=at, kind=kind)
+        raise self.source.error(message, self.place(at), hint, kind)
+
+    def missing(self, wanted: str, hint: str = "") -> NoReturn:
+        """Raise the error that something else than the next token was expected."""
+        self.fail(f"expected {wanted}, found {describe(self.token)}", hint)
 
     def refuse(self, form: str, at: Token | ast.AST | None = None) -> NoReturn:
-        """Report a form of Python that the language leaves out, by its key in `REFUSED`."""
+        """Raise the error of a form of Python that the language leaves out, by its key in `REFUSED`."""
         message, hint = REFUSED[form]
         self.fail(message, hint, at=at, kind="unsupported")
 
-    def error(
-        self, message: str, hint: str = "", *, at: Token | ast.AST | None = None, kind: str = "syntax"
-    ) -> ScenicError:
-        """The ScenicError that `fail` raises."""
+    def place(self, at: Token | ast.AST | None = None) -> Place:
+        """Return the place of an error at a token or node; by default at the next token."""
         if isinstance(at, ast.AST):
-            place = (at.lineno, at.col_offset, at.end_lineno, at.end_col_offset)  # type: ignore[attr-defined]
-        else:
-            token = at or self.token
-            # The end of a line is reported just behind its last word, wherever comments or blanks end it.
-            last = self.last_word() if token is self.token and token.kind in LAYOUT else None
-            if last is not None and token.kind != "indent":
-                place = (last.end_line, last.end_column, last.end_line, last.end_column + 1)
-            else:
-                place = (token.line, token.column, token.end_line, token.end_column)
-        return self.source.error(message, place, hint, kind)
-
-
-LAYOUT = ("newline", "indent", "dedent", "end")
+            return (at.lineno, at.col_offset, at.end_lineno, at.end_col_offset)  # type: ignore[attr-defined]
+        token = at or self.token
+        # The end of a line is reported just behind its last word, wherever comments or blanks end it.
+        last = self.last_word() if token is self.token and token.kind in LAYOUT else None
+        if last is not None and token.kind != "indent":
+            return (last.end_line, last.end_column, last.end_line, last.end_column + 1)
+        return token[2:]
 
 
 def describe(token: Token) -> str:
-    """A token in words, for error messages."""
+    """Return a token in words, for error messages."""
     if token.kind in LAYOUT:
-        return {
-            "newline": "the end of the line",
-            "indent": "a deeper indentation",
-            "dedent": "the end of the block",
-            "end": "the end of the program",
-        }[token.kind]
+        return LAYOUT[token.kind]
     text = token.text if len(token.text) <= 30 and "\n" not in token.text else token.text[:20].split("\n")[0] + "..."
     return f"'{text}'" if '"' in text else f'"{text}"'
-
-
-def nearest(word: str, candidates: Iterable[str]) -> str:
-    """The hint 'did you mean "..."?', or nothing when no candidate is near."""
-    found = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
-    return f'did you mean "{found[0]}"?' if found else ""
-
-
-_KINDS = {
-    ast.Call: "a call",
-    ast.Constant: "a constant",
-    ast.Compare: "a comparison",
-    ast.BinOp: "an operation",
-    ast.UnaryOp: "an operation",
-    ast.BoolOp: "an operation",
-    ast.JoinedStr: "a string",
-    ast.Lambda: "a lambda",
-    ast.IfExp: "a conditional expression",
-    ast.Dict: "a dictionary",
-    ast.Set: "a set",
-    ast.GeneratorExp: "a comprehension",
-    ast.ListComp: "a comprehension",
-    ast.Starred: "a starred expression",
-    ast.NamedExpr: "an assignment",
-}
-
-
-def kind_of(node: ast.expr) -> str:
-    """What an expression is, in words."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, bool | None):
-        return str(node.value)
-    return _KINDS.get(type(node), "this")

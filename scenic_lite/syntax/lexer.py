@@ -1,7 +1,9 @@
 """Program text to tokens: Python's lexical rules, read by one regular expression, each token with its place.
 
-Comments and blank lines are dropped; NEWLINE, INDENT and DEDENT tokens carry the layout. Columns count characters,
-so that a caret under a column stands right. Read next: `parser_cursor`, which walks the tokens.
+The `tokenize` of the standard library is slower, splits f-strings in another way from Python 3.12 on, and of what it
+cannot read tells neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
+INDENT and DEDENT tokens carry the layout. Columns count characters, so that a caret under a column stands right.
+Read next: `syntax.cursor`, which walks the tokens.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.syntax.hints import LOOKALIKES
 
 MAX_CHARACTERS = 2_000_000
 MAX_INDENTS = 80
@@ -21,7 +24,7 @@ TAB = 8
 
 _DIGITS = r"[0-9](?:_?[0-9])*"
 _FLOAT = rf"(?:{_DIGITS}\.(?:{_DIGITS})?|\.{_DIGITS})(?:[eE][-+]?{_DIGITS})?|{_DIGITS}[eE][-+]?{_DIGITS}"
-_NUMBER = rf"0[xX](?:_?[0-9a-fA-F])+|0[bB](?:_?[01])+|0[oO](?:_?[0-7])+|(?:{_FLOAT})[jJ]?|{_DIGITS}[jJ]?"
+_NUMBER = rf"0[xX](?:_?[0-9a-fA-F])+|0[bB](?:_?[01])+|0[oO](?:_?[0-7])+|{_FLOAT}|{_DIGITS}"
 _PREFIX = r"(?:[rR][bBfF]?|[bBfF][rR]?|[uU])?"
 _STRING = (
     _PREFIX + r"(?:"
@@ -40,29 +43,13 @@ _TOKEN = re.compile(
 )
 _INDENTATION = re.compile(r"[ \t\f]*")
 _BLANK_LINE = re.compile(r"(?:\#[^\n]*)?(?:\n|\Z)")
+_WORD = re.compile(r"\w*")
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 # Words that may stand directly after a number, as in `1if x else 2` and `30deg`.
-_AFTER_NUMBER = frozenset({"and", "or", "not", "if", "else", "for", "in", "is", "deg", "by"})
-_LOOKALIKES = {
-    "“": "quotes are written '...' or \"...\"",
-    "”": "quotes are written '...' or \"...\"",
-    "‘": "quotes are written '...' or \"...\"",
-    "’": "quotes are written '...' or \"...\"",
-    "−": 'the minus sign is written "-"',
-    "–": 'the minus sign is written "-"',
-    "—": 'the minus sign is written "-"',
-    "×": 'multiplication is written "*"',
-    "≤": 'it is written "<="',
-    "≥": 'it is written ">="',
-    "≠": 'it is written "!="',
-    "°": 'degrees are written "deg"',
-    "\u00a0": "it looks like a blank, but is none",
-    "!": 'negation is written "not"',
-    "&": 'it is written "and"',
-    "?": 'a choice is written "a if condition else b"',
-    "$": "",
-}
+_AFTER_NUMBER = frozenset({"", "and", "or", "not", "if", "else", "for", "in", "is", "deg", "by"})
+
+Place = tuple[int, int, int, int]  # line, column, end line, end column
 
 
 class Token(NamedTuple):
@@ -92,7 +79,7 @@ class Source:
         return [0, *(match.end() for match in re.finditer("\n", self.text))]
 
     def line(self, number: int) -> str:
-        """The text of a line, counted from 1; empty beyond the last."""
+        """Return the text of a line, counted from 1; empty beyond the last."""
         if not 0 < number <= len(self.line_starts):
             return ""
         start = self.line_starts[number - 1]
@@ -100,23 +87,21 @@ class Source:
         return self.text[start:] if end < 0 else self.text[start:end]
 
     def offset(self, line: int, column: int) -> int:
-        """The offset in the text of a line (from 1) and column (from 0)."""
+        """Return the offset in the text of a line (from 1) and column (from 0)."""
         return self.line_starts[line - 1] + column
 
     def line_and_column(self, offset: int) -> tuple[int, int]:
-        """The line (from 1) and column (from 0) of an offset in the text."""
+        """Return the line (from 1) and column (from 0) of an offset in the text."""
         line = bisect_right(self.line_starts, offset)
         return line, offset - self.line_starts[line - 1]
 
-    def error(
-        self, message: str, place: tuple[int, int, int, int], hint: str = "", kind: str = "syntax"
-    ) -> ScenicError:
-        """An error at place (line, column, end line, end column)."""
+    def error(self, message: str, place: Place, hint: str = "", kind: str = "syntax") -> ScenicError:
+        """Return an error at a place."""
         return ScenicError(kind, message, SourceSpan(self.file, *place), hint=hint, source_line=self.line(place[0]))
 
 
 def unified(text: str) -> str:
-    """A text without byte order mark, and with the line feed as its only line end."""
+    """Return a text without byte order mark, and with the line feed as its only line end."""
     return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -129,45 +114,50 @@ def tokens(text: str, file: str = "<program>") -> list[Token]:
 
 
 def lex(source: Source) -> list[Token]:
-    """The tokens of a whole source."""
+    """Return the tokens of a whole source."""
     if len(source.text) > MAX_CHARACTERS:
         message = f"the program has {len(source.text):,} characters; at most {MAX_CHARACTERS:,} are read"
         raise source.error(message, (1, 0, 1, 1), kind="budget")
-    return _Lexer(source).run()
-
-
-def lex_part(source: Source, start: int, end: int) -> list[Token]:
-    """The tokens of text[start:end], read as if in brackets: the expressions inside f-strings."""
-    lexer = _Lexer(source, start, end)
-    lexer.brackets.append(Token("operator", "{", lexer.line, 0, lexer.line, 1))
-    lexer.inside_string = True
+    lexer = _Lexer(source, 0, len(source.text))
+    lexer.indentation()
     return lexer.run()
 
 
-class _Lexer:
-    """The state of one pass over the text; `run` is the loop."""
+def lex_field(source: Source, start: int, end: int) -> tuple[list[Token], int]:
+    """Return the tokens from the `{` at `start` of an f-string to the end of its expression, and the offset there.
 
-    def __init__(self, source: Source, start: int = 0, end: int | None = None) -> None:
-        self.source = source
-        self.text = source.text
-        self.position = start
-        self.end = len(source.text) if end is None else end
+    It ends before a bare `}`, `:` or `!`, or at the end of the string's text.
+    """
+    lexer = _Lexer(source, start + 1, end)
+    column = start - lexer.line_start
+    lexer.tokens.append(Token("operator", "{", lexer.line, column, lexer.line, column + 1))
+    lexer.brackets.append(lexer.tokens[0])
+    lexer.in_field = True
+    return lexer.run(), lexer.position
+
+
+class _Lexer:
+    """The state of one pass over text[start:end]; `run` is the loop."""
+
+    def __init__(self, source: Source, start: int, end: int) -> None:
+        self.source, self.text = source, source.text
+        self.position, self.end = start, end
         self.line, column = source.line_and_column(start)
         self.line_start = start - column
         self.brackets: list[Token] = []
         self.indents = [(0, 0)]  # (column with tabs of 8, column with tabs of 1)
         self.tokens: list[Token] = []
-        self.inside_string = False
+        self.in_field = False  # of an f-string
 
     def run(self) -> list[Token]:
         """Read everything."""
-        if not self.brackets:
-            self.indentation()
         match, text, end, tokens = _TOKEN.match, self.text, self.end, self.tokens
         while True:
             found = match(text, self.position, end)
             kind = found.lastgroup if found else None
             if found is None or kind is None:
+                if self.in_field and text[self.position : end].lstrip(" \t\f")[:1] == "!":
+                    return self.finish(text.index("!", self.position))
                 raise self.bad_character()
             start, self.position = found.span(kind)
             if kind in ("name", "operator", "number"):
@@ -175,6 +165,8 @@ class _Lexer:
                 word = found[kind]
                 token = Token(kind, word, self.line, column, self.line, column + len(word))
                 if kind == "operator":
+                    if self.in_field and word[0] in ":}" and len(self.brackets) == 1:
+                        return self.finish(start)
                     if word in "()[]{}":
                         self.bracket(token)
                 elif kind == "number" or not word.isascii():
@@ -183,86 +175,71 @@ class _Lexer:
             elif kind == "string":
                 self.string(found[kind], start)
             elif kind == "newline":
-                self.newline(start)
+                if not self.brackets:
+                    column = start - self.line_start
+                    tokens.append(Token("newline", "\n", self.line, column, self.line, column + 1))
+                self.next_line()
+                if not self.brackets:
+                    self.indentation()
             elif kind == "continuation":
-                self.next_line(self.position)
+                self.next_line()
             elif kind == "end":
                 return self.finish(start)
             elif kind == "open_string":
                 raise self.unterminated(found[kind], start)
 
-    def place(self, start: int, end: int) -> tuple[int, int, int, int]:
-        """The place of text[start:end], which lies in the present line."""
-        return (self.line, start - self.line_start, self.line, end - self.line_start)
-
-    def next_line(self, start: int) -> None:
+    def next_line(self) -> None:
         self.line += 1
-        self.line_start = start
-
-    def newline(self, start: int) -> None:
-        if not self.brackets:
-            column = start - self.line_start
-            self.tokens.append(Token("newline", "\n", self.line, column, self.line, column + 1))
-            self.next_line(self.position)
-            self.indentation()
-        else:
-            self.next_line(self.position)
+        self.line_start = self.position
 
     def finish(self, end: int) -> list[Token]:
         """Close the last line and every block."""
-        if self.brackets and not self.inside_string:
-            opening = self.brackets[-1]
-            raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
+        self.position = end
         column = end - self.line_start
-        if self.tokens and self.tokens[-1].kind not in ("newline", "dedent") and not self.inside_string:
-            self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
+        if not self.in_field:
+            if self.brackets:
+                opening = self.brackets[-1]
+                raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
+            if self.tokens and self.tokens[-1].kind not in ("newline", "dedent"):
+                self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
         # A last line that ends with its newline leaves the end of the file on a line of its own.
-        for _ in self.indents[1:]:
-            self.tokens.append(Token("dedent", "", self.line, 0, self.line, 0))
+        self.tokens += [Token("dedent", "", self.line, 0, self.line, 0) for _ in self.indents[1:]]
         self.tokens.append(Token("end", "", self.line, column, self.line, column))
         return self.tokens
 
     def indentation(self) -> None:
-        """Skip blank lines; compare the indentation of the next line with those of the open blocks."""
+        """Skip blank lines; emit INDENT, or as many DEDENTs as blocks end before the next line."""
         while True:
-            blank = _INDENTATION.match(self.text, self.position, self.end)
-            start = blank.end() if blank else self.position
+            blanks = _INDENTATION.match(self.text, self.position, self.end)[0]  # type: ignore[index]  # always matches
+            start = self.position + len(blanks)
             empty = _BLANK_LINE.match(self.text, start, self.end)
             if empty is None:
                 break
             self.position = empty.end()
             if self.position >= self.end and not empty[0].endswith("\n"):
                 return
-            self.next_line(self.position)
-        column, plain = _width(self.text[self.position : start])
-        token = Token("indent", "", self.line, 0, self.line, start - self.position)
+            self.next_line()
         self.position = start
-        self.open_or_close(column, plain, token)
-
-    def open_or_close(self, column: int, plain: int, token: Token) -> None:
-        """Emit INDENT, or as many DEDENTs as blocks end."""
-        if column > self.indents[-1][0]:
-            if plain <= self.indents[-1][1]:
-                raise self.mixed_tabs(token)
+        blanks = blanks.rpartition("\f")[2]
+        width = len(blanks.expandtabs(TAB)), len(blanks)
+        token = Token("indent", "", self.line, 0, self.line, start - self.line_start)
+        if width[0] > self.indents[-1][0]:
             if len(self.indents) > MAX_INDENTS:
                 raise self.source.error(f"blocks are nested more than {MAX_INDENTS} deep", token[2:], kind="budget")
-            self.indents.append((column, plain))
+            mixed = width[1] <= self.indents[-1][1]
+            self.indents.append(width)
             self.tokens.append(token)
-            return
-        while column < self.indents[-1][0]:
-            self.indents.pop()
-            self.tokens.append(Token("dedent", "", token.line, token.end_column, token.line, token.end_column))
-        if column != self.indents[-1][0]:
-            raise self.source.error(
-                "the indentation fits no block above", token[2:], "line it up with the block it belongs to"
-            )
-        if plain != self.indents[-1][1]:
-            raise self.mixed_tabs(token)
-
-    def mixed_tabs(self, token: Token) -> ScenicError:
-        return self.source.error(
-            "tabs and spaces are mixed in the indentation", token[2:], "indent the whole block with one of them"
-        )
+        else:
+            while width[0] < self.indents[-1][0]:
+                self.indents.pop()
+                self.tokens.append(Token("dedent", "", token.line, token.end_column, token.line, token.end_column))
+            if width[0] != self.indents[-1][0]:
+                hint = "line it up with the block it belongs to"
+                raise self.source.error("the indentation fits no block above", token[2:], hint)
+            mixed = width[1] != self.indents[-1][1]
+        if mixed:
+            hint = "indent the whole block with one of them"
+            raise self.source.error("tabs and spaces are mixed in the indentation", token[2:], hint)
 
     def bracket(self, token: Token) -> None:
         """Push an opening bracket, or compare a closing one with its partner."""
@@ -284,60 +261,43 @@ class _Lexer:
         if "\n" in text:
             self.line += text.count("\n")
             self.line_start = start + text.rfind("\n") + 1
-        token = Token("string", text, line, column, self.line, self.position - self.line_start)
-        self.tokens.append(token)
+        self.tokens.append(Token("string", text, line, column, self.line, self.position - self.line_start))
 
     def unterminated(self, opening: str, start: int) -> ScenicError:
+        column = start - self.line_start
         if opening.endswith(("'''", '"""')):
-            place = self.place(start, start + len(opening))
+            place = (self.line, column, self.line, column + len(opening))
             return self.source.error(f"the string that {opening[-3:]} opens is never closed", place)
         end = self.text.find("\n", start)
-        place = self.place(start, self.end if end < 0 else end)
+        place = (self.line, column, self.line, (self.end if end < 0 else end) - self.line_start)
         return self.source.error("the string is not closed in its line", place, f"it lacks a {opening[-1]}")
 
     def checked(self, token: Token) -> Token:
-        """A number is not followed by letters; a name is an identifier, in normal form."""
+        """Return a number that no letters follow, or a name in normal form that is an identifier."""
         if token.kind == "name":
             name = unicodedata.normalize("NFKC", token.text)
             if not name.isidentifier():
                 raise self.source.error(f'"{token.text}" is not a name', token[2:])
             return token._replace(text=name)
-        tail = re.compile(r"\w*").match(self.text, self.position, self.end)
-        word = tail[0] if tail else ""
-        if word and word not in _AFTER_NUMBER:
-            place = (token.line, token.column, token.line, token.end_column + len(word))
-            raise self.source.error(f'"{token.text}{word}" is neither a number nor a name', place)
+        tail = _WORD.match(self.text, self.position, self.end)[0]  # type: ignore[index]  # always matches
+        if tail not in _AFTER_NUMBER:
+            place = (token.line, token.column, token.line, token.end_column + len(tail))
+            raise self.source.error(f'"{token.text}{tail}" is neither a number nor a name', place)
         if re.fullmatch("0[0-9_]*[1-9][0-9_]*", token.text):
             hint = f"write {token.text.lstrip('0_')}"
             raise self.source.error("a whole number does not begin with 0", token[2:], hint)
         return token
 
     def bad_character(self) -> ScenicError:
-        blank = _INDENTATION.match(self.text, self.position, self.end)
-        start = blank.end() if blank else self.position
+        start = _INDENTATION.match(self.text, self.position, self.end).end()  # type: ignore[union-attr]  # always
         character = self.text[start]
-        place = self.place(start, start + 1)
+        column = start - self.line_start
+        place = (self.line, column, self.line, column + 1)
         if character == "\\":
+            if self.in_field:
+                return self.source.error("a backslash inside {} of an f-string", place, "compute the value before")
             return self.source.error("a backslash may only end a line", place)
         if character == "\0":
             return self.source.error("the program contains a null byte", place)
-        if character in "!$?`" or character.isprintable():
-            found = f'the character "{character}"'
-        else:
-            found = f"the character U+{ord(character):04X}"
-        return self.source.error(f"{found} is not part of the language", place, _LOOKALIKES.get(character, ""))
-
-
-def _width(blanks: str) -> tuple[int, int]:
-    """The column that blanks reach, with tab stops every 8 and every 1 column."""
-    column = plain = 0
-    for blank in blanks:
-        if blank == "\t":
-            column = (column // TAB + 1) * TAB
-            plain += 1
-        elif blank == "\f":
-            column = plain = 0
-        else:
-            column += 1
-            plain += 1
-    return column, plain
+        shown = f'the character "{character}"' if character.isprintable() else f"the character U+{ord(character):04X}"
+        return self.source.error(f"{shown} is not part of the language", place, LOOKALIKES.get(character, ""))

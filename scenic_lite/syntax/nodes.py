@@ -5,7 +5,7 @@ Scenic is Python plus a few forms, so its tree is Python's plus a few nodes: a p
 `col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text; columns count characters. Nothing here is ever
 handed to `compile`: a program is data.
 
-The docstring of a class is its production, the names below it are its fields; a name with a default is an attribute
+Beside each class stands its production; the names below it are its fields, and a name with a default is an attribute
 beside the fields, which `ast.walk` does not follow. Read next: `syntax.parser`, which makes these.
 """
 
@@ -40,9 +40,6 @@ def _declare(cls: type[ast.AST]) -> None:
     cls._attributes = (*cls._attributes, *(name for name in names if name in cls.__dict__))
 
 
-# ---------------------------------------------------------------- expressions
-
-
 class New(Expression):
     """`[new] Class spec, spec, ...`
 
@@ -58,13 +55,9 @@ class New(Expression):
 
 
 class Specifier(Expression):
-    """One specifier of an instance; `name` says which, `arguments` are its operands in the order of the text.
+    """A form of `specifiers.FORMS`: `beyond X by D [from Y]` is ("beyond", [X, D, Y or None]), `with` ("with", [P, V]).
 
-    with P V: ("with", [Constant P, V]) · at V · in R · on R · contained in R: ("contained in", [R]) ·
-    left of X [by D]: ("left of", [X, D or None]), `right of`, `ahead of`, `behind` alike · offset by V ·
-    offset along H by V · beyond X by D [from Y] · visible [from P] · not visible [from P] ·
-    following F [from X] for D · facing H · facing toward V · facing away from V · facing directly toward V ·
-    facing directly away from V · apparently facing H [from V] · above X [by D] · below X [by D]
+    `name` is its first words, `arguments` are its operands in the order of the text, None for one left out.
     """
 
     name: str
@@ -72,111 +65,80 @@ class Specifier(Expression):
 
 
 class Operator(Expression):
-    """A Scenic operator; `name` says which, `operands` are in the order given here, None for one left out.
+    """An operator in words; `name` is its words, `operands` are its operands, None for one left out.
 
-    X @ Y: ("@", [X, Y]) is Python's BinOp with MatMult, not this class. X deg: ("deg", [X]) ·
-    distance [from X] [to Y]: ("distance", [X, Y]) · angle [from X] [to Y]: ("angle", [X, Y]) ·
-    relative heading of H [from H2] · relative position of X [from Y] · apparent heading of P [from V] ·
-    distance past V [of P]: ("distance past", [V, P]) · F at V: ("at", [F, V]) · X relative to Y ·
-    X offset by Y · X offset along H by Y: ("offset along", [X, H, Y]) · X can see Y · X intersects Y ·
-    follow F from V for D: ("follow", [F, V, D]) · visible R · not visible R ·
-    R visible from P: ("visible from", [R, P]) · R not visible from P ·
-    front of O, back of O, left of O, right of O, front left of O, ...: ("front left of", [O]) ·
-    always P, eventually P, next P, P until Q, P implies Q · initial scenario: ("initial scenario", [])
+    Those before a value are `operators.MEASURES`, the operands in the order of the letters: `distance to Y [from X]` is
+    ("distance", [X or None, Y]), `relative heading of H [from X]` ("relative heading of", [H, X or None]). Also
+    `visible R`, `not visible R`, `follow F from V for D`, `initial scenario`, and `always P`, `eventually P`, `next P`.
+    Those between values are the rows of `operators.INFIX`: `X relative to Y` is ("relative to", [X, Y]), `X deg`
+    ("deg", [X]), `X offset along H by Y` ("offset along", [X, H, Y]); but `X @ Y` is Python's BinOp with MatMult.
     """
 
     name: str
     operands: list[ast.expr | None]
 
 
-# ---------------------------------------------------------------- statements
-
-
-class Model(Statement):
-    """`model a.b.c`."""
-
+class Model(Statement):  # model a.b.c
     name: str
 
 
-class Param(Statement):
-    """`param n = e, 'quoted name' = e`; `places`: where the names stand."""
-
+class Param(Statement):  # param n = e, 'quoted name' = e
     names: list[str]
     values: list[ast.expr]
-    places: Sequence[ast.expr] = ()
+    places: Sequence[ast.expr] = ()  # where the names stand
 
 
-class Require(Statement):
-    """`require[p] condition [as name]`; `probability` is a number from 0 to 1."""
-
+class Require(Statement):  # require[p] condition [as name]; p is a number from 0 to 1
     condition: ast.expr
     probability: ast.expr | None
     name: str | None
 
 
-class RequireMonitor(Statement):
-    """`require monitor M(args)`."""
-
+class RequireMonitor(Statement):  # require monitor M(args)
     call: ast.expr
 
 
-class Mutate(Statement):
-    """`mutate [a, b] [by scale]`; no targets: every object."""
-
+class Mutate(Statement):  # mutate [a, b] [by scale]; no targets: every object
     targets: list[ast.expr]
     scale: ast.expr | None
 
 
-class Record(Statement):
-    """`record [initial | final] e [every n steps] [after m steps] [as name] [to file]`.
-
-    `when` is "each", "initial" or "final"; the units are "seconds" or "steps".
-    """
-
+class Record(Statement):  # record [initial | final] e [every n steps] [after m steps] [as name] [to file]
     value: ast.expr
-    when: str
+    when: str  # "each", "initial" or "final"
     name: str | None
     every: ast.expr | None
-    every_unit: str | None
+    every_unit: str | None  # "seconds" or "steps", as every unit
     delay: ast.expr | None
     delay_unit: str | None
     file: ast.expr | None
 
 
-class Simulator(Statement):
-    """`simulator e`."""
-
+class Simulator(Statement):  # simulator e
     value: ast.expr
 
 
-class TerminateWhen(Statement):
-    """`terminate [simulation] when condition [as name]`; `scope`: "scenario" or "simulation"."""
-
+class TerminateWhen(Statement):  # terminate [simulation] when condition [as name]
     condition: ast.expr
-    scope: str
+    scope: str  # "scenario" or "simulation"
     name: str | None
 
 
-class TerminateAfter(Statement):
-    """`terminate after n seconds | steps`; `unit`: "seconds" or "steps"."""
-
+class TerminateAfter(Statement):  # terminate after n seconds | steps
     duration: ast.expr
     unit: str
 
 
-class PropertyDefault(Statement):
-    """`property[attributes]: default`, in a class body."""
-
+class PropertyDefault(Statement):  # property[attributes]: default, in a class body
     name: str
     attributes: list[str]
     value: ast.expr
 
 
 class Behavior(Statement):
-    """`behavior B(args):`, `monitor M[(args)]:`, with `precondition: c` and `invariant: c` lines taken out of the body.
+    """`behavior B(args):`, `monitor M[(args)]:`; the guards and the docstring are taken out of the body.
 
-    `kind` is "behavior" or "monitor"; the docstring is taken out of the body, too. `started` is True for `monitor M:`
-    without brackets, which Scenic 2 starts by itself.
+    `kind` is "behavior" or "monitor"; `started` is True for `monitor M:` without brackets, which Scenic 2 starts.
     """
 
     name: str
@@ -189,9 +151,7 @@ class Behavior(Statement):
     started: bool = False
 
 
-class Scenario(Statement):
-    """`scenario S(args):` with `setup:` and `compose:` blocks; a body without them is the setup."""
-
+class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks; a body without them is the setup
     name: str
     args: ast.arguments
     preconditions: list[ast.expr]
@@ -201,9 +161,7 @@ class Scenario(Statement):
     docstring: str | None
 
 
-class TryInterrupt(Statement):
-    """`try: ... interrupt when c: ... except E: ...`; `handlers` and the rest as in `ast.Try`."""
-
+class TryInterrupt(Statement):  # try: ... interrupt when c: ...
     body: list[ast.stmt]
     interrupts: list[Interrupt]
     handlers: list[ast.ExceptHandler]
@@ -211,54 +169,39 @@ class TryInterrupt(Statement):
     finalbody: list[ast.stmt]
 
 
-class Interrupt(Statement):
-    """`interrupt when condition:`"""
-
+class Interrupt(Statement):  # interrupt when condition:
     condition: ast.expr
     body: list[ast.stmt]
 
 
-class Take(Statement):
-    """`take a, b`."""
-
+class Take(Statement):  # take a, b
     actions: list[ast.expr]
 
 
-class Wait(Statement):
-    """`wait`, `wait for n seconds | steps`, `wait until c`."""
-
+class Wait(Statement):  # wait, wait for n seconds | steps, wait until c
     duration: ast.expr | None
     unit: str | None
     until: ast.expr | None
 
 
-class Do(Statement):
-    """`do B(), C() [for n seconds | steps] [until c]`, `do choose ...`, `do shuffle ...`.
-
-    `how` is "all", "choose" or "shuffle"; `weights`, if there are any, stand beside `calls`.
-    """
-
+class Do(Statement):  # do B(), C() [for n seconds | steps] [until c], do choose ..., do shuffle ...
     calls: list[ast.expr]
-    how: str
-    weights: list[ast.expr] | None
+    how: str  # "all", "choose" or "shuffle"
+    weights: list[ast.expr] | None  # beside the calls, if there are any
     duration: ast.expr | None
     unit: str | None
     until: ast.expr | None
 
 
-class Abort(Statement):
-    """`abort`, in an interrupt handler."""
+class Abort(Statement):  # abort, in an interrupt handler
+    pass
 
 
-class Terminate(Statement):
-    """`terminate`, `terminate simulation`; `scope`: "scenario" or "simulation"."""
-
-    scope: str
+class Terminate(Statement):  # terminate, terminate simulation
+    scope: str  # "scenario" or "simulation"
 
 
-class Override(Statement):
-    """`override obj spec, ...`."""
-
+class Override(Statement):  # override obj spec, ...
     target: ast.expr
     specifiers: list[Specifier]
 

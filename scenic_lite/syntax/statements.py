@@ -1,347 +1,446 @@
-"""Python's simple statements, the end of a statement, and the hints for statements that go wrong.
+"""Python's statements, simple ones and those that have others in them, and the hints for those that go wrong.
 
-Read next: `parser_blocks`, for the statements that have other statements in them.
+Read next: `syntax.scenic`, for the statements of Scenic.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
-from typing import NoReturn
+from collections.abc import Callable, Sequence
+from typing import NoReturn, TypeVar
 
-from scenic_lite.syntax.cursor import DELETE, PYTHON_KEYWORDS, describe, nearest
-from scenic_lite.syntax.expressions import Expressions
+from scenic_lite.syntax import expressions
+from scenic_lite.syntax.cursor import DELETE, PYTHON_KEYWORDS, Cursor, Level, describe
+from scenic_lite.syntax.hints import COMPARES, FOREIGN, STATEMENT_WORDS, nearest, statement_hint
 from scenic_lite.syntax.lexer import Token
-from scenic_lite.syntax.nodes import New
-from scenic_lite.syntax.operators import INFIX_WORDS
+from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
+from scenic_lite.syntax.operators import AUGMENTED, condition
 from scenic_lite.syntax.specifiers import SPECIFIER_WORDS, specifier_hint
 
-AUGMENTED: dict[str, ast.operator] = {
-    "+=": ast.Add(),
-    "-=": ast.Sub(),
-    "*=": ast.Mult(),
-    "/=": ast.Div(),
-    "//=": ast.FloorDiv(),
-    "%=": ast.Mod(),
-    "**=": ast.Pow(),
-    ">>=": ast.RShift(),
-    "<<=": ast.LShift(),
-    "&=": ast.BitAnd(),
-    "^=": ast.BitXor(),
-    "|=": ast.BitOr(),
-    "@=": ast.MatMult(),
-}
+Block = TypeVar("Block", bound=ast.stmt)
 
-_WORDS = """
-abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor mutate
-override param precondition raise record require return scenario setup simulator take terminate try wait while with
-"""
-STATEMENT_WORDS = frozenset(_WORDS.split())
-# What other languages, or other spellings, would write.
-_FOREIGN = {
-    "behaviour": 'it is spelt "behavior"',
-    "function": 'functions are written "def name(...):"',
-    "elseif": 'it is written "elif"',
-    "elsif": 'it is written "elif"',
-    "then": 'a ":" ends the condition',
-    "parameter": 'parameters are written "param name = value"',
-    "constraint": 'it is written "require condition"',
-    "assume": 'it is written "require condition"',
-    "degrees": 'angles are written "90 deg"',
-    "degree": 'angles are written "90 deg"',
-    "metres": "lengths have no unit",
-    "meters": "lengths have no unit",
-    "m": "lengths have no unit",
-}
+# Before one of these signs a word of Scenic is a name that is assigned to, read or called.
+NAME_SIGNS = frozenset({"=", ".", ",", ")", "]", "}", ":", "->", ":=", *AUGMENTED})
 
 
-class SimpleStatements(Expressions):
-    """The productions of Python's statements that fit on a line."""
+def module(c: Cursor) -> ast.Module:
+    """The whole program."""
+    body: list[ast.stmt] = []
+    while c.token.kind != "end":
+        body.extend(statement(c))
+    return ast.Module(body, [])
 
-    class_body = False  # directly in the body of a class
 
-    def simple_line(self) -> list[ast.stmt]:
-        """`statement [; statement]*` up to the end of the line."""
-        found = [self.simple_statement()]
-        while self.accept(";"):
-            if self.token.kind == "newline":
-                break
-            found.append(self.simple_statement())
-        self.end_of_line(found[-1])
-        return found
+def statement(c: Cursor) -> list[ast.stmt]:
+    """One compound statement, or a line of simple ones."""
+    start = c.token
+    if start.kind == "indent":
+        hint = "only a block is indented, after a colon"
+        if c.peek().text in SPECIFIER_WORDS:
+            hint = "a comma at the end of the line before lets its specifiers go on"
+        c.fail("the line is indented deeper than the one before", hint, at=c.peek())
+    if start.text == "@":
+        c.refuse("decorator")
+    read = c.blocks.get(start.text)
+    if read is not None:
+        if start.text in PYTHON_KEYWORDS and c.peek().text == "=":
+            no_variable(c)
+        node = read(c, start)
+        if node is not None:
+            return [node]
+    return simple_line(c)
 
-    def simple_statement(self) -> ast.stmt:
-        """One statement."""
-        start = self.token
-        if start.kind == "name":
-            keyword = PYTHON_STATEMENTS.get(start.text)
-            if keyword is not None:
-                return self.at(start, keyword(self))
-            if self.scenic:
-                found = self.scenic_statement(start)
-                if found is not None:
-                    return self.at(start, found)
-        return self.expression_statement()
 
-    def scenic_statement(self, start: Token) -> ast.stmt | None:
-        """A statement of Scenic that fits on a line; defined in parser_scenic."""
-        raise NotImplementedError
+def begins_property(c: Cursor, following: Token) -> bool:
+    """Return whether `name: default` or `name[attributes]: default` comes next."""
+    if following.text == ":":
+        return c.is_name(c.token) or c.token.text == "behavior"
+    ahead = 2
+    while c.peek(ahead).kind == "name" or (ahead > 2 and c.peek(ahead).text == ","):
+        ahead += 1
+    return following.text == "[" and ahead > 2 and c.peek(ahead).text == "]" and c.peek(ahead + 1).text == ":"
 
-    def end_of_line(self, last: ast.stmt) -> None:
-        """Read the end of the line, and the end of the block in which its specifiers stood."""
-        if self.token.kind == "newline":
-            self.advance()
-        elif self.token.kind != "end":
-            self.unexpected_end(last)
-        for _ in range(self.specifier_indents):
-            if self.token.kind != "dedent":
-                self.fail("the line belongs neither to the specifiers above nor to the block before", "indent it less")
-            self.advance()
-        self.specifier_indents = 0
 
-    # ------------------------------------------------------------ hints
+def no_variable(c: Cursor) -> NoReturn:
+    """Report an assignment to a word of the language."""
+    c.fail(f'"{c.token.text}" is a word of the language and cannot be the name of a variable')
 
-    def unexpected_end(self, last: ast.stmt) -> NoReturn:
-        """Report what follows a statement on its line."""
-        token, before = self.token, self.previous
-        found = describe(token)
-        if token.text == ":":
-            self.fail(f"unexpected {found} after the statement", self.colon_hint(last))
-        if token.text in ("&", "|", "!"):
-            self.fail(f"unexpected {found}", 'the logical operators are "and", "or", "not"')
-        if token.kind == "name" and before.kind == "name":
-            self.two_words(last, token, before)
-        hint = _FOREIGN.get(token.text, "") or self.missing_operator_hint()
-        self.fail(f"unexpected {found} after the end of the statement", hint)
 
-    def two_words(self, last: ast.stmt, token: Token, before: Token) -> None:
-        """Two names side by side: a misspelt first word, or a misspelt specifier."""
-        alone = isinstance(last, ast.Expr) and isinstance(last.value, New | ast.Name)
-        if alone and before.text in _FOREIGN:
-            self.fail(f'unknown statement "{before.text}"', _FOREIGN[before.text], at=before)
-        if alone and (hint := nearest(before.text, STATEMENT_WORDS)):
-            self.fail(f'unknown statement "{before.text}"', hint, at=before)
+def simple_line(c: Cursor) -> list[ast.stmt]:
+    """`statement [; statement]*` up to the end of the line, and of the block in which its specifiers stood."""
+    found = [simple_statement(c)]
+    while c.accept(";"):
+        if c.token.kind == "newline":
+            break
+        found.append(simple_statement(c))
+    if c.token.kind == "newline":
+        c.advance()
+    elif c.token.kind != "end":
+        unexpected_end(c, found[-1])
+    while c.specifier_indents:
+        if c.token.kind != "dedent":
+            c.fail("the line belongs neither to the specifiers above nor to the block before", "indent it less")
+        c.advance()
+        c.specifier_indents -= 1
+    return found
+
+
+def simple_statement(c: Cursor) -> ast.stmt:
+    """One statement."""
+    start = c.token
+    if start.kind == "name":
+        following = c.tokens[c.index + 1]
+        if c.class_body and begins_property(c, following):
+            return c.at(start, c.statements[":"](c, following))
+        read = c.statements.get(start.text)
+        if read is not None and (start.text in PYTHON_KEYWORDS or following.text not in NAME_SIGNS):
+            node = read(c, following)
+            if node is not None:
+                return c.at(start, node)
+        elif start.text in c.keywords and (following.text == "=" or following.text in AUGMENTED):
+            no_variable(c)
+    return expression_statement(c)
+
+
+def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
+    """Report what follows a statement on its line."""
+    token, before = c.token, c.previous
+    value = last.value if isinstance(last, ast.Expr) else None
+    if token.text == ":":
+        called = isinstance(value, ast.Call) and isinstance(value.func, ast.Name)
+        hint = nearest(value.func.id, STATEMENT_WORDS) if called else ""  # type: ignore[union-attr]
+        c.fail(f"unexpected {describe(token)} after the statement", hint)
+    if token.text in ("&", "|", "!"):
+        c.fail(f"unexpected {describe(token)}", 'the logical operators are "and", "or", "not"')
+    if token.kind == "name" and before.kind == "name":  # a misspelt first word, or a misspelt specifier
+        if isinstance(value, New | ast.Name) and (hint := statement_hint(before.text)):
+            c.fail(f'unknown statement "{before.text}"', hint, at=before)
         if token.text == "with":
-            self.fail(f'expected a property name after "with", found {describe(self.peek())}', at=self.peek())
-        if before.text[:1].isupper() and token.text not in INFIX_WORDS:
-            self.fail(f'unknown specifier "{token.text}"', specifier_hint(token.text))
-        if token.text in SPECIFIER_WORDS and token.text not in INFIX_WORDS:
-            self.fail(f'unexpected specifier "{token.text}"', 'specifiers follow a class: "Ball ahead of ego by 2"')
+            c.fail(f'expected a property name after "with", found {describe(c.peek())}', at=c.peek())
+        if before.text[:1].isupper() and token.text not in c.operators:
+            c.fail(f'unknown specifier "{token.text}"', specifier_hint(token.text))
+        if token.text in SPECIFIER_WORDS and token.text not in c.operators:
+            c.fail(f'unexpected specifier "{token.text}"', 'specifiers follow a class: "Ball ahead of ego by 2"')
+    hint = FOREIGN.get(token.text, "") or expressions.missing_operator_hint(c)
+    c.fail(f"unexpected {describe(token)} after the end of the statement", hint)
 
-    def colon_hint(self, last: ast.stmt) -> str:
-        """Which statement might have been meant that ends with a colon?"""
-        value = last.value if isinstance(last, ast.Expr) else None
-        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name):
-            return nearest(value.func.id, STATEMENT_WORDS)
-        return ""
 
-    def missing_operator_hint(self) -> str:
-        """What might be missing before the present token."""
-        token, before = self.token, self.previous
-        if token.text in _FOREIGN:
-            return _FOREIGN[token.text]
-        if before.text == ",":
-            return "no comma stands between a class and its first specifier" if token.text in SPECIFIER_WORDS else ""
-        if before.text in ("relative", "apparent"):
-            return f'write "{before.text} heading of X"'
-        if before.text in ("distance", "angle"):
-            return f'write "{before.text} from X to Y"'
-        if before.text == "print":
-            return 'a function is called with brackets: "print(...)"'
-        if self.class_body and before.kind == "name":
-            return f'a property is written "{before.text}: default"'
-        return "is an operator or a comma missing?" if self.starts_value(token) else ""
+def expression_statement(c: Cursor) -> ast.stmt:
+    """`value`, `target = ... = value`, `target += value`, `target: annotation [= value]`."""
+    start = c.token
+    value = expressions.row(c)
+    text = c.token.text
+    if text == "=":
+        return assignment(c, start, value)
+    if text in AUGMENTED:
+        if not isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
+            c.fail(f'cannot use "{text}" here', at=value)
+        c.advance()
+        c.stored(value)
+        return c.at(start, ast.AugAssign(value, AUGMENTED[text], assigned_value(c)))
+    if text == ":" and isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
+        return annotation(c, start, value)
+    return c.at(start, ast.Expr(lone_class(c, value, start)))
 
-    # ------------------------------------------------------------ expressions and assignments
 
-    def expression_statement(self) -> ast.stmt:
-        """`value`, `target = ... = value`, `target += value`, `target: annotation [= value]`."""
-        start = self.token
-        value = self.expressions()
-        text = self.token.text
-        if text == "=":
-            return self.assignment(start, value)
-        if text in AUGMENTED:
-            if not isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
-                self.fail(f'cannot use "{text}" here', at=value)
-            self.advance()
-            self.stored(value)
-            return self.at(start, ast.AugAssign(value, AUGMENTED[text], self.assigned_value()))
-        if text == ":" and isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
-            return self.annotation(start, value)
-        return self.at(start, ast.Expr(self.lone_class(value, start)))
-
-    def assignment(self, start: Token, value: ast.expr) -> ast.stmt:
-        """`target = ... = value`."""
-        targets: list[ast.expr] = []
-        while self.accept("="):
-            targets.append(self.stored(self.not_an_instance(value)))
-            place = self.token
-            value = self.assigned_value()
-            self.check_chain(len(targets), "targets")
-        return self.at(start, ast.Assign(targets, self.lone_class(value, place)))
-
-    def not_an_instance(self, value: ast.expr) -> ast.expr:
-        """A target that reads like an instance is a mistake worth its own words."""
+def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
+    """`target = ... = value`."""
+    targets: list[ast.expr] = []
+    while c.accept("="):
         if isinstance(value, New):
-            self.fail("cannot assign to an instance", 'write "name = Class specifiers"', at=value)
+            c.fail("cannot assign to an instance", 'write "name = Class specifiers"', at=value)
+        targets.append(c.stored(value))
+        place = c.token
+        value = assigned_value(c)
+        c.check_chain(len(targets), "targets")
+    return c.at(start, ast.Assign(targets, lone_class(c, value, place)))
+
+
+def assigned_value(c: Cursor) -> ast.expr:
+    """What follows an `=`."""
+    if c.token.kind in ("newline", "end"):
+        c.fail('expected a value after "="')
+    return expressions.row(c)
+
+
+def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
+    """`target: annotation [= value]`."""
+    c.advance()
+    if c.token.kind == "newline":
+        if hint := statement_hint(start.text):
+            c.fail(f'unknown statement "{start.text}"', hint, at=start)
+        c.fail('expected an annotation after ":"')
+    kind = c.expression()
+    value = assigned_value(c) if c.accept("=") else None
+    simple = int(isinstance(target, ast.Name) and start.text != "(")
+    c.stored(target)
+    return c.at(start, ast.AnnAssign(target, kind, value, simple))
+
+
+def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
+    """In dialect 2 a capitalised name alone, as a statement or assigned, may be an instance."""
+    if c.dialect != 2 or not isinstance(value, ast.Name) or not value.id[0].isupper() or start.text == "(":
         return value
-
-    def assigned_value(self) -> ast.expr:
-        """What follows an `=`."""
-        if self.token.kind in ("newline", "end"):
-            self.fail('expected a value after "="')
-        return self.expressions()
-
-    def annotation(self, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
-        """`target: annotation [= value]`."""
-        self.advance()
-        if self.token.kind == "newline":
-            if hint := self.word_hint(start):
-                self.fail(f'unknown statement "{start.text}"', hint, at=start)
-            self.fail('expected an annotation after ":"')
-        annotation = self.expression()
-        value = self.assigned_value() if self.accept("=") else None
-        simple = int(isinstance(target, ast.Name) and start.text != "(")
-        self.stored(target)
-        return self.at(start, ast.AnnAssign(target, annotation, value, simple))
-
-    def word_hint(self, start: Token) -> str:
-        """For `esle:` and its like."""
-        return _FOREIGN.get(start.text, "") or nearest(start.text, STATEMENT_WORDS)
-
-    # ------------------------------------------------------------ keywords
-
-    def pass_statement(self) -> ast.stmt:
-        self.advance()
-        return ast.Pass()
-
-    def break_statement(self) -> ast.stmt:
-        self.advance()
-        return ast.Break()
-
-    def continue_statement(self) -> ast.stmt:
-        self.advance()
-        return ast.Continue()
-
-    def ends_here(self) -> bool:
-        """Does the statement end before the next token?"""
-        return self.token.kind in ("newline", "end") or self.token.text == ";"
-
-    def return_statement(self) -> ast.stmt:
-        """`return [values]`."""
-        self.advance()
-        return ast.Return(None if self.ends_here() else self.expressions())
-
-    def assert_statement(self) -> ast.stmt:
-        """`assert condition [, message]`."""
-        self.advance()
-        self.asks_truth = True
-        condition = self.expression()
-        return ast.Assert(condition, self.expression() if self.accept(",") else None)
-
-    def delete_statement(self) -> ast.stmt:
-        """`del targets`."""
-        self.advance()
-        found: list[ast.expr] = []
-        while not found or self.accept(","):
-            if found and self.ends_here():
-                break
-            found.append(self.stored(self.operation(0), DELETE))
-        return ast.Delete(found)
-
-    def global_statement(self) -> ast.stmt:
-        """`global names`, `nonlocal names`."""
-        make = ast.Global if self.advance().text == "global" else ast.Nonlocal
-        names = [self.name("a variable").text]
-        while self.accept(","):
-            names.append(self.name("a variable").text)
-        return make(names)
-
-    def import_statement(self) -> ast.stmt:
-        """`import a.b [as c], ...`."""
-        self.advance()
-        found: list[ast.alias] = []
-        while not found or self.accept(","):
-            start = self.token
-            module = self.dotted_name("a module")
-            found.append(self.at(start, ast.alias(module, self.name("a name").text if self.accept("as") else None)))
-        return ast.Import(found)
-
-    def import_from_statement(self) -> ast.stmt:
-        """`from module import names`."""
-        self.advance()
-        level = 0
-        while self.token.text in (".", "..."):
-            level += len(self.advance().text)
-        module = None if level and self.token.text == "import" else self.dotted_name("a module")
-        self.expect("import", 'after "from" and a module', 'write "from module import name"')
-        if self.token.text == "*":
-            start = self.advance()
-            return ast.ImportFrom(module, [self.at(start, ast.alias("*", None))], level)
-        bracket = self.token
-        if bracket.text == "(":
-            self.open()
-        found: list[ast.alias] = []
-        while not found or self.accept(","):
-            if found and bracket.text == "(" and self.token.text == ")":
-                break
-            start = self.name("a name to import")
-            name = self.name("a name").text if self.accept("as") else None
-            found.append(self.at(start, ast.alias(start.text, name)))
-        if bracket.text == "(":
-            self.close(")", bracket, False)
-        return ast.ImportFrom(module, found, level)
-
-    def dotted_name(self, what: str) -> str:
-        """`a.b.c`."""
-        parts = [self.module_part(what)]
-        while self.accept("."):
-            parts.append(self.module_part(what))
-        return ".".join(parts)
-
-    def module_part(self, what: str) -> str:
-        """One part of a dotted name; words of Scenic are no obstacle there."""
-        if self.token.kind != "name" or self.token.text in PYTHON_KEYWORDS:
-            self.fail(f"expected the name of {what}, found {describe(self.token)}")
-        return self.advance().text
-
-    def refused(self) -> ast.stmt:
-        """A statement of Python that the language leaves out."""
-        if self.peek().text == "=":
-            self.fail(f'"{self.token.text}" is a word of the language and cannot be the name of a variable')
-        self.refuse(self.token.text)
-
-    def misplaced(self) -> ast.stmt:
-        """A word that only continues a statement which is not there."""
-        word = self.token.text
-        owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(word, "")
-        if self.peek().text == "=":
-            self.fail(f'"{word}" is a word of the language and cannot be the name of a variable')
-        self.fail(f'"{word}" without "{owner}" before it' if owner else f'a statement cannot begin with "{word}"')
+    node = c.at(start, New(value, []))
+    node.certain = False
+    return node
 
 
-PYTHON_STATEMENTS: dict[str, Callable[[SimpleStatements], ast.stmt]] = {
-    "pass": SimpleStatements.pass_statement,
-    "break": SimpleStatements.break_statement,
-    "continue": SimpleStatements.continue_statement,
-    "return": SimpleStatements.return_statement,
-    "assert": SimpleStatements.assert_statement,
-    "del": SimpleStatements.delete_statement,
-    "global": SimpleStatements.global_statement,
-    "nonlocal": SimpleStatements.global_statement,
-    "raise": SimpleStatements.refused,
-    "yield": SimpleStatements.refused,
-    "async": SimpleStatements.refused,
-    "import": SimpleStatements.import_statement,
-    "from": SimpleStatements.import_from_statement,
-    "elif": SimpleStatements.misplaced,
-    "else": SimpleStatements.misplaced,
-    "except": SimpleStatements.misplaced,
-    "finally": SimpleStatements.misplaced,
-    "in": SimpleStatements.misplaced,
-    "is": SimpleStatements.misplaced,
-    "and": SimpleStatements.misplaced,
-    "or": SimpleStatements.misplaced,
-    "as": SimpleStatements.misplaced,
+def lone_word(c: Cursor, following: Token) -> ast.stmt:
+    """`pass`, `break`, `continue`."""
+    return {"pass": ast.Pass, "break": ast.Break, "continue": ast.Continue}[c.advance().text]()
+
+
+def return_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`return [values]`."""
+    c.advance()
+    return ast.Return(None if c.ends_statement else expressions.row(c))
+
+
+def assert_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`assert condition [, message]`."""
+    c.advance()
+    c.asks_truth = True
+    return ast.Assert(c.expression(), c.expression() if c.accept(",") else None)
+
+
+def delete_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`del targets`."""
+    c.advance()
+    found: list[ast.expr] = []
+    while not found or (c.accept(",") and not c.ends_statement):
+        found.append(c.stored(c.operation(Level.UNTIL), DELETE))
+    return ast.Delete(found)
+
+
+def scope_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`global names`, `nonlocal names`."""
+    make = ast.Global if c.advance().text == "global" else ast.Nonlocal
+    names = [c.name("a variable").text]
+    while c.accept(","):
+        names.append(c.name("a variable").text)
+    return make(names)
+
+
+def import_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`import a.b [as c], ...`."""
+    c.advance()
+    found: list[ast.alias] = []
+    while not found or c.accept(","):
+        start = c.token
+        found.append(alias(c, start, dotted_name(c, "a module")))
+    return ast.Import(found)
+
+
+def import_from_statement(c: Cursor, following: Token) -> ast.stmt:
+    """`from module import names`."""
+    c.advance()
+    level = 0
+    while c.token.text in (".", "..."):
+        level += len(c.advance().text)
+    module = None if level and c.token.text == "import" else dotted_name(c, "a module")
+    c.expect("import", 'after "from" and a module', 'write "from module import name"')
+    bracket = c.token
+    if c.accept("*"):
+        return ast.ImportFrom(module, [c.at(bracket, ast.alias("*", None))], level)
+    outer = expressions.opened(c) if bracket.text == "(" else None
+    found: list[ast.alias] = []
+    while not found or (c.accept(",") and c.token.text != ")"):
+        start = c.name("a name to import")
+        found.append(alias(c, start, start.text))
+    if outer is not None:
+        expressions.close(c, ")", bracket, outer)
+    return ast.ImportFrom(module, found, level)
+
+
+def alias(c: Cursor, start: Token, name: str) -> ast.alias:
+    """`[as name]` behind what is imported."""
+    return c.at(start, ast.alias(name, c.name("a name").text if c.accept("as") else None))
+
+
+def dotted_name(c: Cursor, what: str) -> str:
+    """`a.b.c`; words of Scenic are no obstacle there."""
+    parts = [c.word(f"the name of {what}")]
+    while c.accept("."):
+        parts.append(c.word(f"the name of {what}"))
+    return ".".join(parts)
+
+
+def refused(c: Cursor, following: Token) -> NoReturn:
+    """A statement of Python that the language leaves out."""
+    if following.text == "=":
+        no_variable(c)
+    c.refuse(c.token.text)
+
+
+def misplaced(c: Cursor, following: Token) -> NoReturn:
+    """A word that only continues a statement which is not there."""
+    word = c.token.text
+    owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(word, "")
+    if following.text == "=":
+        no_variable(c)
+    c.fail(f'"{word}" without "{owner}" before it' if owner else f'a statement cannot begin with "{word}"')
+
+
+# ---------------------------------------------------------------- blocks
+
+
+def block(c: Cursor, owner: str, of_class: bool = False) -> list[ast.stmt]:
+    """`: statements`, on the same line or indented below; `owner` says whose, for messages."""
+    colon(c, owner)
+    outer, c.class_body = c.class_body, of_class
+    if c.token.kind == "newline":
+        indent(c, owner)
+        body = rest_of_block(c)
+    else:
+        c.deeper()
+        body = simple_line(c)
+        c.nesting -= 1
+    c.class_body = outer
+    return body
+
+
+def colon(c: Cursor, owner: str) -> None:
+    """The colon before a block."""
+    if c.token.text == "=":
+        c.fail('"=" assigns and cannot stand in a condition', COMPARES)
+    if c.token.text != ":":
+        c.missing(f'":" after {owner}', expressions.missing_operator_hint(c))
+    c.advance()
+
+
+def indent(c: Cursor, owner: str) -> None:
+    """The line's end and the indentation that begin a block."""
+    c.deeper()
+    c.advance()
+    if c.token.kind != "indent":
+        c.missing(f"an indented block after {owner} in line {c.previous.line}")
+    c.advance()
+
+
+def rest_of_block(c: Cursor) -> list[ast.stmt]:
+    """The statements of an indented block, to its end."""
+    body: list[ast.stmt] = []
+    while c.token.kind != "dedent":
+        body.extend(statement(c))
+    c.advance()
+    c.nesting -= 1
+    return body
+
+
+def spanning(start: Token, node: Block, last: Sequence[ast.stmt]) -> Block:
+    """Place a statement that ends where the last of its blocks ends."""
+    node.lineno, node.col_offset = start.line, start.column
+    node.end_lineno, node.end_col_offset = last[-1].end_lineno, last[-1].end_col_offset
+    return node
+
+
+def else_block(c: Cursor) -> list[ast.stmt]:
+    """`else: ...`, if it is there."""
+    if not c.accept("else"):
+        return []
+    if c.token.text == "if":
+        c.fail('"else if" is written "elif"')
+    return block(c, '"else"')
+
+
+def if_statement(c: Cursor, start: Token) -> ast.stmt:
+    """`if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
+    parts: list[tuple[Token, ast.expr, list[ast.stmt]]] = []
+    while not parts or c.token.text == "elif":
+        word = c.advance()
+        parts.append((word, condition(c), block(c, f'the condition of "{word.text}"')))
+        c.check_chain(len(parts), "conditions")
+    rest = else_block(c)
+    for word, test, body in reversed(parts):
+        rest = [spanning(word, ast.If(test, body, rest), rest or body)]
+    return rest[0]
+
+
+def while_statement(c: Cursor, start: Token) -> ast.stmt:
+    """`while condition: ... else: ...`."""
+    c.advance()
+    test = condition(c)
+    body = block(c, 'the condition of "while"')
+    rest = else_block(c)
+    return spanning(start, ast.While(test, body, rest), rest or body)
+
+
+def for_statement(c: Cursor, start: Token) -> ast.stmt:
+    """`for targets in values: ... else: ...`."""
+    c.advance()
+    target = expressions.targets(c)
+    c.expect("in", 'after the variable of "for"', 'write "for x in values:"')
+    values = expressions.row(c)
+    body = block(c, 'the head of "for"')
+    rest = else_block(c)
+    return spanning(start, ast.For(target, values, body, rest), rest or body)
+
+
+def try_statement(c: Cursor, start: Token) -> ast.stmt:
+    """`try: ... interrupt when condition: ...`."""
+    c.advance()
+    body = block(c, '"try"')
+    interrupts: list[Interrupt] = []
+    while c.token.text == "interrupt":
+        word = c.advance()
+        c.expect("when", 'after "interrupt"', 'write "interrupt when condition:"')
+        test = condition(c)
+        handler = block(c, 'the condition of "interrupt when"')
+        interrupts.append(spanning(word, Interrupt(test, handler), handler))
+    if c.token.text in ("except", "finally") or (interrupts and c.token.text == "else"):
+        c.refuse(c.token.text)
+    if not interrupts:
+        c.missing('"interrupt when" after the block of "try"')
+    return spanning(start, TryInterrupt(body, interrupts, [], [], []), interrupts)
+
+
+def function(c: Cursor, start: Token) -> ast.stmt:
+    """`def name(parameters) [-> annotation]: ...`."""
+    c.advance()
+    name = c.name("the name of a function").text
+    parameters = expressions.bracketed_parameters(c, f'the name of the function "{name}"')
+    returns = c.expression() if c.accept("->") else None
+    body = block(c, f'the head of the function "{name}"')
+    node = ast.FunctionDef(name, parameters, body, [], returns)
+    node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
+    return spanning(start, node, body)
+
+
+def refused_block(c: Cursor, start: Token) -> None:
+    """Python's `match` and `with`, each by what follows: `match` may also be a name, `with` a specifier astray."""
+    ahead = 1
+    while c.peek(ahead).kind not in ("newline", "end"):
+        ahead += 1
+    if start.text == "match":
+        found = c.peek(ahead + 1).kind == "indent" and c.peek(ahead + 2).text == "case"
+    else:
+        found = ":" in [c.peek(k).text for k in range(ahead)]
+    if found:
+        c.refuse(start.text)
+    if start.text == "with":
+        hint = "a specifier follows a class, or a comma after another specifier"
+        c.fail('expected a value, found the word "with"', hint)
+
+
+# ---------------------------------------------------------------- the tables
+
+SIMPLE: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
+    **dict.fromkeys(("pass", "break", "continue"), lone_word),
+    **dict.fromkeys(("global", "nonlocal"), scope_statement),
+    **dict.fromkeys(("raise", "yield", "async"), refused),
+    **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), misplaced),
+    "return": return_statement,
+    "assert": assert_statement,
+    "del": delete_statement,
+    "import": import_statement,
+    "from": import_from_statement,
+}
+BLOCKS: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
+    **dict.fromkeys(("match", "with"), refused_block),
+    "if": if_statement,
+    "while": while_statement,
+    "for": for_statement,
+    "try": try_statement,
+    "def": function,
 }

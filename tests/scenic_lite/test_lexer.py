@@ -38,7 +38,7 @@ def pythons(text):
         "if x:\n    y\n\n  # a comment\n    z\nelse:\n\tw\n",
         "f(a,\n  b)  # c\n",
         "x = '''a\nb''' + r\"\\d\" + rb'x'\n",
-        "x = 1_000 + 0xFF + 1.5e-3 + 2j + .5 + 5. + 0o17 + 0b1\n",
+        "x = 1_000 + 0xFF + 1.5e-3 + .5 + 5. + 0o17 + 0b1\n",
         "a = b \\\n  + c\n",
         "x **= y // z >> w != v ... -> :=\n",
         "é = ñ\n",

@@ -46,7 +46,7 @@ LEFT_OUT = {
     "exceptions_and_asserts": (8, "`except` is not supported"),
     "match_in_behavior": (5, "`match` is not supported"),
     "py_decorator": (9, "decorators are not supported"),
-    "py_float_format": (6, "`%` formats no text"),
+    "py_float_format": (6, "`!` in an f-string is not supported"),
     "py_generator_function": (8, "`yield` is not supported"),
     "py_nested_try": (12, "`except` is not supported"),
     "py_percent_format": (5, "`%` formats no text"),

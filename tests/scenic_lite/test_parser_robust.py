@@ -75,7 +75,7 @@ def test_mutated_programs(seed):
     for _ in range(250):
         text = mutated(rng)
         try:
-            errors = check(parse(text, "p", rng.choice((0, 2, 3))), text, "p")
+            errors = check(parse(text, "p", rng.choice((2, 3))), text, "p")
         except ScenicError as error:
             errors = [error]
         for error in errors:
