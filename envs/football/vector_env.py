@@ -61,6 +61,11 @@ class FootballVectorEnv(UPOMDP):
         self.behaviors = CompiledBehaviors(self.program)
         for warning in self.behaviors.compiled.warnings:
             warnings.warn(warning, stacklevel=2)
+        self._set_up(num_envs)
+
+    def _set_up(self, num_envs: int) -> None:
+        """Make spaces and room for so many matches of the program."""
+        config = self.config
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
         self._observer = Observer(config.representation, self.lineup)
@@ -214,10 +219,19 @@ class FootballVectorEnv(UPOMDP):
         twin.reset_to_levels(self.levels)
         return twin
 
+    def resized(self, num_envs: int) -> FootballVectorEnv:
+        """Return an environment of the same program and settings, not yet reset, with so many matches.
+
+        It shares the line-up and the compiled behaviors, which take longest to make.
+        """
+        twin = FootballVectorEnv.__new__(FootballVectorEnv)
+        twin.program, twin.config = self.program, self.config
+        twin.lineup, twin.behaviors = self.lineup, self.behaviors
+        twin._set_up(num_envs)
+        return twin
+
     def copy(self) -> FootballVectorEnv:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # they have been given
-            twin = FootballVectorEnv(self.program, self.num_envs, config=self.config)
+        twin = self.resized(self.num_envs)
         twin._scripted = self._scripted
         twin.set_state(self.get_state())
         return twin

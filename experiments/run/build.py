@@ -18,6 +18,7 @@ from ued.methods import METHODS
 
 if TYPE_CHECKING:
     from envs.football.config import FootballConfig
+    from envs.football.scenic.lineup import Lineup
     from envs.football.vector_env import FootballVectorEnv
     from envs.football.view.render import FootballPainter
     from experiments.run.config import ProgramConfig, TrainConfig
@@ -174,9 +175,9 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
 
 
-def make_painter(program: Program) -> FootballPainter:
-    """Make what draws the levels of a program."""
+def make_painter(program: Program, lineup: Lineup | None = None) -> FootballPainter:
+    """Make what draws the levels of a program; `lineup` is that of its environment, if there is one."""
     from envs.football.scenic.lineup import Lineup
     from envs.football.view.render import FootballPainter
 
-    return FootballPainter(Lineup(program))
+    return FootballPainter(lineup or Lineup(program))

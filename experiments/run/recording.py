@@ -53,8 +53,8 @@ class RunRecorder:
 
     def _open(self, upomdp: Any, updates: int) -> None:
         config = self.run.config
-        self.painter = build.make_painter(upomdp.program)
-        self.env = build.make_upomdp(upomdp.program, 1, config.env, config.seed, config.threads)
+        self.painter = build.make_painter(upomdp.program, upomdp.lineup)
+        self.env = upomdp.resized(1)
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         recording = Recording(self.run.next_recording(), name, config.total_env_steps, flat)

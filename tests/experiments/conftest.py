@@ -19,5 +19,5 @@ def probe(monkeypatch):
 
     monkeypatch.setattr(build, "make_upomdp", make_upomdp)
     monkeypatch.setattr(build, "make_method", lambda config, upomdp: ProbeMethod(config, upomdp))
-    monkeypatch.setattr(build, "make_painter", lambda program: ProbePainter())
+    monkeypatch.setattr(build, "make_painter", lambda program, lineup=None: ProbePainter())
     return Path

@@ -26,7 +26,7 @@ DRAWS = (ThetaColumn("place.x", -50.0, 50.0), ThetaColumn("place.y", -30.0, 30.0
 class ProbeUPOMDP(UPOMDP):
     """Episodes of one step; the observation is θ."""
 
-    program = None
+    program = lineup = None
 
     def __init__(self, num_envs: int = 1) -> None:
         super().__init__(num_envs, Box(-1.0, 1.0, (3,), np.float32), Discrete(2), DRAWS)
@@ -40,6 +40,9 @@ class ProbeUPOMDP(UPOMDP):
         ended = np.ones(self.num_envs, bool)
         info = {"final_obs": observation.copy(), "_final_obs": ended}
         return observation, reward, ended, np.zeros(self.num_envs, bool), info
+
+    def resized(self, num_envs):
+        return ProbeUPOMDP(num_envs)
 
     def get_state(self):
         return {"levels": self.levels.copy(), "random": self.np_random.bit_generator.state}

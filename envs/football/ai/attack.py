@@ -12,7 +12,7 @@ from envs.football.ai.passing import consider_first_time_pass, consider_pass
 from envs.football.ai.run_speed import RUNS, WALKS
 from envs.football.ai.shooting import consider_shot
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
-from envs.football.physics.dribble import TOUCH_REACH
+from envs.football.physics.dribble import TOUCH
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.possession import ball_speed, forget_kick, meeting_time
 from envs.football.physics.vectors import apart, length
@@ -37,7 +37,7 @@ def play_ball(match, i):
         return
     if player.kick == 0 and kicks_himself(match, player) and not consider_shot(match, i):
         consider_pass(match, i)
-    if apart(match.ball, player) > TOUCH_REACH:
+    if apart(match.ball, player) > TOUCH.reach:
         chase(match, i, player.top_speed)
     else:
         run_by_forces(match, player)

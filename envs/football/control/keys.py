@@ -23,7 +23,7 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.physics.dribble import TOUCH_REACH
+from envs.football.physics.dribble import TOUCH
 from envs.football.physics.possession import forget_kick
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.steering import chase, slide
@@ -108,7 +108,7 @@ def hold_kick(player, action):
 def steer(match, i):
     """Want the velocity that the sticky keys ask for, or the way to a free ball for which i is best placed."""
     player = match.players[i]
-    at_feet = match.carrier == i and apart(match.ball, player) < TOUCH_REACH
+    at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
     if match.use_magnet and not at_feet and drawn_to_ball(match, i):
         chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
         return

@@ -10,68 +10,110 @@ Google Research Football. Read next: `skills.contacts`, where others meet the ba
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
 from envs.football.physics.running import JUMP, SETTLED, SPRINTING, SURE, UNDER_WAY, gain, redirect, run_free, straight
 from envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
-TOUCH_REACH = 1.15  # m from the body to a ball that the foot can still play
-TOUCH_BELOW = 0.9  # m
-WALKING = 0.5  # m/s, slower players keep the ball at the foot
-AT_FOOT = 0.38  # m ahead of a player who stands
-AT_FOOT_TIME, AT_FOOT_SPEED = 0.1, 3.0  # s; m/s at most, relative to the player: how it is put there
 
-# How one runs with the ball, by the speed wanted: at a dribble, at a run, at a sprint, knocking it on in a sprint
-DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)
-DRIBBLE_BELOW = 4.7  # m/s wanted
-LONG_AGO = 9.0  # s
-LUNGE = 0.12  # s from going for a touch to playing the ball
-REST = (0.211, 0.119, 0.11, 0.105)  # s at least from a touch until he goes for the next
-PLAYED_AT = (0.586, 0.549, 0.9, 0.979)  # m ahead at which he plays the ball
-NEARER = 0.633  # share of that by which he would play it nearer if he stood
-SLOWER = 0.4  # m/s, so much faster than the player the ball may be when he goes for it
-SLOWING = 2.5  # m/s² of a ball that rolls
-LUNGED = (
-    0.447,
-    0.197,
-    -1.426,
-    -0.661,
-)  # m/s faster while he does, less by the square of the speed's share of what he wants
-LUNGED_TURNING = -0.617  # m/s, where he sends it elsewhere
-PUSHED_PACE = (1.1, 1.1, 1.1, 1.11)  # a touch gives the ball this times his speed
-PUSHED_MORE = (1.541, 2.0, 1.788, 3.555)  # m/s and this more,
-PUSHED_MOST = (0.586, 0.368, 0.862, 4.244)  # m/s but at most this more than he wants to run
-PUSHED_UP = (0.39, 0.681, 0.86, 1.29)  # m/s upwards
-TURNED_BALL, TURNS_BELOW = 1.524, 7.019  # m/s of a ball that is turned back; m/s at which he does that
-STOPS_SOON = 1.3  # m/s at which he goes for the first touch of his way back
-SLOWED_BALL = 1.2  # m/s less than his speed, where he stops
-ASIDE_TIME, ASIDE = 0.55, 2.0  # s in which a touch brings the ball back to his line, m/s at most
-FOLLOWS, FOLLOWS_PACE = 0.93, 0.98  # m ahead, share of his speed: a ball that he must follow before he can turn back
-BACK_BELOW = -0.3  # cosine of the angle to the wanted direction; below it he has to stop first
-TOUCH_PACE = 0.934  # of the speed wanted: the pace that is left when a sprinter has played the ball
+class Gait(NamedTuple):
+    """A way to run with the ball."""
 
-# Sprints
-ARC_TIME = 0.401  # s after a touch until which a sprint can change direction, from when he goes for it
-ARC = 0.677  # rad/s meanwhile
-ARC_COS, ARC_SIN = math.cos(ARC * STEP), math.sin(ARC * STEP)
-ARC_LEFT = 0.08  # rad by which his turn may be ahead of the ball's
-ARC_STRAIGHT = 0.9999  # cosine of an angle that needs no turn
-ARC_AHEAD_COS, ARC_AHEAD_SIN = math.cos(0.3 * ARC), math.sin(0.3 * ARC)  # of the touch, for what is still to turn
-ARC_PACE, ARC_EASING = 0.908, 2.55  # of the speed wanted, while he turns; m/s² down to it
-SPRINT_EFFORT, SPRINT_GAIN = 0.879, 3.21  # share of full effort with which he gathers speed; m/s² at most
-EASING = 8.0  # m/s², to a slower gait
+    rest: float  # s at least from a touch until he goes for the next
+    played_at: float  # m ahead at which he plays the ball
+    lunge_gain: float  # m/s faster while he goes for a touch, less by the square of the speed's share of what he wants
+    push_pace: float  # a touch gives the ball this times his speed
+    push_more: float  # m/s and this more,
+    push_most: float  # m/s but at most this more than he wants to run
+    push_up: float  # m/s upwards
+    restart: float  # m/s at once after having stopped to turn
 
-# Turns and stops
+
+class Touch(NamedTuple):
+    """Touches, whatever the gait."""
+
+    reach: float = 1.15  # m from the body to a ball that the foot can still play
+    below: float = 0.9  # m, height of such a ball
+    dribble_below: float = 4.7  # m/s, speed wanted: from there on he runs
+    long_ago: float = 9.0  # s
+    lunge: float = 0.12  # s from going for a touch to playing the ball
+    lunge_turning: float = -0.617  # m/s faster meanwhile, where he sends the ball elsewhere
+    nearer: float = 0.633  # share of `played_at` by which he would play it nearer if he stood
+    slower: float = 0.4  # m/s, so much faster than the player the ball may be when he goes for it
+    slowing: float = 2.5  # m/s² of a ball that rolls
+    aside_time: float = 0.55  # s in which a touch brings the ball back to his line
+    aside: float = 2.0  # m/s at most, to that end
+    pace_left: float = 0.934  # share of the speed wanted that is left when a sprinter has played the ball
+
+
+class AtFoot(NamedTuple):
+    """The ball of a player who stands or is about to kick."""
+
+    walking: float = 0.5  # m/s, slower players keep the ball at the foot
+    ahead: float = 0.38  # m ahead of him
+    time: float = 0.1  # s in which it is put there
+    speed: float = 3.0  # m/s at most meanwhile, relative to the player
+
+
+class TurnBack(NamedTuple):
+    """The way back with the ball: he stops it, or has to follow it first."""
+
+    below: float = -0.3  # cosine of the angle to the wanted direction; below it he has to stop first
+    ball_speed: float = 1.524  # m/s of a ball that is turned back
+    from_below: float = 7.019  # m/s at which he does that
+    stops_soon: float = 1.3  # m/s at which he goes for the first touch of his way back
+    slowed_ball: float = 1.2  # m/s less than his speed, where he stops
+    follows_ahead: float = 0.93  # m ahead: a ball that he must follow before he can turn back
+    follows_pace: float = 0.98  # share of his speed that such a ball has
+
+
+class Arc(NamedTuple):
+    """Sprints: they change direction only around a touch."""
+
+    time: float = 0.401  # s after a touch until which he can, from when he goes for it
+    rate: float = 0.677  # rad/s meanwhile
+    cosine: float = math.cos(rate * STEP)  # of the turn in a whole step
+    sine: float = math.sin(rate * STEP)
+    left: float = 0.08  # rad by which his turn may be ahead of the ball's
+    straight: float = 0.9999  # cosine of an angle that needs no turn
+    ahead_cosine: float = math.cos(0.3 * rate)  # of the touch, for what is still to turn
+    ahead_sine: float = math.sin(0.3 * rate)
+    pace: float = 0.908  # share of the speed wanted that he keeps while he turns
+    slows: float = 2.55  # m/s² down to it
+    effort: float = 0.879  # share of full effort with which he gathers speed
+    gain: float = 3.21  # m/s² at most, so
+    easing: float = 8.0  # m/s², to a slower gait
+
+
+class Brakes(NamedTuple):
+    """Turns and stops with the ball."""
+
+    early: float = 1.584  # times the share of full effort, but at most 1: he brakes before he gathers speed again
+    aside: float = 7.055  # m/s², of what leads aside
+    back: float = 14.993  # m/s² of a run that is to go back
+    back_late: float = 7.274  # m/s², the same when he has become slow
+    slow: float = 3.88  # m/s, that
+    back_aside: float = 13.356  # m/s² more where it is not to go straight back, times one plus the cosine
+    stop: float = 13.0  # m/s², of a run that is to end
+    stop_late: float = 16.0  # m/s², the same when he has become slow
+    slow_stop: float = 4.0  # m/s, that
+    fresh: float = 12.09  # m/s² gained in a new direction
+    start: float = 2.293  # m/s at once from standing
+
+
+# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
+DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # by the speed wanted; the last: knocking it on in a sprint
+GAITS = (
+    Gait(0.211, 0.586, 0.447, 1.1, 1.541, 0.586, 0.39, 2.631),
+    Gait(0.119, 0.549, 0.197, 1.1, 2.0, 0.368, 0.681, 1.436),
+    Gait(0.11, 0.9, -1.426, 1.1, 1.788, 0.862, 0.86, 1.968),
+    Gait(0.105, 0.979, -0.661, 1.11, 3.555, 4.244, 1.29, 1.5),
+)
 LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
-BRAKE_EARLY = 1.584  # times that share, but at most 1: he brakes before he gathers speed again
-BRAKING = 7.055  # m/s², of what leads aside
-BRAKING_BACK, BRAKING_LATE, LATE = 14.993, 7.274, 3.88  # m/s² of a run that is to go back; when slower than this, m/s,
-BRAKING_ASIDE = 13.356  # and m/s² more where it is not to go straight back, times one plus the cosine
-STOPPING, STOPPING_LATE, STOPS_LATE = 13.0, 16.0, 4.0  # m/s²; m/s
-FRESH = 12.09  # m/s² in a new direction
-OFF, OFF_BACK = 2.293, (2.631, 1.436, 1.968, 1.5)  # m/s at once from standing, and after having stopped to turn
+TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Touch(), AtFoot(), TurnBack(), Arc(), Brakes()
 
 
 @kernel
@@ -79,7 +121,7 @@ def run_with_ball(match, i, speed):
     """Velocity after a step of running with the ball towards the wanted velocity; and decide about the next touch."""
     player, ball = match.players[i], match.ball
     away_x, away_y = ball.x - player.x, ball.y - player.y
-    if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH or ball.z > TOUCH_BELOW:
+    if away_x * away_x + away_y * away_y > TOUCH.reach * TOUCH.reach or ball.z > TOUCH.below:
         player.lunge_loss, player.stride = 0.0, abs(player.stride) + STEP
         return run_free(player, speed)
     if player.lunge_loss != 0.0 and speed > 0.0:
@@ -96,11 +138,11 @@ def run_with_ball(match, i, speed):
         vx, vy = steered(ball, player, speed, want)
     player.lunge_loss = 0.0
     speed = math.sqrt(vx * vx + vy * vy)
-    if lunging > 0.0 and want > WALKING and speed > 0.0:
-        after = min(speed, want * TOUCH_PACE) if gait == SPRINTED and player.stride >= 0.0 else speed
-        share, more = min(speed / want, 1.0), LUNGED[gait]
+    if lunging > 0.0 and want > AT_FOOT.walking and speed > 0.0:
+        after = min(speed, want * TOUCH.pace_left) if gait == SPRINTED and player.stride >= 0.0 else speed
+        share, more = min(speed / want, 1.0), GAITS[gait].lunge_gain
         if turned:
-            share, more = min(speed / RUN_SPEED, 1.0), LUNGED_TURNING if gait < SPRINTED else 0.0
+            share, more = min(speed / RUN_SPEED, 1.0), TOUCH.lunge_turning if gait < SPRINTED else 0.0
         now = after + lunging / STEP * (speed + more * share * share - after)
         player.lunge_loss = after - now
         vx *= now / speed
@@ -119,9 +161,9 @@ def stride_on(ball, player, speed, want, gait):
         return lunging
     lunging = STEP - touch_due(ball, player, speed, want, gait)
     if lunging > 0.0:
-        player.stride = lunging - LUNGE
+        player.stride = lunging - TOUCH.lunge
         return lunging
-    player.stride = min(player.stride + STEP, LONG_AGO)
+    player.stride = min(player.stride + STEP, TOUCH.long_ago)
     return 0.0
 
 
@@ -133,19 +175,19 @@ def out_runs(ball, player, speed, away_x, away_y):
     ahead = (away_x * player.vx + away_y * player.vy) / speed
     along = (ball.vx * player.vx + ball.vy * player.vy) / speed
     wants_back = player.vx * player.desired_vx + player.vy * player.desired_vy < 0.0
-    return wants_back and ahead > FOLLOWS and along > FOLLOWS_PACE * speed
+    return wants_back and ahead > TURN_BACK.follows_ahead and along > TURN_BACK.follows_pace * speed
 
 
 @kernel
 def turns_off(player, speed, want):
     """Tell whether a player wants to run elsewhere than he does, by more than a step's arc."""
-    return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC_COS * speed * want
+    return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC.cosine * speed * want
 
 
 @kernel
 def gait_of(player, want):
     """How a player runs with the ball who wants, or has, this speed."""
-    if want < DRIBBLE_BELOW:
+    if want < TOUCH.dribble_below:
         return DRIBBLING
     if want < SPRINTING:
         return RUNNING
@@ -162,7 +204,7 @@ def steered(ball, player, speed, want):
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
     cosine = along / (speed * want) if speed > 1e-6 and want > 1e-6 else 1.0
     sprinting = speed > SPRINTING - 0.5
-    if sprinting and cosine > BACK_BELOW and want > SPRINTING:
+    if sprinting and cosine > TURN_BACK.below and want > SPRINTING:
         player.turning = 0
         return arc(ball, player, speed, want, cosine)
     if straight(player, speed):
@@ -178,27 +220,27 @@ def steered(ball, player, speed, want):
     if effort == 0.0:
         return player.vx, player.vy
     if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # he stood
-        start = min(OFF / want, 1.0)
+        start = min(BRAKES.start / want, 1.0)
         return player.desired_vx * start, player.desired_vy * start
-    if sprinting and cosine > BACK_BELOW:
-        return eased(player, speed, want, EASING * effort * STEP)
+    if sprinting and cosine > TURN_BACK.below:
+        return eased(player, speed, want, ARC.easing * effort * STEP)
     if want < 1e-6:
-        power = STOPPING if speed > STOPS_LATE else STOPPING_LATE
-    elif cosine < BACK_BELOW:
-        power = BRAKING_BACK
-        if speed < LATE:
-            power = BRAKING_LATE * want / RUN_SPEED + BRAKING_ASIDE * (1.0 + cosine)
+        power = BRAKES.stop if speed > BRAKES.slow_stop else BRAKES.stop_late
+    elif cosine < TURN_BACK.below:
+        power = BRAKES.back
+        if speed < BRAKES.slow:
+            power = BRAKES.back_late * want / RUN_SPEED + BRAKES.back_aside * (1.0 + cosine)
     else:
-        power = BRAKING
-    braking = power * min(BRAKE_EARLY * effort, 1.0) * STEP
-    off = OFF_BACK[gait_of(player, max(want, speed))]
-    return redirect(player, want, braking, effort, FRESH * effort * effort * STEP, off)
+        power = BRAKES.aside
+    braking = power * min(BRAKES.early * effort, 1.0) * STEP
+    off = GAITS[gait_of(player, max(want, speed))].restart
+    return redirect(player, want, braking, effort, BRAKES.fresh * effort * effort * STEP, off)
 
 
 @kernel
 def sprint_gain(speed, top_speed):
     """Speed in m/s gained in a step of a sprint with the ball."""
-    return min(gain(speed, top_speed, SPRINT_EFFORT), SPRINT_GAIN * STEP)
+    return min(gain(speed, top_speed, ARC.effort), ARC.gain * STEP)
 
 
 @kernel
@@ -207,7 +249,7 @@ def eased(player, speed, want, loss):
     new = max(speed - loss, want)
     ux, uy = player.vx / speed, player.vy / speed
     if want > 1e-6:
-        ux, uy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, ARC_COS, ARC_SIN)
+        ux, uy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, ARC.cosine, ARC.sine)
     return ux * new, uy * new
 
 
@@ -215,10 +257,10 @@ def eased(player, speed, want, loss):
 def arc(ball, player, speed, want, cosine):
     """Velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs pace."""
     ux, uy = player.vx / speed, player.vy / speed
-    turning = min(player.stride, ARC_TIME) - max(player.stride - STEP, -LUNGE)  # s
-    if cosine < ARC_STRAIGHT and turning > 0.0 and not leaves(ball, player, speed):
-        new = speed - ARC_EASING * turning if speed > want * ARC_PACE else speed
-        angle = ARC * turning
+    turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
+    if cosine < ARC.straight and turning > 0.0 and not leaves(ball, player, speed):
+        new = speed - ARC.slows * turning if speed > want * ARC.pace else speed
+        angle = ARC.rate * turning
         wx, wy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, math.cos(angle), math.sin(angle))
         return wx * new, wy * new
     new = min(speed + sprint_gain(speed, player.top_speed), max(want, speed))
@@ -232,7 +274,7 @@ def leaves(ball, player, speed):
         return False
     side = player.vx * player.desired_vy - player.vy * player.desired_vx
     behind = player.vy * ball.vx - player.vx * ball.vy
-    return (behind if side > 0.0 else -behind) > ARC_LEFT * speed * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
+    return (behind if side > 0.0 else -behind) > ARC.left * speed * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
 
 
 @kernel
@@ -248,12 +290,12 @@ def bent(ux, uy, wx, wy, cosine, sine):
 @kernel
 def play_direction(player, vx, vy, want):
     """Unit vector along which a player wants the ball: where he wants to go, in a sprint not too far off his run v."""
-    if want < WALKING:
+    if want < AT_FOOT.walking:
         return player.facing_x, player.facing_y
     wx, wy = player.desired_vx / want, player.desired_vy / want
     speed = math.sqrt(vx * vx + vy * vy)
-    if speed > SPRINTING - 0.5 and vx * wx + vy * wy > BACK_BELOW * speed:
-        return bent(vx / speed, vy / speed, wx, wy, ARC_AHEAD_COS, ARC_AHEAD_SIN)
+    if speed > SPRINTING - 0.5 and vx * wx + vy * wy > TURN_BACK.below * speed:
+        return bent(vx / speed, vy / speed, wx, wy, ARC.ahead_cosine, ARC.ahead_sine)
     return wx, wy
 
 
@@ -264,17 +306,19 @@ def touch_due(ball, player, speed, want, gait):
     along = ball.vx * ux + ball.vy * uy
     away_x, away_y = ball.x - player.x, ball.y - player.y
     ahead = away_x * ux + away_y * uy
-    if want < WALKING:
-        return 0.0 if along > 0.5 and (gait < SPRINTED or ahead < PLAYED_AT[gait] + 0.3) else STEP
+    if want < AT_FOOT.walking:
+        return 0.0 if along > 0.5 and (gait < SPRINTED or ahead < GAITS[gait].played_at + 0.3) else STEP
     pace = player.vx * ux + player.vy * uy
-    if pace < BACK_BELOW * speed:
-        return 0.0 if speed < STOPS_SOON or (along < 0.5 * TURNED_BALL and speed < TURNS_BELOW) else STEP
-    time = max(REST[gait] - player.stride, 0.0)
-    if player.touch_wait > STEP or along - SLOWING * time > max(pace, JUMP) + SLOWER:
+    if pace < TURN_BACK.below * speed:
+        turned = along < 0.5 * TURN_BACK.ball_speed and speed < TURN_BACK.from_below
+        return 0.0 if speed < TURN_BACK.stops_soon or turned else STEP
+    time = max(GAITS[gait].rest - player.stride, 0.0)
+    if player.touch_wait > STEP or along - TOUCH.slowing * time > max(pace, JUMP) + TOUCH.slower:
         return STEP
     closing = pace - along
     share = min(speed / want, 1.0)
-    early = ahead - played_at(gait, share) - (closing + LUNGED[gait] * share * share) * LUNGE  # m, when it is played
+    lunge_way = (closing + GAITS[gait].lunge_gain * share * share) * TOUCH.lunge  # m
+    early = ahead - played_at(gait, share) - lunge_way  # m, when it is played
     if early > 0.0 and speed > UNDER_WAY:
         time = max(time, early / closing if closing > 0.0 else STEP)
     return min(time, STEP)
@@ -283,7 +327,7 @@ def touch_due(ball, player, speed, want, gait):
 @kernel
 def played_at(gait, share):
     """How far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he wants."""
-    return PLAYED_AT[gait] * (1.0 - NEARER + NEARER * share)
+    return GAITS[gait].played_at * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
 
 
 @kernel
@@ -294,20 +338,20 @@ def dribble(match):
         return False
     player, ball = match.players[i], match.ball
     kicking = match.kicker == i
-    if (player.touch_wait > 0.0 and not kicking) or player.down_wait > 0.0 or ball.z > TOUCH_BELOW:
+    if (player.touch_wait > 0.0 and not kicking) or player.down_wait > 0.0 or ball.z > TOUCH.below:
         return False
     away_x, away_y = ball.x - player.x, ball.y - player.y
-    if away_x * away_x + away_y * away_y > TOUCH_REACH * TOUCH_REACH:
+    if away_x * away_x + away_y * away_y > TOUCH.reach * TOUCH.reach:
         return False
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
     if kicking:
         ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
         put_at_foot(ball, player, ux, uy)
-    elif want < WALKING and speed < WALKING:
+    elif want < AT_FOOT.walking and speed < AT_FOOT.walking:
         put_at_foot(ball, player, player.facing_x, player.facing_y)
     elif 0.0 <= player.stride < STEP:
-        faster = 1.0 + player.lunge_loss / max(speed, WALKING)
+        faster = 1.0 + player.lunge_loss / max(speed, AT_FOOT.walking)
         push_on(ball, player, player.vx * faster, player.vy * faster, want)
     else:
         return False
@@ -317,11 +361,11 @@ def dribble(match):
 @kernel
 def put_at_foot(ball, player, ux, uy):
     """Play the ball to the foot of a player who stands, or is about to kick it along u."""
-    push_x = (player.x + AT_FOOT * ux - ball.x) / AT_FOOT_TIME
-    push_y = (player.y + AT_FOOT * uy - ball.y) / AT_FOOT_TIME
+    push_x = (player.x + AT_FOOT.ahead * ux - ball.x) / AT_FOOT.time
+    push_y = (player.y + AT_FOOT.ahead * uy - ball.y) / AT_FOOT.time
     push = math.sqrt(push_x * push_x + push_y * push_y)
-    if push > AT_FOOT_SPEED:
-        push_x, push_y = push_x / push * AT_FOOT_SPEED, push_y / push * AT_FOOT_SPEED
+    if push > AT_FOOT.speed:
+        push_x, push_y = push_x / push * AT_FOOT.speed, push_y / push * AT_FOOT.speed
     roll(ball, player.vx + push_x, player.vy + push_y)
 
 
@@ -337,24 +381,24 @@ def push_on(ball, player, vx, vy, want):
     ux, uy = play_direction(player, vx, vy, want)
     pace, speed = vx * ux + vy * uy, math.sqrt(vx * vx + vy * vy)
     gait = gait_of(player, max(want, speed))
-    if want < WALKING:
-        fast = max(speed - SLOWED_BALL, 0.0) if speed > STOPS_LATE else 0.0
-    elif pace < BACK_BELOW * speed:
-        fast = TURNED_BALL
+    if want < AT_FOOT.walking:
+        fast = max(speed - TURN_BACK.slowed_ball, 0.0) if speed > BRAKES.slow_stop else 0.0
+    elif pace < TURN_BACK.below * speed:
+        fast = TURN_BACK.ball_speed
     else:
         short = played_at(gait, min(speed / want, 1.0)) - away_x * ux - away_y * uy
-        fast = PUSHED_PACE[gait] * max(pace, JUMP) + PUSHED_MORE[gait]
-        fast = min(fast, want + PUSHED_MOST[gait]) + min(max(1.5 * short, 0.0), 0.6)
+        fast = GAITS[gait].push_pace * max(pace, JUMP) + GAITS[gait].push_more
+        fast = min(fast, want + GAITS[gait].push_most) + min(max(1.5 * short, 0.0), 0.6)
     across = vy * ux - vx * uy  # to the left of u
     off = away_y * ux - away_x * uy
-    aside = (across * abs(across) / (2.0 * BRAKING) - off) / ASIDE_TIME
-    aside = min(max(aside, -ASIDE), ASIDE)
+    aside = (across * abs(across) / (2.0 * BRAKES.aside) - off) / TOUCH.aside_time
+    aside = min(max(aside, -TOUCH.aside), TOUCH.aside)
     before_x, before_y = ball.vx, ball.vy
     roll(ball, fast * ux - aside * uy, fast * uy + aside * ux)
     ball.x += later * (before_x - ball.vx)
     ball.y += later * (before_y - ball.vy)
-    if want > WALKING and pace > 0.0:
-        ball.vz = PUSHED_UP[gait]
+    if want > AT_FOOT.walking and pace > 0.0:
+        ball.vz = GAITS[gait].push_up
 
 
 @kernel
