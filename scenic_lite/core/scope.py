@@ -68,7 +68,7 @@ class Scope(Environment):
 
     def owning(self, instance: Instance, name: str) -> Scope:
         """The same names; values drawn inside belong to `instance.name`."""
-        return Scope.at(replace(self.mode, owner=(instance, name)), self) if self.mode.phase == LOAD else self
+        return Scope.at(self.mode.owned_by(instance, name), self) if self.mode.phase == LOAD else self
 
     def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
         """A new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""

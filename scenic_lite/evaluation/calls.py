@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.environment import near
@@ -131,10 +132,13 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
     return result
 
 
+signature_of = lru_cache(maxsize=512)(inspect.signature)
+
+
 def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) -> None:
     """Raise ScenicError in the program's words if the arguments do not fit."""
     try:
-        signature = inspect.signature(function.function)
+        signature = signature_of(function.function)
     except ValueError:  # some methods of Python's containers have none
         return
     try:
@@ -228,12 +232,13 @@ def function_of(
 ) -> Function:
     """A function whose defaults are evaluated now. A method does not see the names of its class."""
     defaults, keyword_defaults = defaults_of(scope, arguments)
-    assigned, generates = names_of(body) if isinstance(body, list) else (frozenset(), False)
+    assigned, generates = names_of(tuple(body)) if isinstance(body, list) else (frozenset(), False)
     around = scope if owner is None or scope.outer is None else scope.outer
     return Function(name, arguments, defaults, keyword_defaults, body, around, assigned, generates, owner)
 
 
-def names_of(body: list[ast.stmt]) -> tuple[frozenset[str], bool]:
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def names_of(body: tuple[ast.stmt, ...]) -> tuple[frozenset[str], bool]:
     """The names that a function makes its own by assigning them, and whether it has a `yield`."""
     names: set[str] = set()
     elsewhere: set[str] = set(TRACKED_NAMES)

@@ -231,7 +231,7 @@ def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
 
 def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
     defaults, keyword_defaults = defaults_of(scope, node.args)
-    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(node.body)[0])
+    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(tuple(node.body))[0])
     scope.assign(node.name, behavior)
     scope.state.behaviors[node.name] = behavior
     if node.started:  # Scenic 2, where to define it is to start it
@@ -240,7 +240,7 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
 
 def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
     defaults, keyword_defaults = defaults_of(scope, node.args)
-    own = names_of([*node.setup, *node.compose])[0]
+    own = names_of((*node.setup, *node.compose))[0]
     scenario = Behavior(node.name, node, defaults, keyword_defaults, scope, own)
     scope.assign(node.name, scenario)
     scope.state.scenarios.append(scenario)
