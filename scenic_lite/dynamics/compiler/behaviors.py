@@ -45,18 +45,40 @@ Called = tuple[BehaviorCall, Value]  # with its weight
 
 
 def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
-    """`take a, b`; a single tuple or list stands for its elements."""
-    actions = [scope.value(each) for each in node.actions]
-    if len(actions) == 1 and isinstance(actions[0], list | tuple):
-        actions = list(actions[0])
-    assert c.agent is not None, "the checker lets only behaviors take actions"
-    actions = [checked(c, each, node) for each in actions]
-    remember(c, tuple(actions))
+    """`take a, b`; a single tuple or list stands for its elements, also one that is chosen by chance."""
     on = Label()
-    c.code.row(op.TAKE, command(c, actions, node), c.slot, on)
-    c.code.reachable = False
+    take_actions(c, [scope.value(action) for action in node.actions], node, on)
     c.code.put(on)
     check_invariants(c, scope)
+
+
+def take_actions(c: Compilation, actions: list[Value], node: nodes.Take, on: Label) -> None:
+    """Give the command of some actions, and let time pass until a label."""
+    if len(actions) == 1 and isinstance(actions[0], list | tuple):
+        actions = list(actions[0])
+    elif len(actions) == 1 and isinstance(actions[0], RandomChoice) and any(map(is_listed, actions[0].options)):
+        take_option(c, actions[0], node, on)
+        return
+    assert c.agent is not None, "the checker lets only behaviors take actions"
+    actions = [checked(c, action, node) for action in actions]
+    remember(c, tuple(actions))
+    c.code.row(op.TAKE, command(c, actions, node), c.slot, on)
+    c.code.reachable = False
+
+
+def is_listed(value: Value) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def take_option(c: Compilation, choice: RandomChoice, node: nodes.Take, on: Label) -> None:
+    """Options of any length: each is a command of its own."""
+    index = register_of(c.code, choice.index)
+    for i, option in enumerate(choice.options):
+        following = Label()
+        if i < len(choice.options) - 1:
+            c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
+        take_actions(c, [option], node, on)
+        c.code.put(following)
 
 
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:

@@ -14,10 +14,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from scenic_lite.core.types import BehaviorCall
-from scenic_lite.dynamics.compiler.choices import jump_on, needs_number
+from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, truth
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
-from scenic_lite.dynamics.compiler.emit import register_of
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names, said
+from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.syntax import nodes
@@ -98,7 +98,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
             code.place = scope.place(handler.condition)
             with once_set(c, scope, surely_read(handler.condition) & flags.keys()) as readable:
                 if readable:
-                    jump_on(c, scope, handler.condition, start, when=True)
+                    interrupt_on(c, scope, handler.condition, start)
     code.row(op.RESUME, body)
     with scope.in_dynamic_branch(), c.suspends_others():
         code.put_reachable(begin)
@@ -115,6 +115,20 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
             code.row(op.LOOP_BACK, c=scan)
     code.put(end)
     c.stop_scenarios(begun)
+
+
+def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
+    """Go to a handler if its condition holds, which cannot be a behavior that somebody forgot to `do`."""
+    if not isinstance(condition, ast.Call):
+        jump_on(c, scope, condition, start, when=True)
+        return
+    value = scope.value(condition)
+    if isinstance(value, BehaviorCall):
+        error = scope.error("type", "a behavior cannot be called in a condition", condition)
+        c.doubts.append(error)
+        c.code.row(op.FAULT, note=said(error), place=error.place)
+    elif c.code.reachable:
+        jump(c.code, truth(value), start, when=True)
 
 
 def flags_of_unset(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> dict[str, int]:

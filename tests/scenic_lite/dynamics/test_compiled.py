@@ -278,6 +278,57 @@ def test_what_cannot_be_compiled_says_so(name):
     assert caught.value.place is not None
 
 
+CHANCE = {
+    "of the scene": ("x = Uniform([1, 2], [3, 4], [5])", "", "x"),
+    "of the match": ("", "", "Uniform([1, 2], [3], [])"),
+    "a list or a number": ("x = Uniform([1, 2], 3)", "", "x"),
+    "a tuple of an argument": ("", "Uniform((1, 2), (3,))", "n"),
+    "one of several": ("x = Uniform([1, 2], [3, 4])", "", "x, 5"),
+    "in a list": ("x = Uniform([1, 2], [3, 4])", "", "[x, 5]"),
+}
+
+
+@pytest.mark.parametrize("name", sorted(CHANCE))
+def test_a_list_chosen_by_chance_stands_for_its_elements(name):
+    before, argument, taken = CHANCE[name]
+    text = f"{before}\nbehavior Main(n):\n    while True:\n        take {taken}\n"
+    text += f"ego = new Object at 0 @ 0, with behavior Main({argument or 0})"
+    assert differences(text, range(8), steps=8)[0] == []
+
+
+def test_what_was_taken_by_chance_is_remembered():
+    text = (
+        "behavior Main():\n    while True:\n        take Uniform([1, 2], [3], [])\n        take len(self.lastActions)\n"
+    )
+    assert differences(text + "ego = new Object at 0 @ 0, with behavior Main()", range(8), steps=8)[0] == []
+
+
+NO_CONDITIONS = {
+    "at once": ("try:\n        take 1\n        take 2\n    interrupt when B():\n        take 3", 0),
+    "behind another": (
+        "try:\n        take 1\n        take 2\n    interrupt when B():\n        take 3\n"
+        "    interrupt when self.position.y < 2:\n        take 4",
+        2,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", sorted(NO_CONDITIONS))
+def test_a_behavior_called_in_a_condition_stops_a_match_that_comes_to_it(name):
+    body, steps = NO_CONDITIONS[name]
+    text = "behavior B():\n    take 9\nbehavior Main():\n    " + body + feature_programs.OBJECTS
+    differing, compiled = differences(text, range(2), steps=6)
+    assert differing == []
+    assert [(each.kind, each.message) for each in compiled.doubts] == [
+        ("type", "a behavior cannot be called in a condition")
+    ]
+    controller = CompiledController(compiled, compiled.program.sample(1, np.random.default_rng(0))[0][0])
+    for step in range(steps):
+        controller.act(np.full((3, 3), float(step)), np.array([float(step)]))
+    with pytest.raises(ScenicError, match="called in a condition"):
+        controller.act(np.full((3, 3), 3.0), np.array([float(steps)]))
+
+
 RISKY = ("1 / x", "max(1, 2 * (1 / n) + 1)", "3 // n", "5 % x", "math.sqrt(x)", "math.log(n) + 1", "int(1 / x)")
 
 
