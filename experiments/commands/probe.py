@@ -174,6 +174,8 @@ def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
 
 
 def _cell(interval: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: str = "") -> str:
+    if np.isnan(interval.low):  # of a single run
+        return f"{interval.estimate:{sign}.2f}"
     low, high = (min(max(end, bounds[0]), bounds[1]) for end in (interval.low, interval.high))
     return f"{interval.estimate:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
 
@@ -202,7 +204,7 @@ def draw(runs: Sequence[Run], methods: Sequence[str], path: Path) -> None:
             low, high = np.quantile(scores, [0.25, 0.75], axis=0)
             axes.plot(steps, scores.mean(0), color=plots.colour(name), label=plots.title(name))
             axes.fill_between(steps, low, high, color=plots.colour(name), alpha=0.15, linewidth=0)
-        axes.set_xlabel("simulated steps, all students'")
+        plots.label_steps(axes)
         axes.set_ylabel("share of the turns known")
         axes.set_ylim(0, 1)
         axes.legend(loc="upper left", fontsize=8)

@@ -99,7 +99,7 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
         if curve is not None:
             plots.draw_curve(axes, curve, method)
     axes.set_title("Return on the training distribution (uniform θ)")
-    axes.set_xlabel("simulated steps, all students (millions)")
+    plots.label_steps(axes)
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:

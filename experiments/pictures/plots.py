@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from experiments.run.progress import count
 from experiments.run.table import cannot_write, read_columns, read_header
 from ued.methods import METHODS
 
@@ -131,7 +132,7 @@ def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | 
 def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
     """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band."""
     shade = colour(method)
-    steps, values = curve.steps / 1e6, curve.values
+    steps, values = curve.steps, curve.values
     known = np.isfinite(values).any(0)
     steps, values = steps[known], values[:, known]
     if len(values) > 1:
@@ -139,6 +140,12 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
     axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, label=label or title(method))
+
+
+def label_steps(axes: Axes) -> None:
+    """Write what the horizontal axis counts, in numbers that are short: 500k, 2M."""
+    axes.set_xlabel("simulated steps, all students")
+    axes.xaxis.set_major_formatter(lambda value, _: count(value))
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
@@ -165,7 +172,7 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
-            axes.set_xlabel("simulated steps, all students (millions)")
+            label_steps(axes)
         _legend(figure, runs)
         figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
         save(figure, path)

@@ -34,9 +34,10 @@ def group(factory: Callable[[], Any], help: str, prefix: str = "", without: tupl
     return field(default_factory=factory, metadata={"help": help, "prefix": prefix, "without": without})
 
 
-def option(default: Any, help: str, short: str = "", repeated: bool = False) -> Any:
+def option(default: Any, help: str, short: str = "", repeated: bool = False, metavar: str = "") -> Any:
     """Return a dataclass field with a second, short flag, or a tuple to which every use of the flag adds one value."""
-    return field(default=default, metadata={"help": help, "short": short, "repeated": repeated})
+    about = {"help": help, "short": short, "repeated": repeated, "metavar": metavar}
+    return field(default=default, metadata=about)
 
 
 def parse(base: Config, argv: Sequence[str], command: str, description: str) -> Config:
@@ -109,6 +110,7 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
             help_text += "" if value is None else f" (default {_spell(value)})"
             names = [flag_name(item.name, place.prefix), *filter(None, [about.get("short")])]
             options = _options(hints[item.name], about.get("repeated", False))
+            options |= {"metavar": about["metavar"]} if about.get("metavar") else {}
             added = container.add_argument(
                 *names, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options
             )

@@ -50,7 +50,7 @@ def football_ppo() -> PPOConfig:
 class ProgramConfig:
     """How a program is read, under the names of Scenic's own command line."""
 
-    param: tuple[str, ...] = option((), "name=value: set a global parameter of the program", "-p", repeated=True)
+    param: tuple[str, ...] = option((), "set a global parameter of the program", "-p", True, "NAME=VALUE")
     scenario: str | None = setting(None, "the modular scenario to run; else Main, or the only one")
     model: str | None = option(None, "the world model, in place of the program's own", "-m")
 
