@@ -6,7 +6,7 @@ Read next: `syntax.lexer`, where the first of them are raised.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 SHOWN = 20  # further errors of the same text
 WIDEST = 160  # characters of a source line
@@ -49,7 +49,6 @@ class ScenicError(Exception):
         self.source_line = source_line
         self.notes = tuple(notes)
         self.also: tuple[ScenicError, ...] = ()
-        self.fault: Any = None  # an exceptions.Fault, where a program's `except` knows it by another name than its kind
 
     @property
     def line(self) -> int | None:
@@ -81,6 +80,10 @@ class ScenicError(Exception):
         margin = "".join(c if c == "\t" else " " for c in text[: place.column - start])
         carets = "^" * max(1, min(end, start + len(text)) - place.column)
         return ["    " + text, "    " + margin + carets]
+
+
+class UnsetVariable(ScenicError):
+    """A variable of a function is read before it has a value."""
 
 
 def harmless(text: str) -> str:

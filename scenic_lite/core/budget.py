@@ -17,7 +17,7 @@ class Limits:
 
     steps: int = 200_000  # nodes of the tree evaluated, loops and calls counted each time
     calls: int = 40  # functions called inside each other; Python's own stack ends soon after
-    elements: int = 100_000  # of one list, tuple, dict, set or range
+    elements: int = 100_000  # of one list, tuple, dict or range
     memory: int = 10_000_000  # elements and characters created in all
     characters: int = 1_000_000  # of one text
     bits: int = 4096  # of one integer
@@ -76,7 +76,7 @@ class Budget:
             self.text(len(value))
         elif isinstance(value, int):
             self.integer(value.bit_length())
-        elif isinstance(value, list | tuple | dict | set):
+        elif isinstance(value, list | tuple | dict):
             self.container(len(value))
 
     def container(self, length: int) -> None:
@@ -86,7 +86,7 @@ class Budget:
 
     def whole(self, value: object) -> None:
         """Count what Python visits to compare or to hash a value: a part that is shared is visited each time."""
-        if not isinstance(value, list | tuple | set | dict):
+        if not isinstance(value, list | tuple | dict):
             return
         count, pending = 0, [value]
         while pending:
@@ -95,7 +95,7 @@ class Budget:
             if count > self.limits.elements:
                 raise exceeded(f"a collection whose parts hold more than {self.limits.elements:,} elements in all")
             parts = each.values() if isinstance(each, dict) else each
-            pending += [part for part in parts if isinstance(part, list | tuple | set | dict)]
+            pending += [part for part in parts if isinstance(part, list | tuple | dict)]
         self.spend(count)
 
     def text(self, length: int) -> None:
@@ -110,7 +110,7 @@ class Budget:
     def repeated(self, value: Sized, count: int) -> None:
         """Check `value * count` before it is made."""
         length = len(value) * max(0, count)
-        if isinstance(value, str | bytes):
+        if isinstance(value, str):
             self.text(length)
         else:
             self.container(length)

@@ -14,12 +14,25 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.exceptions import from_python
+from scenic_lite.core.budget import exceeded
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, Tape, Value
 from scenic_lite.values.operations import Operation, row_of
 
 PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
+
+
+PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
+
+
+def from_python(fault: BaseException) -> ScenicError:
+    """Our error for a fault of Python's own operators and methods."""
+    if isinstance(fault, RecursionError):
+        return exceeded("expressions and functions are nested too deeply")
+    if isinstance(fault, MemoryError):
+        return exceeded("more memory is asked for than there is")
+    message = f"key {fault} is not in the dictionary" if isinstance(fault, KeyError) else str(fault)
+    return ScenicError("type" if isinstance(fault, TypeError) else "value", message or type(fault).__name__)
 
 
 class FallibleOperation:

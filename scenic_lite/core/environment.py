@@ -38,13 +38,11 @@ class Environment:
         "assigned",
         "globals",
         "locals",
-        "method",
         "module_names",
         "nonlocals",
         "outer",
         "source",
         "transparent",
-        "yields",
     )
 
     def __init__(self, source: Source, names: dict[str, Value], outer: Environment | None = None) -> None:
@@ -55,8 +53,6 @@ class Environment:
         self.nonlocals: set[str] = set()
         self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
         self.transparent = False  # of a comprehension, whose `:=` binds outside
-        self.method: tuple[Any, Value] | None = None  # of a method: its class and its first argument
-        self.yields: list[Value] | None = None  # of a generator: what it has given so far
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def names_of(self, name: str) -> dict[str, Value]:

@@ -13,19 +13,18 @@ from typing import Any
 
 import numpy as np
 
+from scenic_lite.core.checks import PYTHON_FAULTS, from_python
 from scenic_lite.core.environment import Environment, Source, near
-from scenic_lite.core.exceptions import from_python, named_fault
 from scenic_lite.core.paths import Path
 from scenic_lite.core.state import LOAD, Mode
-from scenic_lite.core.types import Instance, RandomChoice, Stream, describe_kind
-from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.core.types import Instance, RandomChoice, describe_kind
+from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
-PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
-CONTAINERS = (list, tuple, set, dict, str, bytes, range)
+CONTAINERS = (list, tuple, dict, str, range)
 LARGEST_NAMED = 100  # elements of a container
 WORDS: dict[type, str] = {nodes.TryInterrupt: "interrupt when"}
 
@@ -55,7 +54,7 @@ class Scope(Environment):
         scope.globals, scope.nonlocals, scope.assigned = (
             environment.globals, environment.nonlocals, environment.assigned,
         )  # fmt: skip
-        scope.transparent, scope.method, scope.yields = environment.transparent, environment.method, environment.yields
+        scope.transparent = environment.transparent
         return scope
 
     def requiring(self) -> Scope:
@@ -147,8 +146,6 @@ class Scope(Environment):
         self.refuse_random(value, node, "cannot iterate through a random value")
         if isinstance(value, Vector):
             return [value.x, value.y]
-        if isinstance(value, Stream):
-            value = value.rest()
         if isinstance(value, Region) and (points := value.vertices()) is not None:
             value = [Vector(x, y) for x, y in points]
         if not isinstance(value, CONTAINERS):
@@ -200,8 +197,7 @@ class Scope(Environment):
             if name in scope.locals:
                 return scope.locals[name]
             if name in scope.assigned:
-                error = ScenicError("name", f"'{name}' has no value yet in this function")
-                raise named_fault("UnboundLocalError", error)
+                raise UnsetVariable("name", f"'{name}' has no value yet in this function")
             scope = scope.outer
         if name in self.module_names:
             return self.module_names[name]

@@ -96,7 +96,6 @@ class LoadState:
     root: Path | None = None  # the program's folder
     model: str | None = None  # the world model that the caller wants instead of the program's
     fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
-    handled: list[ScenicError] = field(default_factory=list)  # by the `except` blocks that run now
     warnings: list[ScenicError] = field(default_factory=list)
     printed: list[str] = field(default_factory=list)
     doubts: list[ScenicError] = field(default_factory=list)  # warnings of those who do not know the classes

@@ -8,10 +8,10 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import wraps
 from typing import Any
 
 from scenic_lite.core.environment import Environment
-from scenic_lite.core.exceptions import ExceptionClass, Fault
 from scenic_lite.errors import SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Located, Vector, as_vector
@@ -118,6 +118,25 @@ def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
     return options[0] if all(option is options[0] for option in options) else RandomChoice(index, tuple(options))
 
 
+def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
+    """A function that is mapped over the options of a random choice which it gets at one of these positions."""
+
+    def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
+        @wraps(function)
+        def mapped(*arguments: Any, **keywords: Any) -> Value:
+            for i in positions:
+                if i < len(arguments) and isinstance(arguments[i], RandomChoice):
+                    before, choice, after = arguments[:i], arguments[i], arguments[i + 1 :]
+                    return choice.map_options(
+                        [mapped(*before, option, *after, **keywords) for option in choice.options]
+                    )
+            return function(*arguments, **keywords)
+
+        return mapped
+
+    return decorate
+
+
 @dataclass(frozen=True, eq=False)
 class LazyValue:
     """A value that waits for properties of the object being made: `needs` names them."""
@@ -137,8 +156,6 @@ class Function:
     body: list[ast.stmt] | ast.expr
     scope: Environment
     assigned: frozenset[str] = frozenset()  # its local names besides its arguments
-    generates: bool = False  # it has a `yield`
-    owner: ScenicClass | None = None  # whose method it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,35 +167,6 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
-class Descriptor:
-    """A method behind `@staticmethod`, `@classmethod` or `@property`."""
-
-    kind: str
-    function: Value
-
-
-@dataclass(frozen=True, eq=False)
-class Super:
-    """`super()` in a method: what the base of the method's class knows about an instance or a class."""
-
-    base: ScenicClass
-    receiver: Value
-
-
-@dataclass(eq=False)
-class Stream:
-    """An iterator: what `map`, `zip`, `iter` or a generator gives. Its elements are made at once and used up once."""
-
-    items: list
-    at: int = 0
-
-    def rest(self) -> list:
-        """Use up what is left."""
-        left, self.at = self.items[self.at :], len(self.items)
-        return left
-
-
-@dataclass(frozen=True, eq=False)
 class Builtin:
     """A function of the language itself, from our own tables; `needs_context`: it also gets the scope and the call."""
 
@@ -186,7 +174,19 @@ class Builtin:
     function: Callable[..., Value]
     needs_context: bool = False
     types: tuple[type, ...] = ()  # for `isinstance`, if the name is also a type
-    over_choices: bool = True  # an argument that is a Choice is mapped over its options
+    over_choices: bool = True  # an argument that is a RandomChoice is mapped over its options
+
+
+def of_values(**functions: Callable[..., Value]) -> dict[str, Builtin]:
+    """Functions of values alone, mapped over a random choice of them."""
+    return {name: Builtin(name, function) for name, function in functions.items()}
+
+
+def needs_context(**functions: Callable[..., Value]) -> dict[str, Builtin]:
+    """Functions that also receive the scope and the call."""
+    return {
+        name: Builtin(name, function, needs_context=True, over_choices=False) for name, function in functions.items()
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,10 +294,6 @@ KINDS: tuple[tuple[Any, str], ...] = (
     (BehaviorCall, "a behavior"),
     (Namespace, "a module"),
     (RandomChoice, "a random choice"),
-    (Stream, "an iterator"),
-    (Descriptor, "a method of its class"),
-    (ExceptionClass, "a class of exceptions"),
-    (Fault, "an exception"),
     (range, "a range"),
     (list, "a list"),
     (dict, "a dictionary"),

@@ -9,12 +9,11 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.exceptions import named_fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Instance, Namespace, RandomChoice, ScenicClass, describe_kind, randoms_in
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.expressions import combined, item_of
+from scenic_lite.evaluation.expressions import combine, item_of
 from scenic_lite.language.classes import checked, is_object
 from scenic_lite.values.graph import RandomExpr, Value
 from scenic_lite.values.regions import Region
@@ -48,16 +47,11 @@ def augmented(scope: Scope, node: ast.AugAssign) -> None:
 
 
 def changed(scope: Scope, node: ast.AugAssign, old: Value) -> Value:
-    """The new value; a list or set that is added to stays the same one."""
+    """The new value; a list that is added to stays the same one."""
     more = scope.value(node.value)
-    new = combined(scope, node.op, list_of(scope, node.op, old), list_of(scope, node.op, more, like=old))
+    new = combine(scope, node.op, list_of(scope, node.op, old), list_of(scope, node.op, more, like=old))
     if isinstance(old, list) and isinstance(new, list):
         old[:] = new
-        return old
-    if isinstance(old, set) and isinstance(new, set):
-        if new is not old:
-            old.clear()
-            old.update(new)
         return old
     return new
 
@@ -121,8 +115,7 @@ def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
     elif isinstance(owner, RandomChoice):
         raise ScenicError("type", "the attributes of a random object cannot be assigned")
     else:
-        error = ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
-        raise named_fault("AttributeError", error)
+        raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
 
 
 def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
@@ -195,8 +188,7 @@ def delete_target(scope: Scope, target: ast.expr) -> None:
         assert isinstance(target, ast.Attribute)
         owner = scope.value(target.value)
         if not isinstance(owner, Instance) or target.attr not in owner.attributes:
-            error = scope.error("name", f"'{target.attr}' of {describe_kind(owner)} cannot be deleted", target)
-            raise named_fault("AttributeError", error)
+            raise scope.error("name", f"'{target.attr}' of {describe_kind(owner)} cannot be deleted", target)
         del owner.attributes[target.attr]
 
 

@@ -5,33 +5,27 @@ Read next: `evaluation.functions`, the built-in functions.
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from scenic_lite.core.builtin_tables import own
 from scenic_lite.core.environment import near
-from scenic_lite.core.exceptions import ExceptionClass, Fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
     Builtin,
-    Descriptor,
     Function,
     Instance,
     Namespace,
-    RandomChoice,
     ScenicClass,
-    Super,
+    broadcasts_over_choices,
     describe_kind,
+    of_values,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.containers import CLASS_METHODS, DICTIONARIES, LISTS, SETS, TUPLES
-from scenic_lite.evaluation.strings import METHODS as TEXTS
+from scenic_lite.evaluation.builtins import CLASS_METHODS, DICTIONARIES, LISTS, TUPLES
+from scenic_lite.evaluation.strings import no_method
 from scenic_lite.language.classes import ORIENTATION, SIDES, is_object, is_oriented, side_of
 from scenic_lite.language.region_members import (
     CLASS_FUNCTIONS,
@@ -41,15 +35,14 @@ from scenic_lite.language.region_members import (
     REGION_METHODS,
 )
 from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between, is_scalar
-from scenic_lite.values.graph import RandomExpr, Value, apply
+from scenic_lite.values.graph import Value, apply, kind_of
 from scenic_lite.values.operations import ABSOLUTE, MAXIMUM
 from scenic_lite.values.regions import Region, VectorField
 
 
+@broadcasts_over_choices(1)
 def attribute(scope: Scope, value: Value, name: str) -> Value:
     """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
-    if isinstance(value, RandomChoice):
-        return value.map_options([attribute(scope, option, name) for option in value.options])
     if isinstance(value, Instance):
         return of_instance(scope, value, name)
     if isinstance(value, Namespace):
@@ -60,14 +53,12 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
         return value.names[name]
     if isinstance(value, ScenicClass):
         return of_class(value, name)
-    if isinstance(value, Super):
-        return of_super(scope, value, name)
-    if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ExceptionClass):
+    if name == "__name__" and isinstance(value, Function | Builtin | Behavior):
         return value.name
     if isinstance(value, Builtin) and value.types:
         return of_type(value, name)
-    if isinstance(value, RandomExpr) and value.kind == "text" and name in TEXTS:
-        return Bound(Builtin(name, EachText(name)), value)
+    if kind_of(value) == "text":
+        raise no_method(name)
     fields = next((table for kind, table in FIELDS if isinstance(value, kind)), {})
     if name in fields:
         return fields[name](value)
@@ -95,58 +86,16 @@ def of_namespace(module: Namespace, name: str) -> Value:
 def of_class(cls: ScenicClass, name: str) -> Value:
     if name == "__name__":
         return cls.name
-    member = cls.member(name)
-    if isinstance(member, Descriptor):
-        member = Bound(member.function, cls) if member.kind == "classmethod" else member.function
-    return found(member, cls, name, cls.members)
+    return found(cls.member(name), cls, name, cls.members)
 
 
 def of_type(cls: Builtin, name: str) -> Value:
-    """`str.lower`, `dict.fromkeys`: a method without its receiver."""
+    """`list.append`: a method without its receiver; what belongs to the function of a class of regions."""
+    if str in cls.types:
+        raise no_method(name)
     known = next((table for kind, table in METHODS if kind in cls.types), {})
     known = known | CLASS_METHODS.get(cls.name, {}) | CLASS_FUNCTIONS.get(cls.name, {})
     return found(known.get(name), cls, name, known)
-
-
-def of_super(scope: Scope, value: Super, name: str) -> Value:
-    member = value.base.member(name)
-    known = [each for cls in value.base.lineage() for each in cls.members]
-    return member_of(scope, found(member, value.receiver, name, known), value.receiver)
-
-
-def member_of(scope: Scope, member: Value, instance: Value) -> Value:
-    """A member of a class as an instance sees it."""
-    if isinstance(member, Function):
-        return Bound(member, instance)
-    if not isinstance(member, Descriptor):
-        return member
-    if member.kind == "property":
-        return scope.call(member.function, [instance], {}, ast.Pass())
-    cls = instance.cls if isinstance(instance, Instance) else instance
-    return Bound(member.function, cls) if member.kind == "classmethod" else member.function
-
-
-class EachText:
-    """A method of texts on each text of an array [N]; gives texts, numbers or truth values."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        if name in ("join", "format", "split", "rsplit", "splitlines", "partition", "rpartition"):
-            raise ScenicError("unsupported", f"{name}() of a random text")
-
-    def __call__(self, text: Value, *arguments: Value) -> Value:
-        for each in arguments:
-            if not isinstance(each, str | int):
-                raise ScenicError("type", f"{self.name}() of a random text takes fixed texts and numbers")
-        method = vars(str)[self.name]  # one of the table of texts
-        sample = method("", *arguments)
-        kind = "text" if isinstance(sample, str) else "truth" if isinstance(sample, bool) else "number"
-
-        def of_all(texts: Any) -> Any:
-            results = [method(text, *arguments) for text in texts]
-            return np.array([*results, None], dtype=object)[:-1] if kind == "text" else np.array(results)
-
-        return RandomExpr(of_all, (text,), kind)
 
 
 def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
@@ -157,7 +106,7 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
         return instance.attributes[name]
     member = instance.cls.member(name)
     if member is not None:
-        return member_of(scope, member, instance)
+        return Bound(member, instance) if isinstance(member, Function) else member
     if is_oriented(instance) and name in SIDES:
         return side_of(instance, name)
     if is_oriented(instance) and scope.state.dialect == 3 and name in ORIENTATION:
@@ -224,7 +173,7 @@ def angle_to(self: Vector, other: Value) -> Value:
 
 
 DISTANCE_TO_OUTLINE = Builtin("distanceTo", distance_to_outline)
-VECTOR_METHODS = own(
+VECTOR_METHODS = of_values(
     norm=Vector.length,
     normalized=normalized,
     dot=dot,
@@ -242,13 +191,9 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
     (list, LISTS),
     (tuple, TUPLES),
     (dict, DICTIONARIES),
-    (str, TEXTS),
-    (set, SETS),
 )
-FAULT_FIELDS = {"args": lambda fault: fault.arguments}
 VECTOR_FIELDS = {"x": lambda v: v.x, "y": lambda v: v.y, "z": lambda v: 0.0, "coordinates": lambda v: (v.x, v.y)}
 FIELDS: tuple[tuple[Any, dict[str, Callable[[Any], Value]]], ...] = (
-    (Fault, FAULT_FIELDS),
     (Vector, VECTOR_FIELDS),
     (Region, REGION_FIELDS),
     (VectorField, FIELD_FIELDS),

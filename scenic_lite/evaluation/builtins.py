@@ -1,48 +1,45 @@
-"""Python's built-in functions of containers, texts, types and attributes.
+"""Python's built-in functions of containers, texts and types, and the methods of lists and dictionaries.
 
-Nothing of Python's own is reachable but what these tables hold. Read next: `evaluation.functions`, which puts all
-tables together.
+Nothing of Python's own is reachable but what these tables hold; what they refuse by name is left out on purpose. Read
+next: `evaluation.functions`, which puts all tables together.
 """
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Callable
 from functools import reduce
 from typing import Any
 
-import numpy as np
-
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.builtin_tables import typed
-from scenic_lite.core.environment import Environment
-from scenic_lite.core.exceptions import NAMED, ExceptionClass, Fault, named_fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LOAD
 from scenic_lite.core.types import (
-    Behavior,
-    Bound,
     Builtin,
-    Descriptor,
-    Function,
     Instance,
     RandomChoice,
     ScenicClass,
-    Stream,
-    Super,
+    broadcasts_over_choices,
     describe_kind,
+    needs_context,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.assignments import set_attribute
-from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.containers import dictionary_of, sorted_list
 from scenic_lite.evaluation.math_builtins import NUMBERS
-from scenic_lite.evaluation.strings import represented, text_of
-from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
+from scenic_lite.evaluation.strings import text_of
+from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import AND, OR, TRUTH, Operation
 
-CALLABLE = (Function, Bound, Builtin, ScenicClass, ExceptionClass, Behavior)
-NOTHING = object()  # no default was given
 MOST_PRINTED = 1000  # lines that are kept
+
+
+def plain(*names: str, of: type) -> dict[str, Builtin]:
+    """Methods of a Python container that cannot grow it and run no code of the program's."""
+    return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
+
+
+def typed(name: str, function: Callable[..., Value], *types: type) -> Builtin:
+    """A function that is also a type: `isinstance(x, int)`."""
+    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
 
 
 # ------------------------------------------------------------ truth
@@ -63,34 +60,23 @@ def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, sta
     if not scope.mode.symbolic:
         for item in items:
             scope.refuse_random(item, node, "control flow cannot depend on a random value")
-    return reduce(lambda a, b: apply(operation, a, b, kind="truth"), items, start)
+    return reduce(lambda a, b: apply(operation, a, b), items, start)
 
 
 def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
     """`bool(value)`."""
     if scope.mode.symbolic and isinstance(value, RandomExpr):
-        return apply(TRUTH, value, kind="truth")
+        return apply(TRUTH, value)
     return scope.certain_truth(value, node)
 
 
-# ------------------------------------------------------------ containers and iteration
+# ------------------------------------------------------------ containers
 
 
+@broadcasts_over_choices(2)
 def length(scope: Scope, node: ast.AST, value: Value) -> Value:
-    """`len(value)`; a random text has a random one."""
-    if isinstance(value, RandomChoice):
-        return value.map_options([length(scope, node, option) for option in value.options])
-    if kind_of(value) == "text" and isinstance(value, RandomExpr):
-        return RandomExpr(each_length, (value,))
-    if isinstance(value, str | dict | set | range | list | tuple):
-        return len(value)
-    if isinstance(value, Stream):
-        raise ScenicError("type", "an iterator has no length", hint="write len(list(...))")
-    return len(scope.elements(value, node))
-
-
-def each_length(texts: Any) -> Any:
-    return np.array([len(each) for each in texts], dtype=np.int64)
+    """`len(value)`."""
+    return len(value) if isinstance(value, str | dict | range | list | tuple) else len(scope.elements(value, node))
 
 
 def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
@@ -107,104 +93,100 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
     return numbers
 
 
+@broadcasts_over_choices(2)
 def make_list(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    if isinstance(values, RandomChoice):
-        return values.map_options([make_list(scope, node, option) for option in values.options])
     return scope.elements(values, node)
 
 
+@broadcasts_over_choices(2)
 def make_tuple(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    if isinstance(values, RandomChoice):
-        return values.map_options([make_tuple(scope, node, option) for option in values.options])
     return tuple(scope.elements(values, node))
 
 
-def make_set(scope: Scope, node: ast.AST, values: Value = ()) -> set:
-    elements = scope.elements(values, node)
-    scope.mode.budget.whole(elements)
-    return set(elements)
-
-
 def make_dictionary(scope: Scope, node: ast.AST, values: Value = (), **more: Value) -> dict:
-    return dictionary_of(scope, node, values) | more
+    """`dict(...)`: of pairs, or a copy of one."""
+    if isinstance(values, dict):
+        return values | more
+    pairs = [scope.elements(pair, node) for pair in scope.elements(values, node)]
+    if any(len(pair) != 2 for pair in pairs):
+        raise ScenicError("value", "a dictionary is made of pairs of a key and a value")
+    scope.mode.budget.whole([key for key, _ in pairs])
+    return dict(pairs) | more
 
 
-def numbered(scope: Scope, node: ast.AST, iterable: Value, start: Value = 0) -> Stream:
-    """`enumerate(iterable, start)`."""
-    return stream(scope, list(enumerate(scope.elements(iterable, node), start)))
+def sorted_list(scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False) -> list:
+    """`sorted(values, key=..., reverse=...)`; what decides the order must not be random."""
+    items = scope.elements(values, node)
+    keys = [scope.call(key, [item], {}, node) for item in items] if key is not None else items
+    scope.mode.budget.whole(keys)
+    for sort_key in keys:
+        scope.refuse_random(sort_key, node, "random values cannot be sorted")
+    order = sorted(range(len(items)), key=lambda i: keys[i], reverse=scope.certain_truth(reverse, node))
+    return [items[i] for i in order]
 
 
-def zipped(scope: Scope, node: ast.AST, *several: Value, strict: Value = False) -> Stream:
-    """`zip(...)`."""
-    parts = [scope.elements(values, node) for values in several]
-    if strict and len({len(part) for part in parts}) > 1:
-        raise ScenicError("value", "zip() of collections of different lengths")
-    return stream(scope, list(zip(*parts, strict=False)))
+def enumerated(scope: Scope, node: ast.AST, iterable: Value, start: Value = 0) -> list:
+    return list(enumerate(scope.elements(iterable, node), start))
 
 
-def backwards(scope: Scope, node: ast.AST, values: Value) -> Stream:
-    """`reversed(values)`."""
-    return stream(scope, scope.elements(values, node)[::-1])
+def zipped(scope: Scope, node: ast.AST, *several: Value) -> list:
+    return list(zip(*(scope.elements(values, node) for values in several), strict=False))
 
 
-def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> Stream:
-    """`map(function, ...)`."""
-    parts = [scope.elements(values, node) for values in several]
-    return stream(scope, [scope.call(function, list(items), {}, node) for items in zip(*parts, strict=False)])
+def backwards(scope: Scope, node: ast.AST, values: Value) -> list:
+    return scope.elements(values, node)[::-1]
 
 
-def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Stream:
+def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> list:
+    return [scope.call(function, list(items), {}, node) for items in zipped(scope, node, *several)]
+
+
+@broadcasts_over_choices(3)
+def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Value:
     """`filter(function, values)`; which elements are kept must not be random."""
-    kept = []
-    for item in scope.elements(values, node):
-        test = item if function is None else scope.call(function, [item], {}, node)
-        if scope.certain_truth(test, node):
-            kept.append(item)
-    return stream(scope, kept)
+    items = scope.elements(values, node)
+    kept = items if function is None else mapped(scope, node, function, items)
+    return [item for item, test in zip(items, kept, strict=True) if scope.certain_truth(test, node)]
 
 
-def iterator(scope: Scope, node: ast.AST, values: Value) -> Stream:
-    """`iter(values)`."""
-    return values if isinstance(values, Stream) else stream(scope, scope.elements(values, node))
+def list_append(scope: Scope, node: ast.AST, self: list, item: Value) -> None:
+    scope.mode.budget.container(len(self) + 1)
+    scope.mode.budget.memory -= len(self)
+    self.append(item)
 
 
-def following(scope: Scope, node: ast.AST, iterator: Value, default: Value = NOTHING) -> Value:
-    """`next(iterator, default)`."""
-    if not isinstance(iterator, Stream):
-        hint = "write next(iter(...))"
-        raise ScenicError("type", f"next() needs an iterator, not {describe_kind(iterator)}", hint=hint)
-    if iterator.at < len(iterator.items):
-        iterator.at += 1
-        return iterator.items[iterator.at - 1]
-    if default is NOTHING:
-        raise named_fault("StopIteration", ScenicError("value", "the iterator has no further element"))
-    return default
+def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
+    items = scope.elements(items, node)
+    scope.mode.budget.container(len(self) + len(items))
+    self.extend(items)
 
 
-def stream(scope: Scope, items: list) -> Stream:
-    scope.mode.budget.container(len(items))
-    return Stream(items)
+def list_insert(scope: Scope, node: ast.AST, self: list, index: int, item: Value) -> None:
+    scope.mode.budget.container(len(self) + 1)
+    self.insert(index, item)
 
 
-# ------------------------------------------------------------ texts
+def list_sort(scope: Scope, node: ast.AST, self: list, key: Value = None, reverse: Value = False) -> None:
+    self[:] = sorted_list(scope, node, self, key, reverse)
+
+
+def dictionary_update(scope: Scope, node: ast.AST, self: dict, other: Value = (), **more: Value) -> None:
+    pairs = make_dictionary(scope, node, other, **more)
+    scope.mode.budget.container(len(self) + len(pairs))
+    self.update(pairs)
+
+
+def keys_of(scope: Scope, node: ast.AST, keys: Value, value: Value = None) -> dict:
+    """`dict.fromkeys(keys, value)`."""
+    return make_dictionary(scope, node, [(key, value) for key in scope.elements(keys, node)])
+
+
+# ------------------------------------------------------------ texts and types
 
 
 def text(scope: Scope, node: ast.AST, value: Value = "") -> Value:
     """`str(value)`."""
     return text_of(scope, value)
-
-
-def formatted(scope: Scope, node: ast.AST, value: Value, spec: Value = "") -> Value:
-    """`format(value, spec)`."""
-    return text_of(scope, value, spec)
-
-
-def character(scope: Scope, node: ast.AST, number: Value) -> str:
-    return chr(number)
-
-
-def code(scope: Scope, node: ast.AST, character: Value) -> int:
-    return ord(character)
 
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
@@ -215,88 +197,31 @@ def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: 
         scope.state.printed.append((sep if isinstance(sep, str) else " ").join(words))
 
 
-# ------------------------------------------------------------ types and attributes
-
-
 def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
     """`isinstance(value, types)`; of a random choice, if all its options agree or in a requirement."""
     if isinstance(value, RandomChoice):
         answers = [is_instance(scope, node, option, types) for option in value.options]
         return answers[0] if len(set(answers)) == 1 else value.map_options(answers)
-    return any(is_of(value, each) for each in (types if isinstance(types, tuple) else (types,)))
+    return any(is_of(value, cls) for cls in (types if isinstance(types, tuple) else (types,)))
 
 
 def is_of(value: Value, cls: Value) -> bool:
     if isinstance(cls, ScenicClass):
         return isinstance(value, Instance) and value.cls.derives_from(cls)
-    if isinstance(cls, ExceptionClass):
-        return isinstance(value, Fault) and value.cls.derives_from(cls)
     if isinstance(cls, Builtin) and cls.types:
         return isinstance(value, cls.types)
     raise ScenicError("type", f"isinstance needs a class, not {describe_kind(cls)}")
 
 
-def is_subclass(scope: Scope, node: ast.AST, cls: Value, types: Value) -> bool:
-    if not isinstance(cls, ScenicClass | ExceptionClass):
-        raise ScenicError("type", f"issubclass needs a class, not {describe_kind(cls)}")
-    several = types if isinstance(types, tuple) else (types,)
-    return any(each is base for each in several for base in cls.lineage())
+def left_out(name: str, hint: str) -> Builtin:
+    """A function of Python's that a program may expect here: its call says what to write instead."""
+
+    def refuse(scope: Scope, node: ast.AST, *_: Any, **__: Any) -> None:
+        raise ScenicError("unsupported", f"there is no {name}() here", hint=hint)
+
+    return Builtin(name, refuse, needs_context=True, over_choices=False)
 
 
-def type_of(scope: Scope, node: ast.AST, value: Value) -> Value:
-    """`type(value)`: the function of that name, or the class."""
-    if isinstance(value, Instance | Fault):
-        return value.cls
-    if value is None:
-        return NONE_TYPE
-    scope.refuse_random(value, node, "the type of a random value")
-    found = [each for each in TYPES.values() if type(value) in each.types]
-    if not found:
-        raise ScenicError("unsupported", f"the type of {describe_kind(value)}", hint="write isinstance(x, ...)")
-    return found[0]
-
-
-def has_attribute(scope: Scope, node: ast.AST, value: Value, name: Value) -> bool:
-    """`hasattr(value, name)`."""
-    return get_attribute(scope, node, value, name, NOTHING) is not NOTHING
-
-
-def get_attribute(scope: Scope, node: ast.AST, value: Value, name: Value, *default: Value) -> Value:
-    """`getattr(value, name[, default])`, from the same tables as `value.name`."""
-    if not isinstance(name, str):
-        raise ScenicError("type", f"the name of an attribute is a text, not {describe_kind(name)}")
-    try:
-        return attribute(scope, value, name)
-    except ScenicError as error:
-        if error.kind != "name" or not default:
-            raise
-        return default[0]
-
-
-def attribute_to(scope: Scope, node: ast.AST, value: Value, name: Value, new: Value) -> None:
-    """`setattr(value, name, new)`."""
-    set_attribute(scope, value, name, new)
-
-
-def can_be_called(value: Value) -> bool:
-    return isinstance(value, CALLABLE)
-
-
-def own_super(scope: Scope, node: ast.AST) -> Super:
-    """`super()` in a method."""
-    at: Environment | None = scope
-    while at is not None and at.method is None:
-        at = at.outer
-    if at is None or at.method is None or at.method[0].base is None:
-        raise ScenicError("type", "super() has a meaning only in a method of a class")
-    return Super(at.method[0].base, at.method[1])
-
-
-def descriptor(kind: str) -> Builtin:
-    return Builtin(kind, lambda function: Descriptor(kind, function), over_choices=False)
-
-
-NONE_TYPE = typed("NoneType", lambda scope, node: None, type(None))
 TYPES: dict[str, Builtin] = {
     "int": NUMBERS["int"],
     "float": NUMBERS["float"],
@@ -305,39 +230,48 @@ TYPES: dict[str, Builtin] = {
     "range": typed("range", integer_range, range),
     "list": typed("list", make_list, list),
     "tuple": typed("tuple", make_tuple, tuple),
-    "set": typed("set", make_set, set),
     "dict": typed("dict", make_dictionary, dict),
 }
-PYTHON: dict[str, Value] = (
-    TYPES
-    | NAMED
-    | {
-        "all": Builtin("all", every, needs_context=True, over_choices=False),
-        "any": Builtin("any", some, needs_context=True, over_choices=False),
-        "len": Builtin("len", length, needs_context=True, over_choices=False),
-        "enumerate": Builtin("enumerate", numbered, needs_context=True, over_choices=False),
-        "zip": Builtin("zip", zipped, needs_context=True, over_choices=False),
-        "reversed": Builtin("reversed", backwards, needs_context=True, over_choices=False),
-        "sorted": Builtin("sorted", sorted_list, needs_context=True, over_choices=False),
-        "map": Builtin("map", mapped, needs_context=True, over_choices=False),
-        "filter": Builtin("filter", filtered, needs_context=True, over_choices=False),
-        "iter": Builtin("iter", iterator, needs_context=True, over_choices=False),
-        "next": Builtin("next", following, needs_context=True, over_choices=False),
-        "repr": Builtin("repr", represented, needs_context=True, over_choices=False),
-        "format": Builtin("format", formatted, needs_context=True, over_choices=False),
-        "chr": Builtin("chr", character, needs_context=True, over_choices=False),
-        "ord": Builtin("ord", code, needs_context=True, over_choices=False),
-        "print": Builtin("print", printed, needs_context=True, over_choices=False),
-        "isinstance": Builtin("isinstance", is_instance, needs_context=True, over_choices=False),
-        "issubclass": Builtin("issubclass", is_subclass, needs_context=True, over_choices=False),
-        "type": Builtin("type", type_of, needs_context=True, over_choices=False),
-        "hasattr": Builtin("hasattr", has_attribute, needs_context=True, over_choices=False),
-        "getattr": Builtin("getattr", get_attribute, needs_context=True, over_choices=False),
-        "setattr": Builtin("setattr", attribute_to, needs_context=True, over_choices=False),
-        "callable": Builtin("callable", can_be_called, over_choices=False),
-        "super": Builtin("super", own_super, needs_context=True, over_choices=False),
-        "staticmethod": descriptor("staticmethod"),
-        "classmethod": descriptor("classmethod"),
-        "property": descriptor("property"),
-    }
-)
+LEFT_OUT = {
+    "set": "write a list",
+    "frozenset": "write a tuple",
+    "iter": "write a list",
+    "next": "write items[0]",
+    "super": "call the function of the base by a name of its own",
+    "property": "write a property with a default",
+    "type": "write isinstance(x, ...)",
+    "issubclass": "write isinstance(x, ...)",
+    "callable": "write isinstance(x, ...)",
+    "getattr": "write x.name",
+    "setattr": "write x.name = value",
+    "hasattr": "give the property a default in the class",
+    "repr": "write str(x)",
+    "format": 'write f"{x:.2f}"',
+    "chr": "write the text itself",
+    "ord": "write the number itself",
+    "hex": "write str(x)",
+    "oct": "write str(x)",
+    "bin": "write str(x)",
+    "divmod": "write a // b and a % b",
+}
+PYTHON: dict[str, Value] = {
+    **TYPES,
+    **needs_context(
+        all=every, any=some, len=length, enumerate=enumerated, zip=zipped, reversed=backwards, sorted=sorted_list,
+        map=mapped, filter=filtered, print=printed, isinstance=is_instance,
+    ),
+    **{name: left_out(name, hint) for name, hint in LEFT_OUT.items()},
+}  # fmt: skip
+LISTS: dict[str, Builtin] = plain(
+    "pop", "remove", "index", "count", "reverse", "copy", "clear", of=list
+) | needs_context(append=list_append, extend=list_extend, insert=list_insert, sort=list_sort)
+TUPLES: dict[str, Builtin] = plain("index", "count", of=tuple)
+DICTIONARIES: dict[str, Builtin] = plain(
+    "get", "pop", "setdefault", "copy", "clear", of=dict
+) | needs_context(
+    update=dictionary_update,
+    keys=lambda scope, node, self: list(self),
+    values=lambda scope, node, self: list(self.values()),
+    items=lambda scope, node, self: list(self.items()),
+)  # fmt: skip
+CLASS_METHODS: dict[str, dict[str, Builtin]] = {"dict": needs_context(fromkeys=keys_of)}

@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.environment import near
-from scenic_lite.core.exceptions import ExceptionClass, Fault
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import Mode
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -24,7 +24,7 @@ from scenic_lite.core.types import (
     LazyValue,
     RandomChoice,
     ScenicClass,
-    Stream,
+    broadcasts_over_choices,
     describe_kind,
 )
 from scenic_lite.errors import ScenicError
@@ -34,10 +34,10 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
-NAMING = (ast.ExceptHandler, ast.MatchAs, ast.MatchStar, ast.FunctionDef, ast.ClassDef)
+NAMING = (ast.FunctionDef, ast.ClassDef)
 OWN_SCOPES = (
-    ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.SetComp, ast.DictComp,
-    ast.GeneratorExp, nodes.Behavior, nodes.Scenario,
+    ast.FunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.DictComp, ast.GeneratorExp, nodes.Behavior,
+    nodes.Scenario,
 )  # fmt: skip
 
 
@@ -88,10 +88,9 @@ def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]
     return scope.elements(value, argument)
 
 
+@broadcasts_over_choices(1)
 def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
     """Call whatever can be called."""
-    if isinstance(function, RandomChoice):
-        return function.map_options([call(scope, each, arguments, keywords, node) for each in function.options])
     if isinstance(function, Bound):
         return call(scope, function.function, [function.receiver, *arguments], keywords, node)
     if isinstance(function, Builtin):
@@ -101,10 +100,6 @@ def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Val
     if isinstance(function, Behavior):
         bound = bind(function.name, function.node.args, function, arguments, keywords)
         return BehaviorCall(function, bound, scope.place(node))
-    if isinstance(function, ExceptionClass):
-        if keywords:
-            raise ScenicError("type", f"{function.name}() takes no keyword arguments")
-        return Fault(function, tuple(arguments))
     if isinstance(function, ScenicClass):
         raise ScenicError(
             "type", f"objects of class {function.name} are not made by a call", hint=f"write new {function.name}"
@@ -159,9 +154,6 @@ def call_function(
     names = bind(function.name, function.arguments, function, arguments, keywords)
     inner = Scope.inside(scope.mode, function.scope, names)
     inner.assigned = function.assigned
-    inner.yields = [] if function.generates else None
-    if function.owner is not None and arguments:
-        inner.method = (function.owner, arguments[0])
     budget = scope.mode.budget
     budget.enter()
     try:
@@ -169,13 +161,12 @@ def call_function(
             return inner.value(function.body)
         inner.run(function.body)
     except Return as result:
-        if inner.yields is None:
-            return result.value
+        return result.value
     except ScenicError as error:
         raise seen_from(scope, function, node, error) from None
     finally:
         budget.leave()
-    return None if inner.yields is None else Stream(inner.yields)
+    return None
 
 
 def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
@@ -218,6 +209,15 @@ def bind(
     return bound
 
 
+def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
+    """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
+    call.names.clear()
+    call.names.update(call.arguments)
+    scope = Scope.inside(mode, call.behavior.scope, call.names)
+    scope.assigned = call.behavior.assigned
+    return scope
+
+
 def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
     names = ", ".join(each.arg for each in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs))
     return ScenicError("type", f"{name}({names}): {message}")
@@ -227,22 +227,19 @@ def lambda_of(scope: Scope, node: ast.Lambda) -> Function:
     return function_of(scope, "lambda", node.args, node.body)
 
 
-def function_of(
-    scope: Scope, name: str, arguments: ast.arguments, body: Any, owner: ScenicClass | None = None
-) -> Function:
+def function_of(scope: Scope, name: str, arguments: ast.arguments, body: Any, is_method: bool = False) -> Function:
     """A function whose defaults are evaluated now. A method does not see the names of its class."""
     defaults, keyword_defaults = defaults_of(scope, arguments)
-    assigned, generates = names_of(tuple(body)) if isinstance(body, list) else (frozenset(), False)
-    around = scope if owner is None or scope.outer is None else scope.outer
-    return Function(name, arguments, defaults, keyword_defaults, body, around, assigned, generates, owner)
+    assigned = names_of(tuple(body)) if isinstance(body, list) else frozenset[str]()
+    around = scope.outer if is_method and scope.outer is not None else scope
+    return Function(name, arguments, defaults, keyword_defaults, body, around, assigned)
 
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
-def names_of(body: tuple[ast.stmt, ...]) -> tuple[frozenset[str], bool]:
-    """The names that a function makes its own by assigning them, and whether it has a `yield`."""
+def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
+    """The names that a function makes its own by assigning them."""
     names: set[str] = set()
     elsewhere: set[str] = set(TRACKED_NAMES)
-    generates = False
     pending: list[ast.AST] = list(body)
     while pending:
         node = pending.pop()
@@ -252,10 +249,9 @@ def names_of(body: tuple[ast.stmt, ...]) -> tuple[frozenset[str], bool]:
             elsewhere.update(node.names)
         elif isinstance(node, NAMING) and node.name:
             names.add(node.name)
-        generates = generates or isinstance(node, ast.Yield | ast.YieldFrom)
         if not isinstance(node, OWN_SCOPES):
             pending.extend(ast.iter_child_nodes(node))
-    return frozenset(names - elsewhere), generates
+    return frozenset(names - elsewhere)
 
 
 def defaults_of(scope: Scope, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:

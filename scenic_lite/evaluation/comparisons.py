@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.scope import Scope, in_row
-from scenic_lite.core.types import RandomChoice, describe_kind
+from scenic_lite.core.types import RandomChoice, broadcasts_over_choices, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object, outline
 from scenic_lite.values.geometry import Vector, as_vector
@@ -85,7 +85,7 @@ def compared(scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, righ
     if isinstance(sign, ast.Eq | ast.NotEq):
         return equality(scope, sign, left, right)
     for side in (left, right):
-        if not isinstance(side, int | float | str | RandomExpr | list | tuple | set):
+        if not isinstance(side, int | float | str | RandomExpr | list | tuple):
             raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
     if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
         raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
@@ -101,13 +101,6 @@ def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
     if isinstance(right, RandomChoice):
         return identity(scope, right, left, same)
     return not same
-
-
-def equal(scope: Scope, left: Value, right: Value) -> bool:
-    """Whether two values are equal that are not random."""
-    scope.mode.budget.whole(left)
-    scope.mode.budget.whole(right)
-    return bool(equality(scope, ast.Eq(), left, right))
 
 
 def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
@@ -144,10 +137,9 @@ def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Va
     return result if isinstance(sign, ast.Eq) else apply(NOT, result, kind="truth")
 
 
+@broadcasts_over_choices(3)
 def membership(scope: Scope, node: ast.Compare, item: Value, container: Value) -> Value:
     """`item in container`: a region holds points and objects, other containers elements."""
-    if isinstance(container, RandomChoice):
-        return container.map_options([membership(scope, node, item, option) for option in container.options])
     if isinstance(container, Region):
         inside = in_region(container, item)
         if isinstance(inside, RandomExpr) and not scope.mode.symbolic:
@@ -171,9 +163,8 @@ def membership(scope: Scope, node: ast.Compare, item: Value, container: Value) -
     return result
 
 
+@broadcasts_over_choices(1)
 def in_region(region: Region, item: Value) -> Value:
-    if isinstance(item, RandomChoice):
-        return item.map_options([in_region(region, option) for option in item.options])
     if is_object(item):
         return region.contains_corners(outline(item))
     point = as_vector(item)

@@ -6,22 +6,29 @@ Read next: `evaluation.calls`, functions and instances; `evaluation.comparisons`
 from __future__ import annotations
 
 import ast
+import math
 import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import FallibleOperation
-from scenic_lite.core.environment import Environment
-from scenic_lite.core.exceptions import from_python, named_fault
+from scenic_lite.core.checks import FallibleOperation, from_python
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Builtin, Function, LazyValue, Namespace, RandomChoice, Stream, choose, describe_kind
+from scenic_lite.core.types import (
+    Builtin,
+    Function,
+    LazyValue,
+    Namespace,
+    RandomChoice,
+    broadcasts_over_choices,
+    choose,
+    describe_kind,
+)
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.comparisons import comparison
-from scenic_lite.evaluation.strings import joined as joined_texts
-from scenic_lite.evaluation.strings import percent, represented, text_of
+from scenic_lite.evaluation.strings import concatenate, text_of
 from scenic_lite.language.region_members import item_of as element_of
 from scenic_lite.language.scenic_operators import OPERATORS, ego_of
 from scenic_lite.syntax import nodes
@@ -49,17 +56,19 @@ SIGNS: dict[type, str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
     ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^",
 }  # fmt: skip
-OPERANDS = (int, float, str, list, tuple, set, dict, Vector, RandomExpr, PolylineRegion)
+OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
 
 
 def constant(scope: Scope, node: ast.Constant) -> Value:
     scope.mode.budget.keep(node.value)
-    if isinstance(node.value, bytes | complex) or node.value is Ellipsis:
+    if isinstance(node.value, complex) or node.value is Ellipsis:
         raise ScenicError("unsupported", f"{type(node.value).__name__} constants are not supported")
+    if isinstance(node.value, float) and math.isinf(node.value):
+        raise ScenicError("value", "this number is too large", hint="write math.inf for what is endless")
     return node.value
 
 
-def name(scope: Scope, node: ast.Name) -> Value:
+def name_value(scope: Scope, node: ast.Name) -> Value:
     if node.id == "ego":
         return ego_of(scope)
     if node.id == "workspace" and scope.state.workspace is not None:
@@ -69,19 +78,16 @@ def name(scope: Scope, node: ast.Name) -> Value:
 
 def binary(scope: Scope, node: ast.BinOp) -> Value:
     left, right = scope.value(node.left), scope.value(node.right)
-    return combined(scope, node.op, left, right)
+    return combine(scope, node.op, left, right)
 
 
-def combined(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
+@broadcasts_over_choices(2, 3)
+def combine(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
     """The result of `left sign right`, within the budget."""
     if isinstance(sign, ast.MatMult):
         return at_sign(left, right)
-    if isinstance(sign, ast.Mod) and isinstance(left, str):
-        return percent(scope, left, right)
-    if isinstance(left, RandomChoice):
-        return left.map_options([combined(scope, sign, option, right) for option in left.options])
-    if isinstance(right, RandomChoice):
-        return right.map_options([combined(scope, sign, left, option) for option in right.options])
+    if isinstance(sign, ast.Mod) and kind_of(left) == "text":
+        raise ScenicError("unsupported", "`%` does not format texts here", hint='write f"...{x}..."')
     check_size(scope, sign, left, right)
     for operand in (left, right):
         if not isinstance(operand, OPERANDS):
@@ -144,12 +150,11 @@ def unary(scope: Scope, node: ast.UnaryOp) -> Value:
     value = scope.value(node.operand)
     if isinstance(node.op, ast.Not):
         return negation(scope, node, value)
-    if isinstance(value, RandomChoice):
-        return value.map_options([signed(node.op, option) for option in value.options])
-    return signed(node.op, value)
+    return apply_sign(node.op, value)
 
 
-def signed(sign: ast.unaryop, value: Value) -> Value:
+@broadcasts_over_choices(1)
+def apply_sign(sign: ast.unaryop, value: Value) -> Value:
     if isinstance(sign, ast.Invert) and isinstance(value, int):
         return ~value
     if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | RandomExpr):
@@ -201,13 +206,7 @@ def either(test: RandomExpr, yes: Value, no: Value) -> Value:
 
 
 def attribute_of(scope: Scope, node: ast.Attribute) -> Value:
-    value = scope.value(node.value)
-    try:
-        return attribute(scope, value, node.attr)
-    except ScenicError as error:
-        if error.kind == "name" and error.place is None:
-            named_fault("AttributeError", error)
-        raise
+    return attribute(scope, scope.value(node.value), node.attr)
 
 
 def subscript(scope: Scope, node: ast.Subscript) -> Value:
@@ -217,11 +216,8 @@ def subscript(scope: Scope, node: ast.Subscript) -> Value:
 
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
     if isinstance(container, RandomChoice):
-        if isinstance(index, RandomExpr):
-            return container.map_options([item_at(scope, option, index) for option in container.options])
-        return container.map_options([item_of(scope, option, index) for option in container.options])
-    if isinstance(container, RandomExpr) and container.kind == "text":
-        return RandomExpr(EachItem(index), (container,), "text")
+        pick = item_at if isinstance(index, RandomExpr) else item_of
+        return container.map_options([pick(scope, option, index) for option in container.options])
     if isinstance(container, Region | VectorField):
         return element_of(container, index)
     if isinstance(index, RandomExpr | RandomChoice):
@@ -266,24 +262,12 @@ class Within(FallibleOperation):
         return from_python(IndexError("list index out of range"))
 
 
-class EachItem:
-    """One character, or a slice, of each text of an array [N]."""
-
-    def __init__(self, index: Value) -> None:
-        if not isinstance(index, int | slice):
-            raise ScenicError("type", "the index of a random text must be a fixed integer")
-        self.index = index
-
-    def __call__(self, texts: Any) -> Any:
-        return np.array([*(text[self.index] for text in texts), None], dtype=object)[:-1]
-
-
 def slice_of(scope: Scope, node: ast.Slice) -> slice:
     parts = [None if part is None else scope.value(part) for part in (node.lower, node.upper, node.step)]
     return slice(*parts)
 
 
-def sequence(scope: Scope, node: ast.List | ast.Tuple | ast.Set) -> Value:
+def sequence(scope: Scope, node: ast.List | ast.Tuple) -> Value:
     items: list[Value] = []
     for element in node.elts:
         if isinstance(element, ast.Starred):
@@ -291,14 +275,7 @@ def sequence(scope: Scope, node: ast.List | ast.Tuple | ast.Set) -> Value:
         else:
             items.append(scope.value(element))
     scope.mode.budget.container(len(items))
-    if isinstance(node, ast.Tuple):
-        return tuple(items)
-    return set_of(scope, items) if isinstance(node, ast.Set) else items
-
-
-def set_of(scope: Scope, items: list[Value]) -> set:
-    scope.mode.budget.whole(items)
-    return set(items)
+    return tuple(items) if isinstance(node, ast.Tuple) else items
 
 
 def key_of(scope: Scope, node: ast.expr) -> Value:
@@ -327,28 +304,23 @@ def mapping(scope: Scope, node: ast.expr) -> dict:
     return value
 
 
-def joined(scope: Scope, node: ast.JoinedStr) -> Value:
+def formatted_text(scope: Scope, node: ast.JoinedStr) -> Value:
     """An f-string; random parts are written row by row."""
-    return joined_texts(scope, [scope.value(part) for part in node.values])
+    return concatenate(scope, [scope.value(part) for part in node.values])
 
 
 def formatted(scope: Scope, node: ast.FormattedValue) -> Value:
     spec = "" if node.format_spec is None else scope.value(node.format_spec)
-    value = scope.value(node.value)
-    if node.conversion in (ord("r"), ord("a")):
-        value = represented(scope, node, value)
-    return text_of(scope, value, spec)
+    return text_of(scope, scope.value(node.value), spec)
 
 
-def comprehension(scope: Scope, node: ast.ListComp | ast.SetComp | ast.GeneratorExp) -> Value:
+def comprehension(scope: Scope, node: ast.ListComp | ast.GeneratorExp) -> list:
     result: list[Value] = []
     for inner in scope.bindings(node.generators):
         result.append(inner.value(node.elt))
         scope.mode.budget.spend(1)
     scope.mode.budget.container(len(result))
-    if isinstance(node, ast.GeneratorExp):
-        return Stream(result)
-    return set_of(scope, result) if isinstance(node, ast.SetComp) else result
+    return result
 
 
 def dictionary_comprehension(scope: Scope, node: ast.DictComp) -> dict:
@@ -357,25 +329,13 @@ def dictionary_comprehension(scope: Scope, node: ast.DictComp) -> dict:
     return result
 
 
-def named(scope: Scope, node: ast.NamedExpr) -> Value:
+def assign_inside(scope: Scope, node: ast.NamedExpr) -> Value:
     value = scope.value(node.value)
     at = scope
     while at.transparent and isinstance(at.outer, Scope):
         at = at.outer
     at.assign(node.target.id, value)
     return value
-
-
-def give(scope: Scope, node: ast.Yield | ast.YieldFrom) -> None:
-    """`yield`: kept until the function has ended; what the caller would send is None."""
-    at: Environment | None = scope
-    while at is not None and at.yields is None:
-        at = at.outer
-    if at is None or at.yields is None:
-        raise ScenicError("syntax", "`yield` belongs into a function")
-    value = None if node.value is None else scope.value(node.value)
-    at.yields += scope.elements(value, node) if isinstance(node, ast.YieldFrom) else [value]
-    scope.mode.budget.container(1)
 
 
 def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
@@ -392,7 +352,7 @@ def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
 TEMPORAL = ("always", "eventually", "next", "until", "implies")
 EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.Constant: constant,
-    ast.Name: name,
+    ast.Name: name_value,
     ast.BinOp: binary,
     ast.UnaryOp: unary,
     ast.BoolOp: boolean,
@@ -403,16 +363,12 @@ EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.Slice: slice_of,
     ast.List: sequence,
     ast.Tuple: sequence,
-    ast.Set: sequence,
     ast.Dict: dictionary,
-    ast.JoinedStr: joined,
+    ast.JoinedStr: formatted_text,
     ast.FormattedValue: formatted,
     ast.ListComp: comprehension,
-    ast.SetComp: comprehension,
     ast.GeneratorExp: comprehension,
     ast.DictComp: dictionary_comprehension,
-    ast.NamedExpr: named,
-    ast.Yield: give,
-    ast.YieldFrom: give,
+    ast.NamedExpr: assign_inside,
     nodes.Operator: scenic_operator,
 }

@@ -6,14 +6,12 @@ Nothing of Python's own is reachable but what these tables hold. Read next: `eva
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Builtin, Namespace
+from scenic_lite.core.types import Builtin, Namespace, needs_context
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.builtins import PYTHON
+from scenic_lite.evaluation.builtins import PYTHON, left_out
 from scenic_lite.evaluation.math_builtins import MATH, NUMBERS, of_one, of_two
-from scenic_lite.evaluation.random_module import RANDOM
 from scenic_lite.language import distributions as draw
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT
 from scenic_lite.language.region_functions import REGIONS, number
@@ -38,45 +36,61 @@ def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
     return Vector(number(x), number(y))
 
 
+def random_unit(scope: Scope, node: ast.AST) -> Value:
+    """`random.random()`."""
+    return draw.draw_range(scope, node, 0, 1)
+
+
+def random_choice(scope: Scope, node: ast.AST, seq: Value) -> Value:
+    """`random.choice(seq)`."""
+    return draw.draw_uniform(scope, node, *scope.elements(seq, node))
+
+
 # ------------------------------------------------------------ the tables
 
 
-def plain(name: str, function: Callable[..., Value], *types: type) -> Builtin:
-    return Builtin(name, function, types=types)
-
-
-def needs_context(name: str, function: Callable[..., Value], *types: type) -> Builtin:
-    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
-
-
-DISTRIBUTIONS: dict[str, Value] = {
-    name: needs_context(name, function)
-    for name, function in (
-        ("Range", draw.draw_range),
-        ("VerifaiRange", draw.draw_range),
-        ("Uniform", draw.draw_uniform),
-        ("Discrete", draw.draw_discrete),
-        ("Options", draw.draw_discrete),
-        ("VerifaiOptions", draw.draw_discrete),
-        ("DiscreteRange", draw.draw_integers),
-        ("VerifaiDiscreteRange", draw.draw_integers),
-        ("Normal", draw.draw_normal),
-        ("TruncatedNormal", draw.draw_truncated_normal),
-        ("resample", draw.resample),
-    )
+DISTRIBUTIONS: dict[str, Value] = needs_context(
+    Range=draw.draw_range,
+    VerifaiRange=draw.draw_range,
+    Uniform=draw.draw_uniform,
+    Discrete=draw.draw_discrete,
+    Options=draw.draw_discrete,
+    VerifaiOptions=draw.draw_discrete,
+    DiscreteRange=draw.draw_integers,
+    VerifaiDiscreteRange=draw.draw_integers,
+    Normal=draw.draw_normal,
+    TruncatedNormal=draw.draw_truncated_normal,
+    resample=draw.resample,
+)
+RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: each call draws from θ
+    **needs_context(
+        uniform=draw.draw_range,
+        random=random_unit,
+        randint=draw.draw_integers,
+        choice=random_choice,
+        gauss=draw.draw_normal,
+        normalvariate=draw.draw_normal,
+        seed=lambda scope, node, *seed: None,  # whoever draws θ decides that
+    ),
+    "shuffle": left_out("shuffle", "draw the elements one by one: Uniform(*items)"),
+    "sample": left_out("sample", "draw the elements one by one: Uniform(*items)"),
+    "choices": left_out("choices", "write [Uniform(*items) for i in range(k)]"),
+    "randrange": left_out("randrange", "write DiscreteRange(low, high)"),
+    "triangular": left_out("triangular", "write Range(low, high) or TruncatedNormal(...)"),
+    "expovariate": left_out("expovariate", "write Range(low, high) or TruncatedNormal(...)"),
 }
 SCENIC: dict[str, Value] = {
     "Point": POINT,
     "OrientedPoint": ORIENTED_POINT,
     "Object": OBJECT,
-    "Vector": plain("Vector", vector_of, Vector),
-    "sin": plain("sin", of_one(SINE)),
-    "cos": plain("cos", of_one(COSINE)),
+    "Vector": Builtin("Vector", vector_of, types=(Vector,)),
+    "sin": Builtin("sin", of_one(SINE)),
+    "cos": Builtin("cos", of_one(COSINE)),
     "hypot": MATH["hypot"],
-    "sqrt": plain("sqrt", of_one(SQUARE_ROOT)),
-    "atan2": plain("atan2", of_two(ARC_TANGENT_2)),
-    "normalizeAngle": plain("normalizeAngle", of_one(NORMALISE)),
-    "simulation": needs_context("simulation", outside_behavior),
+    "sqrt": Builtin("sqrt", of_one(SQUARE_ROOT)),
+    "atan2": Builtin("atan2", of_two(ARC_TANGENT_2)),
+    "normalizeAngle": Builtin("normalizeAngle", of_one(NORMALISE)),
+    "simulation": Builtin("simulation", outside_behavior, needs_context=True, over_choices=False),
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS
 MODULES: dict[str, Namespace] = {
@@ -86,7 +100,7 @@ MODULES: dict[str, Namespace] = {
     "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),
     "scenic.core.regions": Namespace(
         "scenic.core.regions",
-        REGIONS | {"regionFromShapelyObject": needs_context("regionFromShapelyObject", no_shapely)},
+        REGIONS | needs_context(regionFromShapelyObject=no_shapely),
     ),
     "scenic.core.vectors": Namespace("scenic.core.vectors", {"Vector": SCENIC["Vector"]} | REGIONS),
 }

@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from scenic_lite.core.environment import Source, near
-from scenic_lite.core.exceptions import named_fault
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Namespace
+from scenic_lite.core.types import Namespace, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes
@@ -232,8 +231,7 @@ def import_from(scope: Scope, node: ast.ImportFrom) -> None:
             scope.assign(alias.asname or alias.name, inner)
         elif alias.name not in module.names:
             hint = near(alias.name, module.names)
-            error = ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
-            raise named_fault("ImportError", error)
+            raise ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
         else:
             scope.assign(alias.asname or alias.name, module.names[alias.name])
 
@@ -244,7 +242,14 @@ def is_folder(scope: Scope, node: ast.ImportFrom) -> bool:
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
-    scope.locals.update({name: value for name, value in module.names.items() if not name.startswith("_")})
+    """`from module import *`: the names in its `__all__`, or all that begin with no underscore."""
+    public = module.names.get("__all__", [name for name in module.names if not name.startswith("_")])
+    if not isinstance(public, list | tuple) or not all(isinstance(name, str) for name in public):
+        raise ScenicError("type", f"`__all__` of {module.name} is a list of names, not {describe_kind(public)}")
+    for name in public:
+        if name not in module.names:
+            raise ScenicError("import", f"{module.name} has no '{name}', which its `__all__` lists")
+        scope.locals[name] = module.names[name]
 
 
 def wants_default_model(tree: ast.Module, library: Any) -> bool:

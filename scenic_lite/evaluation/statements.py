@@ -11,13 +11,11 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.environment import Environment, near
-from scenic_lite.core.exceptions import ExceptionClass
 from scenic_lite.core.scope import Scope, name_draws
 from scenic_lite.core.state import LOAD, Watched
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
-    Builtin,
     Default,
     Instance,
     LazyValue,
@@ -27,8 +25,7 @@ from scenic_lite.core.types import (
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
 from scenic_lite.evaluation.calls import Return, defaults_of, function_of, names_of
-from scenic_lite.evaluation.matching import choose_case
-from scenic_lite.evaluation.trying import TRYING
+from scenic_lite.evaluation.strings import text_of
 from scenic_lite.language.classes import OBJECT
 from scenic_lite.language.requirements import mutate, require
 from scenic_lite.syntax import nodes
@@ -129,39 +126,23 @@ def has_local(scope: Environment | None, name: str) -> bool:
     return False
 
 
-def refuse_with(scope: Scope, node: ast.With) -> None:
-    raise ScenicError("unsupported", "`with` blocks are not supported", hint="a program opens no files")
-
-
-def refuse_async(scope: Scope, node: ast.AST) -> None:
-    raise ScenicError("unsupported", "`async` is not supported")
+def check_assertion(scope: Scope, node: ast.Assert) -> None:
+    if not scope.truth(node.test):
+        message = "" if node.msg is None else f": {text_of(scope, scope.value(node.msg))}"
+        raise ScenicError("value", f"the assertion does not hold{message}")
 
 
 # ------------------------------------------------------------ definitions
 
 
 def define_function(scope: Scope, node: ast.FunctionDef) -> None:
-    scope.assign(node.name, decorated(scope, node))
-
-
-def decorated(scope: Scope, node: ast.FunctionDef, owner: ScenicClass | None = None) -> Value:
-    """A function of the program, or what its decorators make of it."""
-    decorators = [scope.value(each) for each in node.decorator_list]
-    value: Value = function_of(scope, node.name, node.args, node.body, owner)
-    for decorator, place in zip(reversed(decorators), reversed(node.decorator_list), strict=True):
-        value = scope.call(decorator, [value], {}, place)
-    return value
+    scope.assign(node.name, function_of(scope, node.name, node.args, node.body))
 
 
 def define_class(scope: Scope, node: ast.ClassDef) -> None:
     """A class of the language; methods see the names around the class, not those inside."""
     base = base_of(scope, node)
-    if isinstance(base, ExceptionClass):
-        define_exception(scope, node, base)
-        return
     cls = ScenicClass(node.name, base)
-    if node.decorator_list:
-        raise scope.error("unsupported", "classes take no decorators", node.decorator_list[0])
     body = scope.inner({})
     for statement in node.body:
         if isinstance(statement, nodes.PropertyDefault):
@@ -174,7 +155,7 @@ def define_class(scope: Scope, node: ast.ClassDef) -> None:
             if statement.name == "__init__":
                 hint = "write `name: default` for each property"
                 raise scope.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
-            body.locals[statement.name] = decorated(body, statement, cls)
+            body.locals[statement.name] = function_of(body, statement.name, statement.args, statement.body, True)
         elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
             body.run([statement])
         else:
@@ -183,20 +164,7 @@ def define_class(scope: Scope, node: ast.ClassDef) -> None:
     scope.assign(node.name, cls)
 
 
-def define_exception(scope: Scope, node: ast.ClassDef, base: ExceptionClass) -> None:
-    """`class Mine(ValueError): pass`."""
-    for statement in node.body:
-        if not isinstance(statement, ast.Pass | ast.Expr):
-            raise scope.error("unsupported", "a class of exceptions has an empty body", statement, "write pass")
-    scope.assign(node.name, ExceptionClass(node.name, base))
-
-
-def define_asynchronous(scope: Scope, node: ast.AsyncFunctionDef) -> None:
-    """A function that nothing can call."""
-    scope.assign(node.name, Builtin(node.name, refuse_async, needs_context=True))
-
-
-def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
+def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass:
     if node.keywords:
         raise scope.error("unsupported", "a class has a base and no other arguments", node.keywords[0].value)
     if not node.bases:
@@ -204,7 +172,7 @@ def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass | ExceptionClass:
     if len(node.bases) > 1:
         raise scope.error("unsupported", "a class has one base", node.bases[1])
     base = scope.value(node.bases[0])
-    if not isinstance(base, ScenicClass | ExceptionClass):
+    if not isinstance(base, ScenicClass):
         raise scope.error("type", f"{describe_kind(base)} cannot be the base of a class", node.bases[0])
     return base
 
@@ -231,7 +199,7 @@ def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
 
 def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
     defaults, keyword_defaults = defaults_of(scope, node.args)
-    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(tuple(node.body))[0])
+    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(tuple(node.body)))
     scope.assign(node.name, behavior)
     scope.state.behaviors[node.name] = behavior
     if node.started:  # Scenic 2, where to define it is to start it
@@ -240,7 +208,7 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
 
 def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
     defaults, keyword_defaults = defaults_of(scope, node.args)
-    own = names_of((*node.setup, *node.compose))[0]
+    own = names_of((*node.setup, *node.compose))
     scenario = Behavior(node.name, node, defaults, keyword_defaults, scope, own)
     scope.assign(node.name, scenario)
     scope.state.scenarios.append(scenario)
@@ -312,13 +280,8 @@ def only_in_behavior(scope: Scope, node: ast.AST) -> None:
 
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     **ASSIGNMENTS,
-    **TRYING,
-    ast.Match: choose_case,
+    ast.Assert: check_assertion,
     ast.Nonlocal: declare_nonlocal,
-    ast.With: refuse_with,
-    ast.AsyncWith: refuse_async,
-    ast.AsyncFor: refuse_async,
-    ast.AsyncFunctionDef: define_asynchronous,
     ast.Expr: expression,
     ast.If: branch,
     ast.For: repeat,

@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.builtin_tables import needs_context, own
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Builtin, Instance, describe_kind
+from scenic_lite.core.types import Builtin, Instance, describe_kind, needs_context, of_values
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import is_object, oriented_point, outline
 from scenic_lite.language.distributions import point_in
@@ -113,7 +112,7 @@ def follow_from(self: VectorField, pos: Value, dist: Value, steps: Value = None,
     return along(field, vector(pos), number(dist))
 
 
-REGION_METHODS = own(
+REGION_METHODS = of_values(
     containsPoint=lambda self, point: self.contains(vector(point)),
     containsObject=contains_object,
     containsRegion=lambda self, reg, tolerance=0: algebra().holds(
@@ -137,7 +136,7 @@ COMBINATIONS: dict[str, Callable[..., Value]] = {
     "buffer": lambda scope, node, self, amount: combining(scope).grown(self, number(amount)),
 }
 REGION_METHODS |= {name: Builtin(name, combine, needs_context=True) for name, combine in COMBINATIONS.items()}
-FIELD_METHODS = own(followFrom=follow_from)
+FIELD_METHODS = of_values(followFrom=follow_from)
 
 
 # ------------------------------------------------------------ of classes

@@ -45,16 +45,19 @@ LEFT_OUT = {
     "except_around_interrupts": (11, "`except` is not supported"),
     "exceptions_and_asserts": (8, "`except` is not supported"),
     "match_in_behavior": (5, "`match` is not supported"),
+    "py_class_methods2": (15, "there is no super() here"),
     "py_decorator": (9, "decorators are not supported"),
     "py_float_format": (6, "`!` in an f-string is not supported"),
     "py_generator_function": (8, "`yield` is not supported"),
     "py_nested_try": (12, "`except` is not supported"),
     "py_percent_format": (5, "`%` formats no text"),
+    "py_text_methods": (6, "texts have no method 'lower' here"),
     "py_static_class_method": (6, "decorators are not supported"),
     "py_try_else": (8, "`except` is not supported"),
     "py_try_loop_finally": (10, "`finally` is not supported"),
     "py_try_order": (14, "`raise` is not supported"),
     "py_try_reraise": (8, "`raise` is not supported"),
+    "words": (7, "texts have no method 'join' here"),
 }
 
 

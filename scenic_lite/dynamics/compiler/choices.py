@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from scenic_lite.core.scope import PYTHON_FAULTS, Scope, from_python
+from scenic_lite.core.checks import PYTHON_FAULTS, from_python
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Function, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation

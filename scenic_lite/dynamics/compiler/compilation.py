@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
+from scenic_lite.core.checks import PYTHON_FAULTS, from_python
 from scenic_lite.core.environment import Environment, Source
-from scenic_lite.core.scope import PYTHON_FAULTS, Scope, from_python
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import Behavior, Function, Instance, Namespace
 from scenic_lite.core.world import World

@@ -107,7 +107,6 @@ def compile_mode(c: Compilation) -> Mode:
         loaded.state,
         points=[],
         requirements=[],
-        handled=[],
         scenarios=list(loaded.state.scenarios),
         behaviors=dict(loaded.state.behaviors),
         watching=RuntimeChecks(),

@@ -32,7 +32,7 @@ from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
-from scenic_lite.evaluation.expressions import combined, item_of, signed
+from scenic_lite.evaluation.expressions import apply_sign, combine, item_of
 from scenic_lite.evaluation.strings import text_of
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
@@ -62,7 +62,7 @@ def combination(c: Compilation, scope: Scope, sign: ast.operator, left: Value, r
         return over_options(c, right, lambda each: combination(c, scope, sign, left, each))
     if isinstance(left, RegisterList) or isinstance(right, RegisterList):
         raise refused(f"a list {DECIDED} cannot be added to another or repeated", "append to it, or write one filter")
-    return combined(scope, sign, left, right)
+    return combine(scope, sign, left, right)
 
 
 def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
@@ -73,7 +73,7 @@ def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
 def with_sign(c: Compilation, sign: ast.unaryop, value: Value) -> Value:
     if isinstance(value, RandomChoice):
         return over_options(c, value, lambda option: with_sign(c, sign, option))
-    return signed(sign, value)
+    return apply_sign(sign, value)
 
 
 def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
@@ -229,10 +229,9 @@ def refuse_method(method: Bound, arguments: list) -> None:
 
 
 def certain(value: Value) -> Value:
-    """Return a set or dictionary if its elements or keys are the same in all matches. Raises ScenicError."""
-    if isinstance(value, set | dict) and any(map(undecided, value)):
-        kind = "set whose elements" if isinstance(value, set) else "dictionary whose keys"
-        raise refused(f"a {kind} the match decides", "write a list: [ ... ]")
+    """Return a dictionary if its keys are the same in all matches. Raises ScenicError."""
+    if isinstance(value, dict) and any(map(undecided, value)):
+        raise refused("a dictionary whose keys the match decides", "write a list: [ ... ]")
     return value
 
 
@@ -259,8 +258,7 @@ def inlined(
     try:
         with c.entered(function, node):
             names = {name: materialize(code, value) for name, value in bound.items()}
-            receiver = arguments[0] if function.owner is not None and arguments else None
-            result, level = settled_result(c, function, names, receiver)
+            result, level = settled_result(c, function, names)
     except ScenicError as error:
         raise seen_from(scope, function, node, error) from None
     finally:
@@ -272,14 +270,12 @@ def inlined(
     return result
 
 
-def settled_result(c: Compilation, function: Function, names: dict[str, Value], receiver: Value) -> tuple[Value, int]:
+def settled_result(c: Compilation, function: Function, names: dict[str, Value]) -> tuple[Value, int]:
     """Write the body; again if a variable of its own had not its last type, which is sooner done than a whole walk."""
     code, doubts, known = c.code, len(c.doubts), dict(c.code.known)
     temporaries, scratch = code.temporaries.used, code.scratch.used
     while True:
         inner = scope_of(c, function, dict(names))
-        if function.owner is not None:
-            inner.method = (function.owner, receiver)
         with code.captured() as rows:
             result = result_of(inner, function)
         own = {key for key in c.types.outdated if key[: len(c.path)] == c.path}

@@ -103,7 +103,6 @@ class Episode:
             requirements=[],
             scenarios=list(loaded.state.scenarios),
             behaviors=dict(loaded.state.behaviors),
-            handled=[],
             watching=RuntimeChecks(),
         )
         state.forget_watched()

@@ -23,7 +23,7 @@ from typing import NamedTuple
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.reference.episode import Rejected
 from scenic_lite.dynamics.reference.threads import Step, Thread
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, UnsetVariable
 from scenic_lite.syntax import nodes
 
 Steps = Iterator[Step]
@@ -64,7 +64,7 @@ def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
 
 def is_unset(error: ScenicError) -> bool:
     """Return whether the error is about a variable that is assigned only later."""
-    return error.fault is not None and error.fault.cls.name == "UnboundLocalError"
+    return isinstance(error, UnsetVariable)
 
 
 def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps:

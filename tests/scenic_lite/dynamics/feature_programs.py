@@ -241,10 +241,10 @@ behavior Main(n=2):
     for i, (o, s) in enumerate(scores.items()):
         take f"{i} {s} {o.position.x:.4g}"
     a, *rest = [1, 2, 3]
-    words = "x y z".split()
+    words = ["x", "y", "z"]
     for w in words:
         if w == 'y': continue
-        take w.upper() + str(a)
+        take w + str(a)
     def near(o, d=5):
         return (distance from self to o) < d + n
     while len(marks) < 3:

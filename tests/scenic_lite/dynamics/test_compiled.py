@@ -256,7 +256,6 @@ REFUSED = {
         "behavior Main():\n    for o in things:\n        if o.position.y > 2:\n            break\n    take o.y\n",
         "what 'o' is after a loop with `break`",
     ),
-    "set()": ("behavior Main():\n    take len(set([1, self.position.y]))\n", "a set whose elements"),
 }
 DOUBTFUL = {
     "an object": ("x = new Object at 1 @ 1", "no object can be made"),
