@@ -2,52 +2,13 @@
 
     from ued import DR, GymUPOMDP, Paired, PPOConfig, evaluate
 
-Names are loaded when first used, so that `import ued` stays quick and environments need no torch.
+Names are loaded when first used, so that `import ued` stays quick and environments need no torch; editors and type
+checkers read them in `__init__.pyi`.
 Read next: `upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:  # for type checkers and editors; what is true when the program runs is below
-    from ued.checkpoint import CheckpointError
-    from ued.config import (
-        ACCELConfig,
-        AdversaryConfig,
-        ALPGMMConfig,
-        BufferConfig,
-        DRConfig,
-        MinimaxConfig,
-        PairedConfig,
-        PairedLiteralConfig,
-        PLRConfig,
-        PPOConfig,
-        RepairedConfig,
-        SelfRegretConfig,
-        SFLConfig,
-    )
-    from ued.curriculum import Curriculum, ThetaSpace
-    from ued.evaluation import Evaluation, evaluate
-    from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
-    from ued.learning.ppo import PPO
-    from ued.learning.student import Student
-    from ued.levels.adversary import Adversary
-    from ued.levels.buffer import LevelBuffer
-    from ued.levels.record import level_record_dtype
-    from ued.method import LevelBatch, Method
-    from ued.methods import METHODS
-    from ued.methods.accel import ACCEL
-    from ued.methods.alp_gmm import ALPGMM
-    from ued.methods.dr import DR
-    from ued.methods.minimax import Minimax
-    from ued.methods.paired import Paired
-    from ued.methods.paired_literal import PairedLiteral
-    from ued.methods.plr import PLR, RobustPLR
-    from ued.methods.repaired import Repaired
-    from ued.methods.self_regret import SelfRegret
-    from ued.methods.sfl import SFL
-    from ued.mixture import Mixture
-    from ued.upomdp import UPOMDP, ThetaError, level_dtype
+from typing import Any
 
 _EXPORTS = {  # by module; the methods and their settings are those of `methods.METHODS`
     "ued.checkpoint": ("CheckpointError",),
@@ -76,9 +37,9 @@ def _homes() -> dict[str, str]:
 
 
 def __getattr__(name: str) -> Any:
-    homes = _homes() if not name.startswith("__") or name == "__all__" else {}
     if name == "__all__":
-        return sorted(homes)
+        return __dir__()
+    homes = {} if name.startswith("__") else _homes()
     if name not in homes:
         raise AttributeError(f"module 'ued' has no attribute {name!r}")
     return getattr(import_module(homes[name]), name)

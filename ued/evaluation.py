@@ -13,7 +13,7 @@ import numpy as np
 import torch
 
 from ued.learning.student import Student
-from ued.seeding import split_seed, torch_generator
+from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP
 
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
@@ -58,14 +58,14 @@ def evaluate(
         raise ValueError(f"episodes must be at least 1, got {episodes}")
     if levels is not None and not len(levels):
         raise ValueError("levels must hold at least one level, got none")
-    stream, actions = split_seed(seed, 2)
+    seeds = SeedStream(seed)
     upomdp.next_levels = None
-    upomdp.reset(seed=stream)
+    upomdp.reset(seed=seeds.next())
     pool = upomdp.sample_levels(episodes) if levels is None else levels  # [L]
     index = np.arange(episodes) % len(pool)  # [E]
     playlist = upomdp.make_levels(pool["theta"][index])  # [E] with seeds of their own
     playlist["program"] = pool["program"][index]
-    returns, lengths, env_steps = _play(student, upomdp, playlist, torch_generator(actions), greedy)
+    returns, lengths, env_steps = _play(student, upomdp, playlist, torch_generator(seeds.next()), greedy)
     return Evaluation(returns, lengths, index, pool.copy(), env_steps)
 
 

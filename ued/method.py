@@ -121,7 +121,7 @@ class Method:
     def report(self, levels: np.ndarray, metrics: dict[str, float]) -> dict[str, float]:
         """End an update that was based on these levels `[L]`; return its metrics and those that all methods have."""
         by_learner = [learner.pop_seconds() for learner in self.learners]
-        seconds = {f"time/{name}": sum(each[name] for each in by_learner) for name in by_learner[0]}
+        seconds = {f"time/{name}": sum(spent[name] for spent in by_learner) for name in by_learner[0]}
         seconds["time/curriculum"] = perf_counter() - self._played - seconds["time/learn"]
         self.last = LevelBatch.of(levels, [learner.name for learner in self.learners])
         self.updates += 1

@@ -61,11 +61,11 @@ class Mixture(UPOMDP):
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         theta = check_theta(theta, self.theta_dim)
-        found = []
+        values = []
         for row, k in zip(theta, self.program_of(theta), strict=True):
             member = self.members[k]
-            found.append({"program": self.names[k], **member.describe(row[1 : 1 + member.theta_dim])[0]})
-        return found
+            values.append({"program": self.names[k], **member.describe(row[1 : 1 + member.theta_dim])[0]})
+        return values
 
     def make_levels(self, theta: Any) -> np.ndarray:
         levels = super().make_levels(theta)

@@ -20,12 +20,6 @@ class SeedStream:
         return int(self._sequence.spawn(1)[0].generate_state(1, np.uint64)[0] >> 1)
 
 
-def split_seed(seed: int, count: int) -> list[int]:
-    """Return the first `count` seeds of a `SeedStream`."""
-    seeds = SeedStream(seed)
-    return [seeds.next() for _ in range(count)]
-
-
 def torch_generator(seed: int) -> torch.Generator:
     """Return a torch generator on the CPU with this seed."""
     return torch.Generator().manual_seed(seed)

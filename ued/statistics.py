@@ -110,11 +110,11 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = 1.
     errors. Unlike a bootstrap's it stays open where every run of one method beats every run of the other.
     """
     gap = np.asarray(one, float)[:, None] - np.asarray(other, float)[None, :]
-    found = float(np.mean((gap > 0) + 0.5 * (gap == 0)))
+    observed = float(np.mean((gap > 0) + 0.5 * (gap == 0)))
     p = np.linspace(0.0, 1.0, 2001)
     overlap = 1 + (sum(gap.shape) / 2 - 1) * ((1 - p) / (2 - p) + p / (1 + p))
-    possible = p[np.abs(found - p) <= z * np.sqrt(p * (1 - p) * overlap / gap.size) + 1e-12]
-    return Interval(found, float(possible.min(initial=found)), float(possible.max(initial=found)))
+    possible = p[np.abs(observed - p) <= z * np.sqrt(p * (1 - p) * overlap / gap.size) + 1e-12]
+    return Interval(observed, float(possible.min(initial=observed)), float(possible.max(initial=observed)))
 
 
 def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:
@@ -125,16 +125,16 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
     episodes that rank the values; equally ranked ones count alike. Raises `ValueError` for no value, a share beyond
     (0, 1] and another number of `by`.
     """
-    found = np.asarray(values, float).ravel()
-    rank = found if by is None else np.asarray(by, float).ravel()
-    if not len(found) or not 0 < share <= 1 or len(rank) != len(found):
+    array = np.asarray(values, float).ravel()
+    rank = array if by is None else np.asarray(by, float).ravel()
+    if not len(array) or not 0 < share <= 1 or len(rank) != len(array):
         raise ValueError(
-            f"cvar needs values, as many ranks and a share in (0, 1], got {len(found)}, {len(rank)} and {share}"
+            f"cvar needs values, as many ranks and a share in (0, 1], got {len(array)}, {len(rank)} and {share}"
         )
     _, tie, sizes = np.unique(rank, return_inverse=True, return_counts=True)
     before = np.cumsum(sizes) - sizes  # values that are worse than those of this rank
-    weights = (np.clip(share * len(found) - before, 0.0, sizes) / sizes)[tie.ravel()]
-    return float((weights * found).sum() / weights.sum())
+    weights = (np.clip(share * len(array) - before, 0.0, sizes) / sizes)[tie.ravel()]
+    return float((weights * array).sum() / weights.sum())
 
 
 def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 2000) -> Interval:
@@ -146,6 +146,6 @@ def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 200
     runs = np.asarray(per_run, float)
     count, tasks = runs.shape
     rows = rng.integers(0, count, (samples, count, tasks))
-    drawn = [iqm(runs[each, np.arange(tasks)]) for each in rows]
+    drawn = [iqm(runs[chosen, np.arange(tasks)]) for chosen in rows]
     low, high = np.quantile(drawn, [0.025, 0.975])
     return Interval(iqm(runs), float(low), float(high))

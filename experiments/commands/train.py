@@ -23,7 +23,7 @@ from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count, headline
 from experiments.run.signals import StopRequest
 from ued.config import setting
-from ued.recorder.recorder import unique_names
+from ued.recorder.shades import unique_names
 
 DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
 

@@ -14,7 +14,7 @@ import numpy as np
 from envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
 from experiments.pictures import plots
 from experiments.run.table import read_columns
-from ued.recorder.recorder import smooth
+from ued.recorder.shades import smooth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

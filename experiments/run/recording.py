@@ -15,7 +15,8 @@ from experiments.run import build
 from experiments.run import config as configs
 from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns
-from ued.recorder.recorder import CurriculumRecorder, Episode, Recording
+from ued.recorder.recorder import CurriculumRecorder, Recording
+from ued.recorder.scene_log import Episode
 
 MAX_STEPS = 400  # of a recorded episode
 STEP_SECONDS = 0.1

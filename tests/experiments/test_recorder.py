@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from tests.experiments.probe import DRAWS, ProbePainter, batch
-from ued.recorder.recorder import CurriculumRecorder, Episode, Recording, ramp, smooth, unique_names
+from ued.recorder.recorder import CurriculumRecorder, Recording
+from ued.recorder.scene_log import Episode
+from ued.recorder.shades import ramp, smooth, unique_names
 
 rerun = pytest.importorskip("rerun")
 UPDATES = 30

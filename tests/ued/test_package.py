@@ -1,8 +1,10 @@
 """What `from ued import ...` offers, and what it costs."""
 
+import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +24,11 @@ def test_every_method_and_its_settings_are_there():
     for row in METHODS.values():
         assert getattr(ued, row.class_name) is row.load()
         assert type(row.settings()).__name__ in ued.__all__
+
+
+def test_editors_are_told_of_every_name():
+    stub = (Path(ued.__file__).parent / "__init__.pyi").read_text()
+    assert sorted(re.findall(r" as (\w+)$", stub, re.M)) == ued.__all__
 
 
 def test_a_name_that_is_not_there():

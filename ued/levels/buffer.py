@@ -10,12 +10,11 @@ Read next: `methods.plr`.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ued.config import BufferConfig
 from ued.levels.record import NONE, Origin, make_records
+from ued.resumable import Resumable
 
 EPSILON = 1e-8  # so that a power of 0 is no division by 0
 
@@ -42,13 +41,15 @@ def slot_dtype(level: np.dtype) -> np.dtype:
     )
 
 
-class LevelBuffer:
+class LevelBuffer(Resumable):
     """At most `capacity` levels, the most worthwhile ones seen so far.
 
     Args:
         level: the record of a level.
         config: capacity, priorities, staleness.
     """
+
+    state_fields = ("slots", "now", "next_id")
 
     def __init__(self, level: np.dtype, config: BufferConfig) -> None:
         self.config = config
@@ -66,6 +67,13 @@ class LevelBuffer:
     def slots(self) -> np.ndarray:
         """The levels `[n]`, records of `slot_dtype`; a view."""
         return self._slots[: self._count]
+
+    @slots.setter
+    def slots(self, slots: np.ndarray) -> None:
+        self._count = len(slots)
+        self._slots[: self._count] = slots
+        self._rows = {_key(level): row for row, level in enumerate(slots["level"])}
+        self._score_weights = None
 
     @property
     def fill_ratio(self) -> float:
@@ -208,20 +216,6 @@ class LevelBuffer:
         self._count = max(self._count, place + 1)
         self.next_id += 1
         self._score_weights = None
-
-    # ------------------------------------------------------------ save and resume
-
-    def state_dict(self) -> dict[str, Any]:
-        """Return a copy of the levels and the clock."""
-        return {"slots": self.slots.copy(), "now": self.now, "next_id": self.next_id}
-
-    def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
-        self._count = len(state["slots"])
-        self._slots[: self._count] = state["slots"]
-        self._rows = {_key(level): row for row, level in enumerate(self.slots["level"])}
-        self._score_weights = None
-        self.now, self.next_id = state["now"], state["next_id"]
 
 
 def _key(level: np.void) -> bytes:

@@ -13,7 +13,7 @@ from ued.curriculum import LevelSpace
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.resumable import Resumable
-from ued.seeding import split_seed, torch_generator
+from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, level_dtype
 
 
@@ -33,11 +33,11 @@ class Teacher(Resumable):
 
     def __init__(self, space: LevelSpace, config: TeacherConfig, students: int, episodes: int, seed: int) -> None:
         self.space, self.config = space, config
-        adversary, mix = split_seed(seed, 2)
+        seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
-        self.adversary = Adversary(space.theta_dim, config.adversary, torch_generator(adversary), size)
-        self.mix = np.random.default_rng(mix)
+        self.adversary = Adversary(space.theta_dim, config.adversary, torch_generator(seeds.next()), size)
+        self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
             ("raw", np.float32, (space.theta_dim,)),

@@ -105,7 +105,7 @@ def student_names(config: PairedConfig) -> tuple[str, ...]:
 
 
 def add_students(method: Method, config: PairedConfig) -> None:
-    """Give a method its students; a scripted antagonist is what the environment itself does with the learner's part."""
+    """Add the students to a method; a scripted antagonist is what the environment itself does in its place."""
     first, second, *others = student_names(config)
     method.add_learner(first, method.upomdp)
     if config.antagonist == "scripted":

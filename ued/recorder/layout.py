@@ -10,8 +10,11 @@ from collections.abc import Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
+import rerun
+import rerun.blueprint as rrb
 
-Colour = tuple[int, int, int]
+from ued.recorder.shades import Colour
+
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
@@ -30,16 +33,14 @@ class ScenePainter(Protocol):
     focus: int  # the point that stands for the whole level on a map
 
     def lines(self) -> list[np.ndarray]:
-        """Give the strips of the ground, each `[n, 2]`."""
+        """Return the strips of the ground, each `[n, 2]`."""
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Give the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
+        """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
 
 def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str]) -> Any:
-    """Give the blueprint for a painter, the names of the columns of θ, and those of the students."""
-    import rerun.blueprint as rrb
-
+    """Return the blueprint for a painter, the names of the columns of θ, and those of the students."""
     tabs = rrb.Tabs(
         _overview(painter, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
@@ -54,8 +55,6 @@ def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str])
 
 
 def _overview(painter: ScenePainter, students: Sequence[str]) -> Any:
-    import rerun.blueprint as rrb
-
     title = "Where the levels are (colour: score) over their density"
     level = rrb.Horizontal(
         _scene(painter, "The level of the highest score", "/scene/levels/0/**"),
@@ -72,23 +71,16 @@ def _overview(painter: ScenePainter, students: Sequence[str]) -> Any:
 
 
 def _levels(painter: ScenePainter) -> Any:
-    import rerun.blueprint as rrb
-
     views = [_scene(painter, f"Level {slot + 1} by score", f"/scene/levels/{slot}/**") for slot in range(TOP_LEVELS)]
     return rrb.Grid(*views, grid_columns=3, name="Levels")
 
 
 def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
-    import rerun.blueprint as rrb
-
     views = [_scene(painter, name.capitalize(), f"/scene/rollout/{name}/**") for name in students]
     return rrb.Horizontal(*views, name="Rollouts")
 
 
 def _theta(names: Sequence[str]) -> Any:
-    import rerun
-    import rerun.blueprint as rrb
-
     charts = [
         rrb.BarChartView(
             origin=f"/theta/{rerun.escape_entity_path_part(name)}",
@@ -107,8 +99,6 @@ def _theta(names: Sequence[str]) -> Any:
 
 
 def _scene(painter: ScenePainter, name: str, *paths: str) -> Any:
-    import rerun.blueprint as rrb
-
     x_low, x_high, y_low, y_high = painter.bounds
     return rrb.Spatial2DView(
         origin="/",
@@ -120,8 +110,6 @@ def _scene(painter: ScenePainter, name: str, *paths: str) -> Any:
 
 
 def _curves(name: str, paths: str, corner: Corner) -> Any:
-    import rerun.blueprint as rrb
-
     return rrb.TimeSeriesView(
         origin="/",
         contents=[paths],
@@ -132,8 +120,6 @@ def _curves(name: str, paths: str, corner: Corner) -> Any:
 
 
 def _over_time() -> Any:
-    import rerun.blueprint as rrb
-
     return rrb.Spatial2DView(
         origin="/theta/over_time",
         name="θ over updates (brightness: density)",

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+import rerun
+import rerun.blueprint as rrb
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
@@ -34,7 +36,7 @@ class SceneStage(Protocol):
     def labels(self) -> tuple[str, ...]: ...
     @property
     def colours(self) -> list[tuple[int, int, int]]:
-        """Give one colour for each class."""
+        """Return one colour for each class."""
 
 
 class SceneRecord(NamedTuple):
@@ -47,8 +49,6 @@ class SceneRecord(NamedTuple):
 
 def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[SceneRecord]) -> None:
     """Write a recording of scenes. Raises OSError if the file cannot be written."""
-    import rerun
-
     with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
         pass
     stream = rerun.RecordingStream("regista_scenes", recording_id=name)
@@ -63,8 +63,6 @@ def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[Sce
 
 
 def log_ground(stream: Any, stage: SceneStage) -> None:
-    import rerun
-
     infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
     stream.log("scene", rerun.AnnotationContext(infos), static=True)
     # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
@@ -77,8 +75,6 @@ def log_ground(stream: Any, stage: SceneStage) -> None:
 
 
 def log_scene(stream: Any, stage: SceneStage, scene: SceneRecord) -> None:
-    import rerun
-
     known = np.isfinite(scene.outlines).all((1, 2))
     kinds = stage.kinds[known]
     colours = np.array(stage.colours, np.uint8).reshape(-1, 3)[kinds]
@@ -98,9 +94,7 @@ def log_scene(stream: Any, stage: SceneStage, scene: SceneRecord) -> None:
 
 
 def scenes_layout(stage: SceneStage) -> Any:
-    """Give the blueprint: the scene large, its card beside it."""
-    import rerun.blueprint as rrb
-
+    """Return the blueprint: the scene large, its card beside it."""
     x_low, x_high, y_low, y_high = stage.bounds
     view = rrb.Spatial2DView(
         origin="/",
@@ -121,7 +115,7 @@ def scenes_layout(stage: SceneStage) -> Any:
 
 
 def card_of(title: str, rows: Sequence[tuple[str, str, str]], notes: Sequence[str]) -> str:
-    """Give a card in Markdown: a title, a table of name, θ and value, and sentences beneath."""
+    """Return a card in Markdown: a title, a table of name, θ and value, and sentences beneath."""
     lines = [f"## {title}", "", "| draw | θ | means |", "|---|---|---|"]
     lines += [f"| {name} | {theta} | {value} |" for name, theta, value in rows]
     return "\n".join([*lines, "", *notes])

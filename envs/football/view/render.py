@@ -65,7 +65,7 @@ class HasMatches(Protocol):
 
 
 class FootballPainter:
-    """Tell what the levels of one football program look like. It is a `ued.recorder.recorder.ScenePainter`.
+    """Tell what the levels of one football program look like. It is a `ued.recorder.layout.ScenePainter`.
 
     Attributes:
         classes: `[K]` the class of each point, an index into `MARKERS`; the P players in the order of the match, then

@@ -1,0 +1,140 @@
+"""What a recording shows of scenes: the ground, where levels are, the best of them, and recorded episodes.
+
+Read next: `recorder.layout`, how the viewer arranges them.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import rerun
+
+from ued.method import LevelBatch
+from ued.recorder.layout import TOP_LEVELS, ScenePainter
+from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
+
+HEAT_CELL = 2.0  # m
+HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
+
+
+class Episode(NamedTuple):
+    """One recorded episode: points `[T, K, 2]`, seconds between them, and what came of it in a word."""
+
+    positions: np.ndarray
+    step_seconds: float
+    outcome: str
+
+
+class SceneLog:
+    """Writes `/scene/...` of a recording."""
+
+    def __init__(self, stream: rerun.RecordingStream, painter: ScenePainter) -> None:
+        self.stream, self.painter = stream, painter
+        self._colours = np.array([colour for _, colour, _ in painter.markers], np.uint8)[painter.classes]  # [K, 3]
+        self._radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]  # [K]
+        x_low, x_high, y_low, y_high = painter.bounds
+        cells = int(np.ceil((y_high - y_low) / HEAT_CELL)), int(np.ceil((x_high - x_low) / HEAT_CELL))
+        self._heat = np.zeros(cells)  # [rows, columns], y from low to high
+
+    def open(self) -> None:
+        """Write what never changes."""
+        painter, log = self.painter, self.stream.log
+        infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
+        log("scene", rerun.AnnotationContext(infos), static=True)
+        # Rerun's 2D views are y-down: one transform at the root keeps everything else in metres, y up.
+        log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
+        strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
+        log("scene/ground", strips, static=True)
+        x_low, _, y_low, _ = painter.bounds
+        heat = rerun.Transform3D(translation=[x_low, y_low, 0], scale=[HEAT_CELL, HEAT_CELL, 1])
+        log("scene/heat", heat, static=True)
+
+    def note(self, theta: np.ndarray) -> None:
+        """Add the levels `[L, D]` of an update to the heat map."""
+        x_low, _, y_low, _ = self.painter.bounds
+        focus = self.painter.positions(theta)[:, self.painter.focus]  # [L, 2]
+        cells = ((focus - (x_low, y_low)) / HEAT_CELL).astype(int)
+        rows, columns = self._heat.shape
+        inside = ((cells >= 0) & (cells < (columns, rows))).all(1)
+        self._heat *= HEAT_MEMORY
+        np.add.at(self._heat, (cells[inside, 1], cells[inside, 0]), 1.0)
+
+    def record(self, batch: LevelBatch) -> None:
+        """Write where the levels of an update are, and those of the highest score."""
+        places = self.painter.positions(batch.theta)  # [L, K, 2]
+        best = by_score(batch)
+        for slot in range(TOP_LEVELS):
+            path = f"scene/levels/{slot}"
+            if slot < len(best):
+                self.stream.log(f"{path}/points", self._points(places[best[slot]]))
+                self.stream.log(f"{path}/note", self._note_above(caption(batch, best[slot])))
+            else:  # a smaller batch than before: nothing stale may stay in the slot
+                self.stream.log(path, rerun.Clear(recursive=True))
+        share, count = unit(batch.score), len(batch.score)
+        known = np.isfinite(batch.score).any()
+        dots = rerun.Points2D(
+            places[:, self.painter.focus],
+            colors=ramp(share, CALM_TO_RED) if known else np.full((count, 3), 225, np.uint8),
+            radii=0.5 + 0.6 * share,
+            labels=[caption(batch, level) for level in range(count)],
+            show_labels=False,
+        )
+        self.stream.log("scene/batch", dots)
+        self.stream.log("scene/heat/map", self._heat_image())
+
+    def record_path(self, student: str, episode: Episode) -> None:
+        """Write the whole path of a student's episode."""
+        root, places = f"scene/rollout/{student}/path", episode.positions
+        paths = rerun.LineStrips2D(list(places.transpose(1, 0, 2)), colors=self._colours, radii=0.2)
+        self.stream.log(f"{root}/lines", paths)
+        self.stream.log(f"{root}/start", self._points(places[0]))
+        self.stream.log(f"{root}/outcome", self._note_above(f"{student}: {episode.outcome}"))
+
+    def record_movie(self, student: str, began: float, episode: Episode) -> None:
+        """Write the moving points on `movie` alone, from second `began`: on `update` the last step would hide them."""
+        root, (steps, points) = f"scene/rollout/{student}/now", episode.positions.shape[:2]
+        seconds = began + np.arange(steps) * episode.step_seconds  # [T]
+        lengths = np.full(steps, points)
+        self.stream.send_columns(
+            root,
+            [rerun.TimeColumn("movie", duration=seconds)],
+            [
+                *rerun.Points2D.columns(positions=episode.positions.reshape(-1, 2)).partition(lengths),
+                *rerun.Points2D.columns(class_ids=np.tile(self.painter.classes, steps)).partition(lengths),
+                *rerun.Points2D.columns(radii=np.tile(self._radii, steps)).partition(lengths),
+                *rerun.Points2D.columns(show_labels=[False] * steps),
+            ],
+        )
+        self.stream.reset_time()
+        self.stream.set_time("movie", duration=float(seconds[-1] + episode.step_seconds))
+        self.stream.log(root, rerun.Clear(recursive=True))
+
+    def _points(self, places: np.ndarray) -> Any:
+        """Return the points of one scene `[K, 2]`; all fields are set, so that no old colour or radius stays."""
+        return rerun.Points2D(places, class_ids=self.painter.classes, radii=self._radii, show_labels=False)
+
+    def _note_above(self, text: str) -> Any:
+        x_low, x_high, _, y_high = self.painter.bounds
+        place = [[(x_low + x_high) / 2, y_high - 1.0]]
+        return rerun.Points2D(place, labels=[text], colors=[(225, 225, 225)], radii=0.01, show_labels=True)
+
+    def _heat_image(self) -> Any:
+        density = smooth(self._heat)
+        density /= density.max() + 1e-9
+        alpha = 235 * np.clip(density * 1.35, 0, 1) ** 0.7
+        image = np.dstack([ramp(0.15 + 0.85 * density, INFERNO), alpha.astype(np.uint8)])
+        return rerun.Image(image, opacity=0.9, draw_order=-9)  # below 1, or alpha would be ignored
+
+
+def by_score(batch: LevelBatch) -> np.ndarray:
+    """Return the indices of the levels with the highest scores, the best first: at most TOP_LEVELS."""
+    return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:TOP_LEVELS]
+
+
+def caption(batch: LevelBatch, level: int) -> str:
+    """Return the score of a level and the students' returns on it, in a line."""
+    parts = [f"{student} {returns[level]:+.2f}" for student, returns in batch.returns.items()]
+    if np.isfinite(batch.score[level]):
+        parts.insert(0, f"score {batch.score[level]:.2f}")
+    return "   ".join(parts)

@@ -1,0 +1,58 @@
+"""Numbers for the eye: names, colours and smoothed grids. Nothing here needs Rerun or Gymnasium.
+
+Read next: `recorder.scene_log`, which draws with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+Colour = tuple[int, int, int]
+
+STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
+SCORE_COLOUR: Colour = (255, 82, 82)
+INFERNO: tuple[Colour, ...] = (
+    (0, 0, 4),
+    (40, 11, 84),
+    (101, 21, 110),
+    (159, 42, 99),
+    (212, 72, 66),
+    (245, 125, 21),
+    (250, 193, 39),
+    (252, 255, 164),
+)
+CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
+
+
+def unique_names(draws: Sequence[Any]) -> list[str]:
+    """Return the names of the columns of θ, numbered where two are alike."""
+    names = [parameter.name for parameter in draws]
+    return [name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}" for k, name in enumerate(names)]
+
+
+def ramp(share: np.ndarray, table: Sequence[Colour]) -> np.ndarray:
+    """Return the colours uint8 `[..., 3]` of numbers in [0, 1] on a table of equally spaced colours."""
+    rows = np.array(table, float)  # [C, 3]
+    place = np.clip(np.nan_to_num(share), 0, 1) * (len(rows) - 1)
+    below = np.minimum(place.astype(int), len(rows) - 2)
+    part = (place - below)[..., None]
+    return (rows[below] * (1 - part) + rows[below + 1] * part).astype(np.uint8)
+
+
+def smooth(grid: np.ndarray, width: float = 1.5) -> np.ndarray:
+    """Blur a grid `[rows, columns]` with a Gaussian of this width in cells."""
+    reach = np.arange(-int(3 * width), int(3 * width) + 1)
+    kernel = np.exp(-(reach**2) / (2 * width**2))
+    kernel /= kernel.sum()
+    for axis in (0, 1):
+        grid = np.apply_along_axis(lambda line: np.convolve(line, kernel)[len(reach) // 2 :][: len(line)], axis, grid)
+    return grid
+
+
+def unit(score: np.ndarray) -> np.ndarray:
+    """Scale scores `[L]` to [0, 1] by their highest; unknown ones are 0."""
+    known = np.nan_to_num(score)
+    return np.clip(known / max(known.max(initial=0.0), 1e-6), 0, 1)
