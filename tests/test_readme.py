@@ -4,6 +4,8 @@ import re
 import shutil
 import subprocess
 import tomllib
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +96,21 @@ def test_the_citation_is_of_this_version():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert f"\nversion: {project['version']}\n" in citation and f"\nlicense: {project['license']}\n" in citation
     assert f"## {project['version']} " in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_what_the_changelog_says_is_new_is_there():
+    """Its right column names modules, in full or as `.name` beside the one before, and what is in them."""
+    rows = re.findall(r"^\| .+ \| (.+) \|$", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    named = [[text for text in re.findall(r"`([^`]+)`", row) if not text.startswith("--")] for row in rows]
+    modules = [
+        names for names in named if names and names[0].split(".")[0] in ("scenic_lite", "envs", "ued", "experiments")
+    ]
+    assert len(modules) > 20
+    for first, *others in modules:
+        for name in [first, *(first.rpartition(".")[0] + other for other in others if other.startswith("."))]:
+            assert find_spec(name) is not None, name
+        for name in [other for other in others if "." not in other]:
+            assert hasattr(import_module(first), name), f"{first}: {name}"
 
 
 def test_links_lead_somewhere():
