@@ -20,7 +20,7 @@ from scenic_lite.evaluation.expressions import EXPRESSIONS
 from scenic_lite.evaluation.functions import BUILTINS
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.evaluation.statements import STATEMENTS
-from scenic_lite.language.requirements import settle
+from scenic_lite.language.requirements import apply_mutations
 from scenic_lite.scene.build import build_program
 from scenic_lite.scene.program import Program
 from scenic_lite.scene.pruning import prune
@@ -57,7 +57,7 @@ def load(
     run_file(mode, text, own)
     set_up_main(mode, own, scenario)
     doubt_overrides(state, own)
-    settle(state)
+    apply_mutations(state)
     if state.ego is None and needs_ego(state):
         raise no_ego(state, own)
     prune(state)

@@ -52,7 +52,7 @@ class Sight(NamedTuple):
     """What an object's specifier demands: that `viewer` sees it, or that it does not."""
 
     viewer: Instance
-    wanted: bool
+    visible: bool
 
 
 class Watched(NamedTuple):

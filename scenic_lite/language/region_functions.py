@@ -163,12 +163,7 @@ def vector_field(
 
 
 def polygonal_field(
-    scope: Scope,
-    node: ast.AST,
-    name: Value,
-    cells: Value,
-    headingFunction: Value = None,
-    defaultHeading: Value = None,
+    scope: Scope, node: ast.AST, name: Value, cells: Value, headingFunction: Value = None, defaultHeading: Value = None
 ) -> VectorField:
     """Return a heading for each cell, or a function for cells without one; `defaultHeading` outside all."""
     pairs = [cell_of(scope, node, cell) for cell in scope.elements(cells, node)]
@@ -189,12 +184,7 @@ def cell_of(scope: Scope, node: ast.AST, cell: Value) -> tuple[Region, Value]:
 
 
 def piecewise_field(
-    scope: Scope,
-    node: ast.AST,
-    name: Value,
-    regions: Value,
-    tolerance: Value = 0,
-    defaultHeading: Value = None,
+    scope: Scope, node: ast.AST, name: Value, regions: Value, tolerance: Value = 0, defaultHeading: Value = None
 ) -> VectorField:
     """Return the orientation of the first region that holds the point."""
     parts = scope.elements(regions, node)

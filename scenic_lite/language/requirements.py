@@ -95,7 +95,7 @@ def mutate(scope: Scope, node: nodes.Mutate) -> None:
         target.properties["mutationScale"] = scale
 
 
-def settle(state: LoadState) -> None:
+def apply_mutations(state: LoadState) -> None:
     """Add the noise of the objects that have any, after the last statement, and tell the requirements."""
     noisy = [instance for instance in state.objects if not is_zero(instance.properties["mutationScale"])]
     for instance in noisy:

@@ -1,7 +1,6 @@
-"""The specifier of each specifier: `at`, `in`, `ahead of`, `facing` and the rest.
+"""What each specifier gives: `at`, `in`, `ahead of`, `facing` and the rest.
 
-Each function takes the scope, the node and the evaluated operands. Read next:
-`language.scenic_operators`.
+Each function takes the scope, the node and the evaluated operands. Read next: `language.scenic_operators`.
 """
 
 from __future__ import annotations
@@ -28,9 +27,21 @@ POSITION = {"position": REQUIRED}
 DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
 
 
-def optional_heading(scope: Scope, priority: int = OPTIONAL) -> dict[str, int]:
-    """Return the heading that a position specifier may bring along: dialect 3 sets the parent's."""
-    return {"parentOrientation" if scope.state.dialect == 3 else "heading": priority}
+def optional_heading(scope: Scope) -> str:
+    """Return the property that a specifier of the position may bring along: dialect 3 sets the parent's heading."""
+    return "parentOrientation" if scope.state.dialect == 3 else "heading"
+
+
+def placing(
+    scope: Scope, node: ast.AST, words: str, place: Vector, heading: Value = None, priority: int = OPTIONAL
+) -> ResolvedSpecifier:
+    """Return the specifier of a known place, and of a heading unless that is None."""
+    values: dict[str, Value] = {"position": place}
+    gives = POSITION
+    if heading is not None:
+        values[optional_heading(scope)] = heading
+        gives = POSITION | {optional_heading(scope): priority}
+    return ResolvedSpecifier(words, node, gives, lambda self: values)
 
 
 def vector_of(words: str, value: Value) -> Vector:
@@ -56,8 +67,7 @@ def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
     if isinstance(place, LazyValue):
         delayed = place
         return ResolvedSpecifier("at", node, POSITION, lambda self: {"position": delayed.compute(self)}, place.needs)
-    vector = vector_of("at", place)
-    return ResolvedSpecifier("at", node, POSITION, lambda self: {"position": vector})
+    return placing(scope, node, "at", vector_of("at", place))
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
@@ -71,15 +81,11 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
             p = region.properties
             region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
         elif as_vector(region) is not None:
-            place = vector_of("on", region)
-            return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
+            return placing(scope, node, words, vector_of("on", region))
     oriented = check_region(words, region)
-    gives = POSITION | (
-        optional_heading(scope, 2 if words == "on" and scope.state.dialect == 3 else OPTIONAL) if oriented else {}
-    )
-    heading_name = next((name for name in gives if name != "position"), "heading")
     point, heading = point_in(scope, node, region)
-    return ResolvedSpecifier(words, node, gives, lambda self: {"position": point, heading_name: heading})
+    priority = 2 if words == "on" and scope.state.dialect == 3 else OPTIONAL
+    return placing(scope, node, words, point, heading if oriented else None, priority)
 
 
 def check_region(words: str, region: Value) -> bool:
@@ -124,14 +130,13 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             lambda self: {"position": vector + offset(self, 0.0).rotated(self.properties["heading"])},
             frozenset({extent, "heading"}),
         )
-    centre = vector_of(words, anchor)
+    centre, name = vector_of(words, anchor), optional_heading(scope)
     other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
-    gives = optional_heading(scope)
     return ResolvedSpecifier(
         words,
         node,
-        POSITION | gives,
-        lambda self: {"position": centre + offset(self, other).rotated(heading), next(iter(gives)): heading},
+        POSITION | {name: OPTIONAL},
+        lambda self: {"position": centre + offset(self, other).rotated(heading), name: heading},
         frozenset({extent}),
     )
 
@@ -170,12 +175,9 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 
 
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
-    """Return a position, and in dialect 3 a parent heading."""
+    """Return the specifier of a place, and in dialect 3 of a parent heading."""
     words = node.name  # type: ignore[attr-defined]
-    if scope.state.dialect == 3:
-        gives = POSITION | optional_heading(scope)
-        return ResolvedSpecifier(words, node, gives, lambda self: {"position": place, "parentOrientation": heading})
-    return ResolvedSpecifier(words, node, POSITION, lambda self: {"position": place})
+    return placing(scope, node, words, place, heading if scope.state.dialect == 3 else None)
 
 
 def visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
@@ -203,7 +205,7 @@ def in_or_out_of_sight(
 ) -> ResolvedSpecifier:
     """Return a position drawn from a region that depends on what can be seen."""
     dialect = scope.state.dialect
-    words = "visible" if sight.wanted else "not visible"
+    words = "visible" if sight.visible else "not visible"
 
     def compute(self: Instance) -> dict[str, Value]:
         return {"position": point_in(scope, node, region_for(self))[0]}
@@ -227,8 +229,7 @@ def viewer_of(scope: Scope, viewer: Value) -> Instance:
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
     start = vector_of("following ... from", ego_of(scope) if start is None else start)
     end, heading = follow(field, start, distance)
-    gives = POSITION | optional_heading(scope)
-    return ResolvedSpecifier("following", node, gives, lambda self: {"position": end, next(reversed(gives)): heading})
+    return placing(scope, node, "following", end, heading)
 
 
 def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:

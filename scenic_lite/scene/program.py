@@ -168,9 +168,9 @@ class Program:
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
         soft = [i for i, constraint in enumerate(self.requirements) if constraint.probability < 1]
-        chosen = [rng.random(n) < self.requirements[i].probability for i in soft]
         in_force = np.ones((n, len(self.requirements)), dtype=bool)  # [n, R]
-        in_force[:, soft] = np.stack(chosen, axis=1) if soft else True
+        for i in soft:
+            in_force[:, i] = rng.random(n) < self.requirements[i].probability
         theta = np.empty((n, self.dim))
         pending = np.arange(n)  # [P], the scenes without a valid draw so far
         draws = accepted = 0
@@ -181,7 +181,9 @@ class Program:
             tries = tries_for_each(len(pending), draws, accepted)  # K
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * tries, self.dim))  # [P * K, D]
             scenes, results = self._evaluate(candidates)
-            violated = scenes.failed & np.repeat(in_force[pending], tries, axis=0)  # [P * K, R]
+            violated = scenes.failed  # [P * K, R]
+            if soft:
+                violated = violated & np.repeat(in_force[pending], tries, axis=0)
             valid = (scenes.ok & ~violated.any(axis=1)).reshape(len(pending), tries)  # [P, K]
             if results.any:
                 tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first that is valid

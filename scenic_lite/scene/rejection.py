@@ -45,7 +45,7 @@ class RejectionReport:
         width = max((len(text) for text, _ in rows), default=0) + 6
         lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
         if len(self.rejected) > SHOWN:
-            lines.append(f"    and {len(self.rejected) - SHOWN} rules more")
+            lines.append(f"    and {len(self.rejected) - SHOWN} more")
         if any(constraint.probability < 1 for constraint, _ in self.rejected):
             lines.append("    (a soft requirement rejects in its share of the scenes only, and makes no draw invalid)")
         return lines
