@@ -4,7 +4,6 @@ A file may import from its own room and from the rooms below it. Read next: `tes
 """
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -140,25 +139,3 @@ def ringed(package: str) -> set[str]:
         return reached
 
     return {module for module in graph if module in reachable(module)}
-
-
-def pointers(path: Path) -> list[str]:
-    """Return the modules and files to which a file's docstring sends its reader next."""
-    text = ast.get_docstring(ast.parse(path.read_text())) or ""
-    marked = re.findall(r"`(\w[\w./]+)`", text.partition("Read next:")[2])
-    return [name for at, name in enumerate(marked) if at == 0 or "." in name]
-
-
-def leads_somewhere(pointer: str, path: Path) -> bool:
-    """Return whether a pointer names a module or a file, in full or seen from a package that `path` is in."""
-    inside = pointer if "/" in pointer else pointer.replace(".", "/")
-    packages = [ROOT, *(folder for folder in path.parents if folder.is_relative_to(ROOT))]
-    places = [folder / inside for folder in packages]
-    return any(place.exists() or place.with_suffix(".py").exists() for place in places)
-
-
-def long_functions(path: Path, most: int) -> Iterator[str]:
-    """Yield the functions of a file that have more lines than `most`."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.end_lineno - node.lineno >= most:
-            yield node.name

@@ -1,6 +1,6 @@
 """What a Scenic expression can be besides a number, a text or a Python container.
 
-Read next: `language.classes`, the built-in classes; `evaluation.attributes`, what `value.name` may read.
+Read next: `language.classes`, the built-in classes; `evaluation.attributes`, what may be read of a value by a name.
 """
 
 from __future__ import annotations
