@@ -61,14 +61,15 @@ def calls_of(thread: Thread, node: nodes.Do) -> Weighted:
     if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
         values, weights = list(values[0]), list(values[0].values())
         places *= len(values)
+    for weight in weights:
+        if not is_number(weight) or weight < 0:
+            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
+    calls = [called(thread, value, place) for value, place in zip(values, places, strict=True)]
+    return list(zip(calls, weights, strict=True))
+
+
+def called(thread: Thread, value: Value, place: ast.expr) -> BehaviorCall:
     kind = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
-    return [
-        (called(thread, value, place, kind), weight)
-        for value, place, weight in zip(values, places, checked_weights(thread, weights, node), strict=True)
-    ]
-
-
-def called(thread: Thread, value: Value, place: ast.expr, kind: str) -> BehaviorCall:
     if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
         return value
     hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
@@ -76,16 +77,6 @@ def called(thread: Thread, value: Value, place: ast.expr, kind: str) -> Behavior
     if isinstance(value, BehaviorCall):
         what = f"the {value.behavior.kind} {value.behavior.name}"
     raise thread.scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
-
-
-def checked_weights(thread: Thread, weights: list[Value], node: nodes.Do) -> list[float]:
-    for weight in weights:
-        if not is_number(weight) or weight < 0:
-            raise thread.error("value", f"a weight is a number, and not negative: {weight!r}", node)
-    return weights
-
-
-# ------------------------------------------------------------ which, and how long
 
 
 def pick(thread: Thread, calls: Weighted) -> BehaviorCall:
@@ -129,7 +120,7 @@ def condition_of(thread: Thread, node: nodes.Do | nodes.Wait) -> Callable[[], bo
     assert node.duration is not None
     duration = thread.scope.value(node.duration)
     if not is_number(duration):
-        raise thread.error("type", f"a duration is a number, not {describe_kind(duration)}", node.duration)
+        raise thread.scope.error("type", f"a duration is a number, not {describe_kind(duration)}", node.duration)
     episode = thread.episode
     start, steps = episode.time, duration if node.unit == "steps" else duration / episode.timestep
     return lambda: episode.time - start >= steps

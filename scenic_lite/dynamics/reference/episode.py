@@ -56,9 +56,8 @@ class Patience(Budget):
         self.rounds += 1
         if self.rounds > MAX_LOOP_ITERATIONS:
             hint = "is a take or wait missing in a loop?"
-            raise ScenicError(
-                "budget", f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action", hint=hint
-            )
+            message = f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action"
+            raise ScenicError("budget", message, hint=hint)
 
 
 class Episode:
@@ -67,7 +66,6 @@ class Episode:
     Attributes:
         time: steps since the start. timestep: seconds per step.
         objects: those of the program in the order of the scene, then those that scenarios made.
-        reward: of the present step, what a program has set `simulation().scenic_reward` to.
     """
 
     def __init__(self, program: Program, theta: np.ndarray, world: World, seed: int) -> None:
@@ -84,8 +82,7 @@ class Episode:
         self._table: list[dict[str, float]] = []
         self.suspending: dict[type, Callable[..., Any]] = {}
         self.scenario: Any = None  # the one whose statements run now
-        self._properties = {id(each): self._sampled(each.properties) for each in self.objects}
-        self._attributes: dict[int, dict[str, Value]] = {id(each): dict(each.attributes) for each in self.objects}
+        self._own = {id(each): (self._sampled(each.properties), dict(each.attributes)) for each in self.objects}
         self._program_state = ProgramState(program)
         self.mode = self._mode()
         self.state = self.mode.state
@@ -123,17 +120,12 @@ class Episode:
         self.mode = replace(self.mode, handlers=handlers)
         self.suspending = suspending
 
-    @property
-    def reward(self) -> float:
-        """Return what `simulation().scenic_reward` says."""
-        value = None if self.simulation is None else self.simulation.names.get("scenic_reward")
+    def take_reward(self) -> float:
+        """Return what `simulation().scenic_reward` says, and clear it."""
+        assert self.simulation is not None
+        value = self.simulation.names.get("scenic_reward")
+        self.simulation.names["scenic_reward"] = 0.0
         return float(value) if isinstance(value, int | float) else 0.0
-
-    def clear_reward(self) -> None:
-        if self.simulation is not None:
-            self.simulation.names["scenic_reward"] = 0.0
-
-    # ------------------------------------------------------------ playing
 
     @contextmanager
     def playing(self) -> Iterator[None]:
@@ -141,7 +133,7 @@ class Episode:
         loaded = [(each, each.properties, each.attributes) for each in self.objects]
         with self._program_state.installed():
             for each, _, _ in loaded:
-                each.properties, each.attributes = self._properties[id(each)], self._attributes[id(each)]
+                each.properties, each.attributes = self._own[id(each)]
             self.active = True
             try:
                 yield
@@ -192,8 +184,7 @@ class Episode:
     def admit(self, instance: Instance) -> None:
         """Take in an object that a scenario has made while the episode runs."""
         instance.properties.setdefault("lastActions", ())
-        self._properties[id(instance)] = instance.properties
-        self._attributes[id(instance)] = instance.attributes
+        self._own[id(instance)] = instance.properties, instance.attributes
 
     def uniform(self) -> float:
         """Draw the next number in [0, 1) of the match's stream, the one that a compiled program draws too."""

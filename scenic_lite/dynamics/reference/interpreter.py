@@ -59,8 +59,10 @@ class Reference:
         )
         self.records: dict[str, Any] = {}
         self._agents = Agents(self.episode)
-        self._scenario: Scenario | None = None
-        self._stepped_at = -1
+        main = program.main
+        call = None if main is None else replace(main, names={})  # its variables are those of its setup
+        self._scenario = self.episode.scenario = Scenario(self.episode, self._agents, call, None)
+        self._stepped_at: int | None = None  # None: not begun
         self._complete: str | None = None  # why the scenario has ended in this step
         self._terminated: str | None = None
         self._rejected: str | None = None
@@ -70,10 +72,8 @@ class Reference:
         """The rows of the world table: the objects of the program, then those that scenarios have made so far."""
         return self.episode.objects
 
-    # ------------------------------------------------------------ the two halves of a step
-
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
-        """The actions of this step, from the world [O, F] and the facts [G]. Raises ScenicError at a fault."""
+        """Return the actions of this step, from the world [O, F] and the facts [G]. Raises ScenicError at a fault."""
         actions: list = []
         if not self._over():
             with self.episode.playing(), self._rejecting():
@@ -85,26 +85,22 @@ class Reference:
         return self._commands(actions)
 
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
-        """What monitors and conditions say of this step. Raises ScenicError at a fault."""
+        """Return what monitors and conditions say of this step. Raises ScenicError at a fault."""
         if self._over():
             return Verdict(0.0, self._terminated, self._rejected)
         with self.episode.playing():
             with self._rejecting():
                 self._see(world, facts)
-                self._record()
                 self._judge()
-            reward = self.episode.reward
-            self.episode.clear_reward()
+            reward = self.episode.take_reward()
         return Verdict(reward, None if self._rejected else self._terminated, self._rejected)
 
     def finish(self) -> str | None:
-        """The episode ends because its time is over; which requirement it leaves unsatisfied, if any."""
+        """End the episode because its time is over; return which requirement that leaves unsatisfied, if any."""
         if not self._over():
             with self.episode.playing(), self._rejecting():
                 self._end("timeLimit: the time of the episode is over")
         return self._rejected
-
-    # ------------------------------------------------------------ inside
 
     @contextmanager
     def _rejecting(self) -> Iterator[None]:
@@ -124,17 +120,13 @@ class Reference:
 
     def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
         """Take in the state; the first time start, and once at each time let the scenario take its step."""
-        episode, first = self.episode, self._scenario is None
+        episode, first = self.episode, self._stepped_at is None
         episode.refresh(world, facts, first)
-        if self._scenario is None:
-            main = episode.program.main
-            call = None if main is None else replace(main, names={})  # its variables are those of its setup
-            self._scenario = Scenario(episode, self._agents, call, None)
-            episode.scenario = self._scenario
+        if first:
             self._scenario.adopt()
             self._scenario.start()
             episode.show()
-        if self._stepped_at < episode.time:
+        if self._stepped_at is None or self._stepped_at < episode.time:
             self._stepped_at = episode.time
             reason = self._scenario.step()
             self._complete = reason.reason() if isinstance(reason, End) else reason
@@ -142,7 +134,6 @@ class Reference:
             self.records.update(self._scenario.records("initial"))
 
     def _behaviors(self) -> list:
-        assert self._scenario is not None
         with self._scenario.current():
             actions, end = self._agents.step()
         if end is None:
@@ -150,14 +141,10 @@ class Reference:
         self._end(f"terminatedByBehavior: {end.reason()}")
         return []
 
-    def _record(self) -> None:
-        assert self._scenario is not None
-        time = self.episode.time
-        for name, value in self._scenario.records("each"):
-            self.records.setdefault(name, []).append((time, value))
-
     def _judge(self) -> None:
-        assert self._scenario is not None
+        """Take records, run monitors, look at the conditions that end the episode."""
+        for name, value in self._scenario.records("each"):
+            self.records.setdefault(name, []).append((self.episode.time, value))
         end = self._scenario.run_monitors()
         if end is not None:
             self._end(f"terminatedByMonitor: {end.reason()}")
@@ -168,14 +155,13 @@ class Reference:
 
     def _end(self, how: str) -> None:
         """End all scenarios. Raises Rejected if that leaves a requirement unsatisfied."""
-        assert self._scenario is not None
         self._terminated = how
         if self._scenario.running:
             self._scenario.stop()
         self.records.update(self._scenario.records("final"))
 
     def _commands(self, actions: list) -> Commands:
-        agents = tuple(i for i, each in enumerate(actions) if each is not None)
+        agents = tuple(i for i, taken in enumerate(actions) if taken is not None)
         none = [()] * (len(self.objects) - len(actions))
         terminated = None if self._rejected else self._terminated
-        return Commands(tuple(each or () for each in [*actions, *none]), agents, terminated, self._rejected)
+        return Commands(tuple(taken or () for taken in [*actions, *none]), agents, terminated, self._rejected)

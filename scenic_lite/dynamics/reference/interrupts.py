@@ -18,12 +18,13 @@ next: `dynamics.reference.do`, which is built on this.
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
+from functools import partial
 from typing import NamedTuple
 
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.reference.episode import Rejected
 from scenic_lite.dynamics.reference.threads import Step, Thread
-from scenic_lite.errors import ScenicError, UnsetVariable
+from scenic_lite.errors import UnsetVariable
 from scenic_lite.syntax import nodes
 
 Steps = Iterator[Step]
@@ -41,30 +42,24 @@ class Handler(NamedTuple):
 
 
 def try_interrupt(thread: Thread, node: nodes.TryInterrupt) -> Steps:
-    """The statement of the program."""
-    handlers = [handler_of(thread, each) for each in node.interrupts]
+    """`try` with `interrupt when`."""
+    handlers = [
+        Handler(partial(condition_holds, thread, handler), partial(thread.block, handler.body))
+        for handler in node.interrupts
+    ]
     return interruptible(thread, thread.block(node.body), handlers)
-
-
-def handler_of(thread: Thread, node: nodes.Interrupt) -> Handler:
-    return Handler(lambda: condition_holds(thread, node), lambda: thread.block(node.body))
 
 
 def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
     try:
         value = thread.scope.value(node.condition)
-    except ScenicError as error:
-        if thread.call.behavior.kind == "scenario" and is_unset(error):
+    except UnsetVariable:
+        if thread.call.behavior.kind == "scenario":
             return False
         raise
     if isinstance(value, BehaviorCall):
         raise thread.scope.error("type", "a behavior cannot be called in a condition", node.condition)
     return thread.scope.certain_truth(value, node.condition)
-
-
-def is_unset(error: ScenicError) -> bool:
-    """Return whether the error is about a variable that is assigned only later."""
-    return isinstance(error, UnsetVariable)
 
 
 def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps:

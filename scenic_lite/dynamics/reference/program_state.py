@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.per_sample import body_of
-from scenic_lite.core.types import Behavior, BehaviorCall, Function, Instance, Namespace, RandomChoice
+from scenic_lite.core.types import Behavior, Function, Instance, Namespace, parts_of
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
@@ -72,7 +72,7 @@ def containers(program: Program) -> list[Any]:
     seen: set[int] = set()
     while pending:
         value = pending.pop()
-        parts = parts_of(value)
+        parts = parts_within(value)
         if parts and id(value) not in seen:
             pending += parts
         if isinstance(value, list | dict | set) and id(value) not in seen:
@@ -81,16 +81,8 @@ def containers(program: Program) -> list[Any]:
     return mutable
 
 
-def parts_of(value: Value) -> list[Value]:
+def parts_within(value: Value) -> tuple[Value, ...]:
     """Return what can be reached through a value."""
-    if isinstance(value, list | tuple | set):
-        return list(value)
-    if isinstance(value, dict):
-        return list(value.values())
     if isinstance(value, Instance):
-        return [*value.properties.values(), *value.attributes.values()]
-    if isinstance(value, BehaviorCall):
-        return list(value.arguments.values())
-    if isinstance(value, RandomChoice):
-        return list(value.options)
-    return list(value.names.values()) if isinstance(value, Namespace) else []
+        return (*value.properties.values(), *value.attributes.values())
+    return tuple(value.names.values()) if isinstance(value, Namespace) else parts_of(value)

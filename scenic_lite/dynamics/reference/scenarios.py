@@ -54,10 +54,8 @@ class ComposeThread(Thread):
         node = self.call.behavior.scenario
         return bool(node.compose or node.preconditions or node.invariants)
 
-    def begin(self, unchecked: bool) -> None:
-        """Stand before the first statement; `unchecked`: the guards have not been checked in a setup."""
-        if unchecked:
-            self.check_guards()
+    def start(self) -> None:
+        """Stand before the first statement; the guards were checked before the setup."""
         self._steps = self.run()
 
     def run(self) -> Iterator[Step]:
@@ -118,12 +116,6 @@ class Scenario:
         self._limit: float | None = None
         self.kept: dict[str, list] = {name: [] for name in KEPT}
 
-    @property
-    def is_outermost(self) -> bool:
-        return self.parent is None
-
-    # ------------------------------------------------------------ start
-
     def adopt(self) -> None:
         """Take over what loading the program has made."""
         program = self.episode.program
@@ -155,10 +147,12 @@ class Scenario:
             self.add_temporal(watched)
         with self.current():
             if self.compose is not None:
-                self.compose.begin(unchecked=self.parent is None)
+                if self.parent is None:  # its setup was executed when the program was loaded
+                    self.compose.check_guards()
+                self.compose.start()
             self._limit = self._time_limit()
             for instance in self.objects:
-                self.agents.belongs(instance, self)
+                self.agents.belongs(instance, self.end_by)
             for instance in self.objects:
                 if instance.properties["behavior"] is not None:
                     self.agents.assign(instance)
@@ -196,10 +190,9 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
-                duration = watched.duration  # of the scene
+                duration = settled(watched.duration, self.episode.row)  # of the scene
                 if duration is None:
                     duration = self._scope_of(watched).value(tree.duration)
-                duration = settled(duration, self.episode.row)
                 if not is_number(duration):
                     message = f"a duration is a number, not {describe_kind(duration)}"
                     raise watched.scope.error("type", message, tree.duration)
@@ -226,8 +219,6 @@ class Scenario:
             if self.episode.scenario is around:
                 self.episode.state.ego = self.ego
             around = around.parent
-
-    # ------------------------------------------------------------ a step
 
     def step(self) -> str | End | None:
         """One step; why the scenario has ended, or None. Raises Rejected."""
@@ -290,8 +281,6 @@ class Scenario:
                     return watched.label
         return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
-    # ------------------------------------------------------------ end
-
     def stop(self, reason: str | End = "") -> str | End:
         """End the scenario and all inside it; gives the reason back. Raises Rejected if a requirement does not hold."""
         self.running = False
@@ -308,6 +297,12 @@ class Scenario:
             if not watch.holds:
                 raise Rejected(watched.label)
         return reason
+
+    def end_by(self, end: End) -> End | None:
+        """Heed a `terminate` in a behavior of one of its objects; return the end if it is that of the episode."""
+        if end.scope == "scenario" and self.running:
+            self.stop()
+        return end if end.scope == "simulation" or self.parent is None else None
 
     def override(self, instance: Instance, values: dict[str, Value]) -> None:
         """Give an object other properties until this scenario ends."""

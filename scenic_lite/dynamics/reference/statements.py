@@ -19,12 +19,13 @@ from typing import Any
 from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import BehaviorCall, describe_kind
+from scenic_lite.core.types import describe_kind
 from scenic_lite.dynamics.reference.do import do, wait
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.interrupts import abort, try_interrupt
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation import statements as loading
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.evaluation.statements import Break, Continue, went_round
 from scenic_lite.language.classes import checked, is_object
@@ -136,13 +137,9 @@ def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
 
 def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) -> None:
     """Start a monitor with the scenario, or at once if that is running."""
-    value = scope.value(node.call)
-    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    loading.require_monitor(scope, node)
     if episode.scenario.running:
-        episode.scenario.add_monitor(value)
-    else:
-        scope.state.monitors.append(value)
+        episode.scenario.add_monitor(scope.state.monitors.pop())
 
 
 def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:

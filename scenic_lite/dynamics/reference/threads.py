@@ -16,9 +16,9 @@ Read next: `dynamics.reference.statements`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall, Instance
@@ -98,8 +98,6 @@ class Thread:
             except ScenicError as error:
                 raise self.scope.placed(error, node) from None
 
-    # ------------------------------------------------------------ guards
-
     def check_guards(self) -> None:
         """Preconditions, then invariants."""
         self._check("precondition", self.call.behavior.node.preconditions)
@@ -124,8 +122,6 @@ class Thread:
                 return False
             raise
 
-    # ------------------------------------------------------------ others inside this one
-
     def inner(self, call: BehaviorCall) -> Thread:
         """Return the thread of a sub-behavior of the same agent."""
         return Thread(self.episode, call, self.agent)
@@ -147,9 +143,6 @@ class Thread:
         thread.check_guards()
         yield from thread.run()
 
-    def error(self, kind: str, message: str, node: ast.AST) -> ScenicError:
-        return self.scope.error(kind, message, node)
-
 
 @lru_cache(maxsize=4096)
 def lets_time_pass(node: ast.stmt) -> bool:
@@ -162,28 +155,17 @@ def lets_time_pass(node: ast.stmt) -> bool:
 Actions = list[tuple[Value, ...] | None]  # by object; None: it has no behavior
 
 
-class Home(Protocol):
-    """What `Agents` knows of the scenario that made an object."""
-
-    running: bool
-
-    @property
-    def is_outermost(self) -> bool: ...
-
-    def stop(self) -> object: ...
-
-
 class Agents:
     """The threads of all objects that have or had a behavior."""
 
     def __init__(self, episode: Episode) -> None:
         self.episode = episode
         self._threads: dict[BehaviorCall, Thread] = {}
-        self._homes: dict[Instance, Home] = {}
+        self._on_end: dict[Instance, Callable[[End], End | None]] = {}
 
-    def belongs(self, instance: Instance, scenario: Home) -> None:
-        """Let `terminate` in a behavior of this object end this scenario."""
-        self._homes[instance] = scenario
+    def belongs(self, instance: Instance, on_end: Callable[[End], End | None]) -> None:
+        """Say what `terminate` in a behavior of this object ends; what that returns ends the episode."""
+        self._on_end[instance] = on_end
 
     def assign(self, instance: Instance) -> Thread:
         """Start the present behavior of an object, unless it runs. Raises Rejected if its guards do not hold."""
@@ -210,8 +192,8 @@ class Agents:
             if end is not None:
                 return actions, end
             actions.append(done)
-            if at_once and done is not None:
-                instance.properties["lastActions"] = done
+            if at_once:
+                instance.properties["lastActions"] = done or ()
         for instance, done in zip(objects, actions, strict=True) if not at_once else []:
             instance.properties["lastActions"] = done or ()
         return actions, None
@@ -222,9 +204,5 @@ class Agents:
         step = self.assign(instance).step()
         if not isinstance(step, End):
             return step, None
-        home = self._homes[instance]
-        if step.scope == "scenario" and home.running:
-            home.stop()
-        if step.scope == "simulation" or home.is_outermost:
-            return None, step
-        return (), None
+        end = self._on_end[instance](step)
+        return (None, end) if end is not None else ((), None)
