@@ -14,8 +14,8 @@ import numpy as np
 
 from envs.football.constants import FRAMES
 from envs.football.physics.ball import advance_ball
-from envs.football.skills.passes import FULL_SPIN, GROUND_SPIN, HIGH_SPIN
-from envs.football.skills.shots import SHOT_SPIN
+from envs.football.skills.passes import FLIGHT
+from envs.football.skills.shots import CURL
 from envs.football.state import MATCH
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
@@ -69,8 +69,8 @@ def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
 def spin_of(name: str, speed: float) -> float:
     """The spin in m/s that a kick of this kind and speed in m/s gives."""
     if name == "shot":
-        return SHOT_SPIN
-    return (HIGH_SPIN if name.startswith("high") else GROUND_SPIN) * min(speed / FULL_SPIN, 1.0)
+        return CURL.spin
+    return (FLIGHT.high_spin if name.startswith("high") else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)
 
 
 @kernel

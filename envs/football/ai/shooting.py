@@ -13,7 +13,7 @@ from envs.football.ai.passing import ask_kick
 from envs.football.constants import FRAMES, SHOT
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length, toward
-from envs.football.skills.kicks import HELD_LEAST, HELD_RANGE, HELD_STEP, SHOT_GAUGE_POWER
+from envs.football.skills.kicks import GAUGE
 from envs.football.skills.shots import SHOT_SKILL
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -66,8 +66,8 @@ def shoot(match, player, goal_x, y):
     ask_kick(player, SHOT, from_x + distance * ux, from_y + distance * uy)
     far = min(length(goal_x - player.x, player.y) / FAR, 1.0)
     power = (POWER_LEAST + (1.0 - POWER_LEAST) * uniform(match)) * (POWER_NEAR + POWER_FAR * far)
-    gauge = power ** (1.0 / SHOT_GAUGE_POWER)
-    player.kick_held = int((HELD_LEAST + HELD_RANGE * gauge) / HELD_STEP + uniform(match))
+    gauge = power ** (1.0 / GAUGE.shot_power)
+    player.kick_held = int((GAUGE.least + GAUGE.range * gauge) / GAUGE.step + uniform(match))
 
 
 @kernel

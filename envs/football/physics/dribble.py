@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
-from envs.football.physics.running import JUMP, SETTLED, SPRINTING, SURE, UNDER_WAY, gain, redirect, run_free, straight
+from envs.football.physics.running import BRAKING, SETTLED, START, SURE, UNDER_WAY, gain, redirect, run_free, straight
 from envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
@@ -170,7 +170,7 @@ def stride_on(ball, player, speed, want, gait):
 @kernel
 def out_runs(ball, player, speed, away_x, away_y):
     """Tell whether the ball is still ahead of a sprinter who has just pushed it on: he cannot but follow."""
-    if speed < SPRINTING:
+    if speed < BRAKING.sprinting:
         return False
     ahead = (away_x * player.vx + away_y * player.vy) / speed
     along = (ball.vx * player.vx + ball.vy * player.vy) / speed
@@ -189,7 +189,7 @@ def gait_of(player, want):
     """How a player runs with the ball who wants, or has, this speed."""
     if want < TOUCH.dribble_below:
         return DRIBBLING
-    if want < SPRINTING:
+    if want < BRAKING.sprinting:
         return RUNNING
     return KNOCKED_ON if player.sprint and player.dribble else SPRINTED
 
@@ -203,8 +203,8 @@ def steered(ball, player, speed, want):
         return player.desired_vx, player.desired_vy
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
     cosine = along / (speed * want) if speed > 1e-6 and want > 1e-6 else 1.0
-    sprinting = speed > SPRINTING - 0.5
-    if sprinting and cosine > TURN_BACK.below and want > SPRINTING:
+    sprinting = speed > BRAKING.sprinting - 0.5
+    if sprinting and cosine > TURN_BACK.below and want > BRAKING.sprinting:
         player.turning = 0
         return arc(ball, player, speed, want, cosine)
     if straight(player, speed):
@@ -294,7 +294,7 @@ def play_direction(player, vx, vy, want):
         return player.facing_x, player.facing_y
     wx, wy = player.desired_vx / want, player.desired_vy / want
     speed = math.sqrt(vx * vx + vy * vy)
-    if speed > SPRINTING - 0.5 and vx * wx + vy * wy > TURN_BACK.below * speed:
+    if speed > BRAKING.sprinting - 0.5 and vx * wx + vy * wy > TURN_BACK.below * speed:
         return bent(vx / speed, vy / speed, wx, wy, ARC.ahead_cosine, ARC.ahead_sine)
     return wx, wy
 
@@ -313,7 +313,7 @@ def touch_due(ball, player, speed, want, gait):
         turned = along < 0.5 * TURN_BACK.ball_speed and speed < TURN_BACK.from_below
         return 0.0 if speed < TURN_BACK.stops_soon or turned else STEP
     time = max(GAITS[gait].rest - player.stride, 0.0)
-    if player.touch_wait > STEP or along - TOUCH.slowing * time > max(pace, JUMP) + TOUCH.slower:
+    if player.touch_wait > STEP or along - TOUCH.slowing * time > max(pace, START.jump) + TOUCH.slower:
         return STEP
     closing = pace - along
     share = min(speed / want, 1.0)
@@ -387,7 +387,7 @@ def push_on(ball, player, vx, vy, want):
         fast = TURN_BACK.ball_speed
     else:
         short = played_at(gait, min(speed / want, 1.0)) - away_x * ux - away_y * uy
-        fast = GAITS[gait].push_pace * max(pace, JUMP) + GAITS[gait].push_more
+        fast = GAITS[gait].push_pace * max(pace, START.jump) + GAITS[gait].push_more
         fast = min(fast, want + GAITS[gait].push_most) + min(max(1.5 * short, 0.0), 0.6)
     across = vy * ux - vx * uy  # to the left of u
     off = away_y * ux - away_x * uy

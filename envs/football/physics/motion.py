@@ -6,6 +6,7 @@ Read next: `physics.running`, then `physics.dribble`; `frames` moves the bodies 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import STEP
 from envs.football.physics.dribble import run_with_ball
@@ -14,16 +15,35 @@ from envs.football.physics.running import BRAKING, run_free
 from envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
+
+class Slide(NamedTuple):
+    """A slide: he glides, from the stand after a jump, slows down steadily to a stop, lies, and rises with a step."""
+
+    time: float = 1.4  # s altogether
+    glide: float = 1.15  # s left when he begins to slow down
+    stops: float = 0.74  # s left when he has stopped
+    rises: float = 0.45  # s left when he begins to rise
+    jump: float = 1.9  # m/s to which a slide from the stand grows
+    start: float = 0.4  # m/s from which it grows, in a step,
+    gain: float = 1.6  # by this factor
+    rise_speed: float = 0.45  # m/s at most while he rises
+    rise_gain: float = 2.0  # m/s² meanwhile
+
+
+class Tiring(NamedTuple):
+    """How running tires."""
+
+    per_metre: float = 7.3e-4  # per metre run,
+    fast: float = 1.25e-5  # less this per m/s: fast metres tire less
+    most: float = 0.99
+
+
+# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
+SLIDE, TIRING = Slide(), Tiring()
+FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 AT_REST = 0.3  # m/s
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
-# A slide: he glides, from the stand after a jump, slows down steadily to a stop, lies, and rises with a step forward
-SLIDE_TIME, SLIDE_GLIDE, SLIDE_STOPS, SLIDE_RISES = 1.4, 1.15, 0.74, 0.45  # s altogether; of which so much is left
-SLIDE_JUMP, SLIDE_OFF, SLIDE_GAINS = 1.9, 0.4, 1.6  # m/s of a jump from the stand; it grows to this and by this factor
-RISES, RISING = 0.45, 2.0  # m/s; m/s²
-FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
-TIRING, TIRING_FAST = 7.3e-4, 1.25e-5  # per metre run; and less of it per m/s: fast metres tire less
-TIRED_OUT = 0.99
 
 
 @kernel
@@ -40,7 +60,9 @@ def plan_motion(match, i):
     else:
         vx, vy = run_free(player, speed)
     player.vx, player.vy = vx, vy
-    player.tiredness = min(player.tiredness + max(TIRING - TIRING_FAST * speed, 0.0) * speed * STEP, TIRED_OUT)
+    player.tiredness = min(
+        player.tiredness + max(TIRING.per_metre - TIRING.fast * speed, 0.0) * speed * STEP, TIRING.most
+    )
     new_speed = math.sqrt(vx * vx + vy * vy)
     if new_speed > AT_REST and player.kick_wait <= 0.0:
         player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
@@ -77,11 +99,11 @@ def slowed(player, speed):
 @kernel
 def slid(left, speed):
     """Speed after a step of a slide of which `left` s are left."""
-    if left > SLIDE_GLIDE:
-        return max(speed, min(SLIDE_OFF + SLIDE_GAINS * speed, SLIDE_JUMP))
-    if left > SLIDE_STOPS:
-        return speed * max(1.0 - STEP / (left - SLIDE_STOPS), 0.0)
-    return min(speed + RISING * STEP, RISES) if left < SLIDE_RISES else 0.0
+    if left > SLIDE.glide:
+        return max(speed, min(SLIDE.start + SLIDE.gain * speed, SLIDE.jump))
+    if left > SLIDE.stops:
+        return speed * max(1.0 - STEP / (left - SLIDE.stops), 0.0)
+    return min(speed + SLIDE.rise_gain * STEP, SLIDE.rise_speed) if left < SLIDE.rises else 0.0
 
 
 @kernel
@@ -89,5 +111,5 @@ def thrown(player):
     """Velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     size = math.sqrt(dx * dx + dy * dy)
-    keep = min(1.0, 2.0 * BRAKING * STEP / size) if size > 0.0 else 1.0
+    keep = min(1.0, 2.0 * BRAKING.power * STEP / size) if size > 0.0 else 1.0
     return player.vx + keep * dx, player.vy + keep * dy

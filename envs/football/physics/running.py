@@ -8,28 +8,47 @@ ball at the feet.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import RUN_SPEED, STEP
 from scenic_lite.kernels.jit import kernel
 
-# Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
-# rounding, which differs between directions, must not decide which of them holds.
-SURE = 1e-6  # m/s
-SETTLED = 0.1 + SURE  # m/s, command and velocity this close are the same
-UNDER_WAY = 0.5 - SURE  # m/s
+
+class Braking(NamedTuple):
+    """What is braked, and how hard."""
+
+    power: float = 30.0  # m/s²
+    slow: float = 2.7  # m/s, below it the lag is that of one who starts
+    walking: float = 3.8  # m/s, below it that of one who walks
+    sprinting: float = 6.0  # m/s, above it that of a sprinter
+
+
+class Start(NamedTuple):
+    """How speed is gathered: a jump, a steady part, a change of gait, an approach to top speed."""
+
+    jump: float = 2.0  # m/s at once from standing
+    jump_gain: float = 13.0  # m/s² while that is not over, and into a new direction
+    after_turn: float = 1.1  # m/s at once after having stopped to turn
+    acceleration: float = 8.5  # m/s² from the jump to the change of gait
+    changes_from: float = 4.9  # m/s, around RUN_SPEED the gait changes, which takes him longer
+    changes_to: float = 5.1  # m/s
+    acceleration_changing: float = 2.1  # m/s² meanwhile
+    acceleration_sprint: float = 4.9  # m/s² at most from there on
+    time_sprint: float = 0.39  # s of the approach to top speed
+
+
+# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
+BRAKING, START = Braking(), Start()
 # Share of full effort in the steps since command and velocity differ: the body's lag.
 LAG_FROM_REST = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
-SLOW, WALKING, SPRINTING = 2.7, 3.8, 6.0  # m/s
-BRAKING = 30.0  # m/s²
-JUMP, JUMP_GAIN = 2.0, 13.0  # m/s at once from standing; m/s² while that is not over, and into a new direction
-TURN_START = 1.1  # m/s at once after having stopped to turn
-ACCELERATION = 8.5  # m/s² from there to RUN_SPEED
-# The gait changes around RUN_SPEED, which takes him longer
-CHANGES_FROM, CHANGES_TO, ACCELERATION_CHANGING = 4.9, 5.1, 2.1  # m/s; m/s²
-ACCELERATION_SPRINT, ACCELERATION_TIME = 4.9, 0.39  # m/s² and s, from there on: approach to top speed
+# Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
+# rounding, which differs between directions, must not decide which of them holds.
+SURE = 1e-6  # m/s
+SETTLED = 0.1 + SURE  # m/s, command and velocity this close are the same
+UNDER_WAY = 0.5 - SURE  # m/s
 
 
 @kernel
@@ -48,8 +67,8 @@ def run_free(player, speed):
     if effort == 0.0:
         return player.vx, player.vy
     want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
-    fresh = JUMP_GAIN * max(RUN_SPEED / max(want, 1.0), 1.0) * effort * STEP
-    return redirect(player, want, BRAKING * effort * STEP, effort, fresh, TURN_START)
+    fresh = START.jump_gain * max(RUN_SPEED / max(want, 1.0), 1.0) * effort * STEP
+    return redirect(player, want, BRAKING.power * effort * STEP, effort, fresh, START.after_turn)
 
 
 @kernel
@@ -66,11 +85,11 @@ def straight(player, speed):
 def effort_now(steps, speed):
     """Share of full effort after so many steps of turning."""
     steps = min(steps, 3)
-    if speed < SLOW:
+    if speed < BRAKING.slow:
         return LAG_FROM_REST[steps]
-    if speed < WALKING:
+    if speed < BRAKING.walking:
         return LAG_WALKING[steps]
-    return LAG_SPRINTING[steps] if speed > SPRINTING else LAG_RUNNING[steps]
+    return LAG_SPRINTING[steps] if speed > BRAKING.sprinting else LAG_RUNNING[steps]
 
 
 @kernel
@@ -94,7 +113,7 @@ def redirect(player, want, braking, effort, fresh, off):
         return player.vx * keep + start * ux, player.vy * keep + start * uy
     keep = max(across - braking, 0.0) / across if across > 1e-9 else 0.0
     if along < want:
-        more = fresh if along < JUMP - SURE and across > SETTLED else gain(along, player.top_speed, effort)
+        more = fresh if along < START.jump - SURE and across > SETTLED else gain(along, player.top_speed, effort)
         along = min(along + more, want)
     else:
         along = max(along - braking, want)
@@ -105,17 +124,17 @@ def redirect(player, want, braking, effort, fresh, off):
 def gain(speed, top_speed, effort):
     """Speed in m/s gained in a step by a player who runs straight as hard as he can."""
     if speed <= 0.0:
-        return JUMP * effort
-    if speed < JUMP - SURE:
-        return max(JUMP * effort - speed, JUMP_GAIN * effort * effort * STEP)
+        return START.jump * effort
+    if speed < START.jump - SURE:
+        return max(START.jump * effort - speed, START.jump_gain * effort * effort * STEP)
     time = STEP * effort * effort
     faster = speed
-    if faster < CHANGES_FROM:
-        lasts = min((CHANGES_FROM - faster) / ACCELERATION, time)
-        faster += ACCELERATION * lasts
+    if faster < START.changes_from:
+        lasts = min((START.changes_from - faster) / START.acceleration, time)
+        faster += START.acceleration * lasts
         time -= lasts
-    if faster < CHANGES_TO and time > 0.0:
-        lasts = min((CHANGES_TO - faster) / ACCELERATION_CHANGING, time)
-        faster += ACCELERATION_CHANGING * lasts
+    if faster < START.changes_to and time > 0.0:
+        lasts = min((START.changes_to - faster) / START.acceleration_changing, time)
+        faster += START.acceleration_changing * lasts
         time -= lasts
-    return faster - speed + min(ACCELERATION_SPRINT, max(top_speed - faster, 0.0) / ACCELERATION_TIME) * time
+    return faster - speed + min(START.acceleration_sprint, max(top_speed - faster, 0.0) / START.time_sprint) * time

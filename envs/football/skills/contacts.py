@@ -6,6 +6,7 @@ Read next: `skills.tackles`, then `rules.referee`.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,33 +16,58 @@ from envs.football.physics.vectors import length
 from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import can_hold, has_hands, hold, parry
 from envs.football.skills.kicks import kick_first_time
-from envs.football.skills.saves import ARM, foresee
+from envs.football.skills.saves import DIVE, foresee
 from envs.football.skills.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
+
+class Trap(NamedTuple):
+    """Bringing a free ball under control."""
+
+    reach: float = 0.75  # m
+    below: float = 1.9  # m
+    body_reach: float = 0.3  # m, to a shot too sudden to put out a leg:
+    sudden_age: float = 0.25  # s since it was struck, at most,
+    sudden_speed: float = 22.0  # m/s, at least
+    first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
+    header_from: float = 0.9  # m
+
+
+class Claim(NamedTuple):
+    """A keeper at the feet of a carrier, or at a free ball."""
+
+    reach: float = 0.95  # m
+    below: float = 2.2  # m
+    standing: float = 0.6  # chance against a carrier who stands
+    sure: float = 1.42  # against one who runs,
+    hurried: float = 0.1  # less per m/s,
+    most: float = 0.95  # but at most
+    wait: float = 1.2  # s when beaten, until he can touch the ball again
+    down: float = 1.0  # s on the ground then; a carrier who stands does not leave him there
+    feet: float = 0.85  # of the chance that is left with the feet alone
+    swerve: float = 10.0  # m/s across his reach at which he cannot have it
+    robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
+
+
+class Catch(NamedTuple):
+    """What becomes of a saved shot."""
+
+    below: float = 2.8  # m, height of a ball that he can save
+    easy: float = 8.0  # m/s, slower balls always stick
+    near: float = 0.9  # m: on the spot
+    fits: float = 0.6  # chance that a ball slow enough sticks, near
+    diving: float = 0.2  # and at a stretch
+    easier: float = 0.75  # s after the kick, from where on more balls stick
+    ease: float = 0.2  # s more, until all do
+    block_down: float = 0.3  # s on the ground after a block on the spot
+    dive_down: float = 1.1  # s, after a dive
+
+
+# Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, families keeper and passes.
+TRAP, CLAIM, CATCH = Trap(), Claim(), Catch()
 MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
-
-# Traps
-TRAP_REACH, TRAP_BELOW = 0.75, 1.9  # m
-BODY_REACH, SUDDEN_AGE, SUDDEN_SPEED = 0.3, 0.25, 22.0  # m, s, m/s: a shot too sudden to put out a leg
-FIRST_TIME_FROM = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
-HEADER_FROM = 0.9  # m
-
-# Keepers
-SAVE_BELOW, EASY_CATCH = 2.8, 8.0  # m; m/s, slower balls always stick
-CLAIM_REACH, CLAIM_BELOW = 0.95, 2.2  # m
-CLAIM_STANDING = 0.6  # chance against a carrier who stands
-CLAIM_SURE, CLAIM_HURRIED, CLAIM_MOST = 1.42, 0.1, 0.95  # against one who runs: less per m/s, but at most
-CLAIM_WAIT, CLAIM_DOWN = 1.2, 1.0  # s when beaten; a carrier who stands does not leave him on the ground
-CLAIM_FEET = 0.85  # of the chance that is left with the feet alone
-CLAIM_SWERVE = 10.0  # m/s across his reach at which he cannot have it
-ROBBED_WAIT = 0.7  # s until a carrier who has lost the ball can touch it again
-CATCH_NEAR, CATCH_FITS, CATCH_DIVING = 0.9, 0.6, 0.2  # m; chances that a ball slow enough sticks, near and at a stretch
-CATCH_EASIER, CATCH_EASE = 0.75, 0.2  # s after the kick, from where on more balls stick; until all do
-BLOCK_DOWN, DIVE_DOWN = 0.3, 1.1  # s on the ground after a block on the spot, after a dive
-
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
 
 
@@ -86,21 +112,21 @@ def meet(match, i, distance):
     """Let player i, this far from the ball, do what suits: save, claim, tackle, or trap."""
     player, ball = match.players[i], match.ball
     if match.saver == i:
-        if match.save_wait < STEP and distance < ARM:
+        if match.save_wait < STEP and distance < DIVE.arm:
             save(match, i)
     elif match.carrier != NOBODY:
         if match.players[match.carrier].team != player.team:
             challenge(match, i, distance)
-    elif player.role == GK and distance < CLAIM_REACH and ball.z < CLAIM_BELOW and has_hands(match, i):
+    elif player.role == GK and distance < CLAIM.reach and ball.z < CLAIM.below and has_hands(match, i):
         catch(match, i)
-    elif distance < (BODY_REACH if too_sudden(match) else TRAP_REACH) and ball.z < TRAP_BELOW:
+    elif distance < (TRAP.body_reach if too_sudden(match) else TRAP.reach) and ball.z < TRAP.below:
         trap(match, i)
 
 
 @kernel
 def too_sudden(match):
     """Tell whether the ball has just been struck so hard that it meets nobody but whom it hits."""
-    return match.was_kicked and match.kick_age < SUDDEN_AGE and ball_speed(match.ball) > SUDDEN_SPEED
+    return match.was_kicked and match.kick_age < TRAP.sudden_age and ball_speed(match.ball) > TRAP.sudden_speed
 
 
 @kernel
@@ -108,7 +134,7 @@ def challenge(match, i, distance):
     """Let player i, this far from the ball, try to take it off the carrier."""
     player, ball = match.players[i], match.ball
     if player.role == GK and not player.is_sliding:
-        if distance < CLAIM_REACH and ball.z < (CLAIM_BELOW if has_hands(match, i) else HEADER_FROM):
+        if distance < CLAIM.reach and ball.z < (CLAIM.below if has_hands(match, i) else TRAP.header_from):
             claim(match, i)
     elif player.is_sliding:
         slide_into(match, i, distance)
@@ -120,7 +146,7 @@ def challenge(match, i, distance):
 def trap(match, i):
     """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
     player = match.players[i]
-    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > FIRST_TIME_FROM:
+    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from:
         kick_first_time(match, i)
         return
     cushion(match, i)
@@ -134,19 +160,19 @@ def claim(match, i):
     player, carrier = match.players[i], match.players[match.carrier]
     speed = length(carrier.vx, carrier.vy)
     stands = speed < STANDING
-    chance = CLAIM_STANDING
+    chance = CLAIM.standing
     if not stands:
-        chance = min(CLAIM_SURE - CLAIM_HURRIED * speed, CLAIM_MOST)
-        chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM_SWERVE)
+        chance = min(CLAIM.sure - CLAIM.hurried * speed, CLAIM.most)
+        chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM.swerve)
     hands = has_hands(match, i)
-    if uniform(match) < (chance if hands else CLAIM_FEET * chance):
-        carrier.touch_wait = ROBBED_WAIT
+    if uniform(match) < (chance if hands else CLAIM.feet * chance):
+        carrier.touch_wait = CLAIM.robbed_wait
         if hands:
             hold(match, i)
         else:
             take(match, i)
         return
-    player.touch_wait, player.down_wait = CLAIM_WAIT, 0.0 if stands else CLAIM_DOWN
+    player.touch_wait, player.down_wait = CLAIM.wait, 0.0 if stands else CLAIM.down
 
 
 @kernel
@@ -154,7 +180,7 @@ def catch(match, i):
     """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
     player, ball = match.players[i], match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    if fast < EASY_CATCH or can_hold(match, fast):
+    if fast < CATCH.easy or can_hold(match, fast):
         hold(match, i)
     else:
         parry(match, i, False)
@@ -164,16 +190,16 @@ def catch(match, i):
 def save(match, i):
     """Carry out what was drawn when the shot was taken: a catch, a parry, or nothing."""
     player, ball = match.players[i], match.ball
-    near = match.save_gap < CATCH_NEAR
+    near = match.save_gap < CATCH.near
     match.saver = NOBODY
-    if not match.save_succeeds or ball.z > SAVE_BELOW:
-        player.touch_wait, player.down_wait = CLAIM_WAIT, DIVE_DOWN
+    if not match.save_succeeds or ball.z > CATCH.below:
+        player.touch_wait, player.down_wait = CLAIM.wait, CATCH.dive_down
         return
-    late = min(max((match.kick_age - CATCH_EASIER) / CATCH_EASE, 0.0), 1.0)
-    fits = CATCH_FITS if near else CATCH_DIVING
+    late = min(max((match.kick_age - CATCH.easier) / CATCH.ease, 0.0), 1.0)
+    fits = CATCH.fits if near else CATCH.diving
     sticks = uniform(match) < fits + (1.0 - fits) * late
     if sticks and can_hold(match, length(ball.vx, ball.vy)) and has_hands(match, i):
         hold(match, i)
         return
     parry(match, i, not near)
-    player.down_wait = BLOCK_DOWN if near else DIVE_DOWN
+    player.down_wait = CATCH.block_down if near else CATCH.dive_down

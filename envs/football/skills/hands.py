@@ -7,6 +7,7 @@ The rule of what is held is Google Research Football's; where parried balls go i
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import GK, NOBODY
 from envs.football.physics.pitch import in_box_of, own_goal_x
@@ -17,17 +18,38 @@ from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import normal, uniform
 
-# Catching
-CATCH_TOP, CATCH_AGE, CATCH_FROM = 40.0, 1.5, 0.3  # m/s, s and the product of ease from which a ball is held
-HANDS_HEIGHT, THROW_HEIGHT = 1.2, 1.9  # m, of a ball that is held, that is about to be thrown
-HOLD_STEPS, HOLD_SPREAD = 3, 6  # steps for which a keeper keeps it at least, and how much they vary
 
-# Parries: share of its speed that the ball keeps; tangents of the angle off straight back out
-PARRY_KEEP, PARRY_KEEP_SPREAD, PARRY_LEAST, PARRY_MOST = 0.55, 0.16, 0.3, 0.9
-PARRY_CARRY, PARRY_SPREAD = 0.25, 0.25  # of the ball's own sideways course; and how much it varies
-TIPPED_CHANCE, TIPPED_ASIDE, TIPPED_SPREAD = 0.2, 0.8, 2.0  # of saves at full stretch, which go sideways
-PARRY_LIFT, PARRY_LIFT_SPREAD = 0.7, 0.4  # m/s
-PARRY_WAIT = 0.5  # s until the keeper can touch the ball again
+class Hold(NamedTuple):
+    """Balls in a keeper's hands."""
+
+    top_speed: float = 40.0  # m/s, ease of holding falls to 0 by then
+    age: float = 1.5  # s since the kick, by when all of the ease is there
+    from_ease: float = 0.3  # product of both from which a ball is held
+    height: float = 1.2  # m, of a ball that is held
+    throw_height: float = 1.9  # m, of one that is about to be thrown
+    spread: float = 6.0  # steps by which the time that he keeps it varies
+
+
+class Parry(NamedTuple):
+    """Where parried balls go: share of the speed that is kept; tangents of the angle off straight back out."""
+
+    keep: float = 0.55
+    keep_spread: float = 0.16
+    least: float = 0.3
+    most: float = 0.9
+    carry: float = 0.25  # of the ball's own sideways course
+    spread: float = 0.25  # how much that varies
+    tipped_chance: float = 0.2  # of saves at full stretch that go sideways
+    tipped_aside: float = 0.8
+    tipped_spread: float = 2.0
+    lift: float = 0.7  # m/s
+    lift_spread: float = 0.4  # m/s
+    wait: float = 0.5  # s until the keeper can touch the ball again
+
+
+# Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, family keeper.
+HOLD, PARRY = Hold(), Parry()
+HOLD_STEPS = 3  # steps for which a keeper keeps the ball at least
 
 
 @kernel
@@ -43,8 +65,8 @@ def has_hands(match, i):
 @kernel
 def can_hold(match, speed):
     """Tell whether a ball of this speed in m/s sticks in the hands: not a fast one, nor one just kicked."""
-    fresh = max(1.0 - match.kick_age / CATCH_AGE, 0.0)
-    return (1.0 - speed / CATCH_TOP) * (1.0 - fresh) >= CATCH_FROM
+    fresh = max(1.0 - match.kick_age / HOLD.age, 0.0)
+    return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh) >= HOLD.from_ease
 
 
 @kernel
@@ -56,7 +78,7 @@ def hold(match, i):
     player = match.players[i]
     player.facing_x, player.facing_y = -1.0 if own_goal_x(player.team) > 0.0 else 1.0, 0.0
     match.keeper_holding = i
-    match.hold_wait = HOLD_STEPS + int(HOLD_SPREAD * uniform(match))
+    match.hold_wait = HOLD_STEPS + int(HOLD.spread * uniform(match))
     carry_in_hands(match)
 
 
@@ -65,7 +87,7 @@ def carry_in_hands(match):
     """Keep a held ball in its keeper's hands."""
     player, ball = match.players[match.keeper_holding], match.ball
     ball.x, ball.y = player.x + 0.3 * player.facing_x, player.y + 0.3 * player.facing_y
-    ball.z = THROW_HEIGHT if match.kicker == match.keeper_holding else HANDS_HEIGHT
+    ball.z = HOLD.throw_height if match.kicker == match.keeper_holding else HOLD.height
     ball.vx, ball.vy, ball.vz = player.vx, player.vy, 0.0
 
 
@@ -78,16 +100,16 @@ def parry(match, i, stretched):
     lose_ball(match)
     fast = length(ball.vx, ball.vy)
     out = -1.0 if own_goal_x(player.team) > 0.0 else 1.0
-    aside = PARRY_CARRY * ball.vy / max(abs(ball.vx), 1.0) + out * PARRY_SPREAD * normal(match)  # turned with the pitch
-    if stretched and uniform(match) < TIPPED_CHANCE:
+    aside = PARRY.carry * ball.vy / max(abs(ball.vx), 1.0) + out * PARRY.spread * normal(match)  # turned with the pitch
+    if stretched and uniform(match) < PARRY.tipped_chance:
         side = ball.y - player.y
-        aside = math.copysign(TIPPED_ASIDE + TIPPED_SPREAD * uniform(match), side if side != 0.0 else out)
-    keep = min(max(PARRY_KEEP + PARRY_KEEP_SPREAD * normal(match), PARRY_LEAST), PARRY_MOST)
+        aside = math.copysign(PARRY.tipped_aside + PARRY.tipped_spread * uniform(match), side if side != 0.0 else out)
+    keep = min(max(PARRY.keep + PARRY.keep_spread * normal(match), PARRY.least), PARRY.most)
     size = math.sqrt(1.0 + aside * aside)
     ball.vx, ball.vy = keep * fast * out / size, keep * fast * aside / size
-    ball.vz = PARRY_LIFT + PARRY_LIFT_SPREAD * normal(match)
+    ball.vz = PARRY.lift + PARRY.lift_spread * normal(match)
     ball.spin_x, ball.spin_y, ball.curl = 0.0, 0.0, 0.0
-    player.touch_wait = PARRY_WAIT
+    player.touch_wait = PARRY.wait
     match.last_touch = i
     match.was_kicked = False
     match.saver = NOBODY

@@ -7,6 +7,7 @@ Fitted to delays measured of Google Research Football, whose animations quantise
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
     BALL_RADIUS,
@@ -28,37 +29,60 @@ from envs.football.skills.shots import aim_shot, angle_between, strike
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
+
+class Gauge(NamedTuple):
+    """How full the gauge is, 0 to 1, by how long the button was held."""
+
+    step: float = 0.1  # s
+    least: float = 0.06  # s
+    range: float = 0.94  # s
+    shot_power: float = 0.6
+
+
+class Swing(NamedTuple):
+    """Seconds from the command to the contact, and what delays it."""
+
+    standing: float = 0.26  # s, from the stand
+    starting: float = 0.25  # s, when starting to run
+    running: float = 0.235  # s, on the run
+    across: float = 0.16  # s more when the kick goes across the run, in full from so many rad:
+    across_standing: float = 0.5 * math.pi
+    across_starting: float = 0.3 * math.pi
+    across_running: float = 0.52 * math.pi
+    round_from: float = 0.5 * math.pi  # rad, turning round, in part
+    round_by: float = 0.62 * math.pi  # and in full
+    round: float = 0.3  # s more then
+    round_running: float = 0.05  # s more, on the run
+    ground_pass: float = 0.1  # s more: a leg swings wider for a pass along the ground ..
+    high_near: float = 8.0  # m
+    high_near_later: float = 0.1  # s more .. or for a chip over less than those m
+    pass_across: float = 0.25  # share of a shot's delay across the run that a pass has
+    pass_round: float = 0.2  # s more when it goes behind:
+    pass_behind: float = 0.76 * math.pi  # rad
+    running_from: float = 3.5  # m/s
+    sprinting_from: float = 5.6  # m/s
+    sprint: float = 0.12  # s more: catching up with the ball
+    sprint_spread: float = 0.2  # s either way, at a sprint
+    spread: float = 0.04  # s either way, the phase of the stride
+    from_run_up: float = 0.06  # s left for who has asked for a pass on his way to the ball: he swings as he arrives
+    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
+
+
+class Behind(NamedTuple):
+    """Kicks behind the body: he turns on the spot and kicks from short of the kick's direction."""
+
+    angle: float = 0.74 * math.pi  # rad from run to kick
+    short_of: float = 0.35  # rad
+    speed: float = 0.8  # m/s left
+
+
+# Fitted to delays measured of Google Research Football, whose animations quantise them: `regista benchmark --suite
+# grf`, families passes and shots.
+GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
-SWING_PATIENCE = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
-
-# Gauge: how long the button was held, 0 to 1
-HELD_STEP, HELD_LEAST, HELD_RANGE = 0.1, 0.06, 0.94  # s
-SHOT_GAUGE_POWER = 0.6
-
-# Seconds from the command to the contact: from the stand, when starting to run, on the run; and by how much more
-# the angle from the run to the kick delays it, in full from so many rad
-SWING_STANDING, SWING_STARTING, SWING_RUNNING = 0.26, 0.25, 0.235
-ACROSS, ACROSS_STANDING, ACROSS_STARTING, ACROSS_RUNNING = 0.16, 0.5 * math.pi, 0.3 * math.pi, 0.52 * math.pi
-ROUND_FROM, ROUND_BY = 0.5 * math.pi, 0.62 * math.pi  # turning round, in part and in full
-ROUND, ROUND_RUNNING = 0.3, 0.05
-GROUND_PASS_LATER = 0.1  # a leg swings wider for a pass along the ground ..
-HIGH_NEAR, HIGH_NEAR_LATER = 8.0, 0.1  # .. or for a chip over less than so many m
-PASS_ACROSS = 0.25  # share of a shot's delay across the run that a pass has
-PASS_ROUND, PASS_BEHIND = 0.2, 0.76 * math.pi  # s more when it goes so many rad behind
-RUNNING_FROM = 3.5  # m/s
-SPRINTING_FROM, SPRINT_LATER, SPRINT_SPREAD = 5.6, 0.12, 0.2  # m/s; catching up with the ball takes so much more, s
-FROM_RUN_UP = 0.06  # s left of the swing for who has asked for a pass on his way to the ball: he swings as he arrives
-SPREAD = 0.04  # s either way, the phase of the stride
 STANDS = 1.0  # m/s, who is slower kicks from where he looks
-
-# Kicks behind the body: he turns on the spot and kicks from short of the kick's direction
-BEHIND = 0.74 * math.pi  # rad from run to kick
-SHORT_OF = 0.35  # rad
-TURNED_SPEED = 0.8  # m/s left
-
-# A pass is aimed again when it leaves the foot, as far off the first aim as this
-AIM_AGAIN = 0.15 * math.pi
+AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, as far off the first aim as this
 
 
 @kernel
@@ -75,7 +99,7 @@ def swing_legs(match):
     player.kick_wait = swing_time(match, player)
     if match.carry_age <= 1 and not player.is_aimed and player.kick != SHOT:
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
-        player.kick_wait = max(player.kick_wait - run_up, FROM_RUN_UP)
+        player.kick_wait = max(player.kick_wait - run_up, SWING.from_run_up)
     match.kicker = i
 
 
@@ -100,31 +124,31 @@ def swing_time(match, player):
     if player.kick != SHOT:
         angle = max(angle, abs(angle_between(match.ball.x - player.x, match.ball.y - player.y, dx, dy)))
     time = delay(player.kick, angle, speed, starting, length(dx, dy))
-    spread = SPREAD
-    if speed > SPRINTING_FROM:
-        time, spread = time + SPRINT_LATER, SPRINT_SPREAD
+    spread = SWING.spread
+    if speed > SWING.sprinting_from:
+        time, spread = time + SWING.sprint, SWING.sprint_spread
     return time + spread * (2.0 * uniform(match) - 1.0)
 
 
 @kernel
 def delay(kick, angle, speed, starting, distance):
     """Mean seconds from the command to the contact of a kick over `distance`, `angle` rad off the run."""
-    turn = ROUND * min(max((angle - ROUND_FROM) / (ROUND_BY - ROUND_FROM), 0.0), 1.0)
-    if speed > RUNNING_FROM:
-        time, full, turn = SWING_RUNNING, ACROSS_RUNNING, ROUND_RUNNING if angle > BEHIND else 0.0
+    turn = SWING.round * min(max((angle - SWING.round_from) / (SWING.round_by - SWING.round_from), 0.0), 1.0)
+    if speed > SWING.running_from:
+        time, full, turn = SWING.running, SWING.across_running, SWING.round_running if angle > BEHIND.angle else 0.0
     elif starting:
-        time, full = SWING_STARTING, ACROSS_STARTING
+        time, full = SWING.starting, SWING.across_starting
     else:
-        time, full = SWING_STANDING, ACROSS_STANDING
+        time, full = SWING.standing, SWING.across_standing
     side = min(angle / full, 1.0)
-    across = ACROSS * side * side * (3.0 - 2.0 * side)
+    across = SWING.across * side * side * (3.0 - 2.0 * side)
     if kick == SHOT:
         return time + across + turn
     if kick != HIGH_PASS:
-        time += GROUND_PASS_LATER
-    elif distance < HIGH_NEAR:
-        time += HIGH_NEAR_LATER
-    return time + PASS_ACROSS * across + (PASS_ROUND if angle > PASS_BEHIND else 0.0)
+        time += SWING.ground_pass
+    elif distance < SWING.high_near:
+        time += SWING.high_near_later
+    return time + SWING.pass_across * across + (SWING.pass_round if angle > SWING.pass_behind else 0.0)
 
 
 @kernel
@@ -135,7 +159,7 @@ def swing_frame(match):
     player.kick_wait -= DT
     if player.kick_wait > 0.0:
         return False
-    if match.carrier != i or player.kick_wait < SWING_PATIENCE:
+    if match.carrier != i or player.kick_wait < SWING.patience:
         forget_kick(player)
         match.kicker = NOBODY
         return False
@@ -148,7 +172,7 @@ def swing_frame(match):
 @kernel
 def gauge(held):
     """How full the gauge is, 0 to 1, after so many steps of holding the button."""
-    return min(max((HELD_STEP * held - HELD_LEAST) / HELD_RANGE, 0.0), 1.0)
+    return min(max((GAUGE.step * held - GAUGE.least) / GAUGE.range, 0.0), 1.0)
 
 
 @kernel
@@ -195,7 +219,7 @@ def leave_foot(match, i):
     turn_body(match, player, ux, uy)
     ball.z = max(ball.z, BALL_RADIUS)
     if player.kick == SHOT:
-        strike(match, player, ux, uy, max(gauge(player.kick_held) ** SHOT_GAUGE_POWER, 0.01))
+        strike(match, player, ux, uy, max(gauge(player.kick_held) ** GAUGE.shot_power, 0.01))
     else:
         play_pass(match, player, ux, uy, distance)
     player.facing_x, player.facing_y = ux, uy
@@ -223,11 +247,11 @@ def turn_body(match, player, ux, uy):
     """Bring a body that kicks behind itself round to just short of the kick along (ux, uy)."""
     hx, hy, speed = heading(player)
     off = angle_between(hx, hy, ux, uy)
-    if abs(off) < BEHIND:
+    if abs(off) < BEHIND.angle:
         return
     if math.pi - abs(off) < 0.02:  # straight behind: either way round
         off = math.pi if uniform(match) < 0.5 else -math.pi
-    cosine, sine = math.cos(SHORT_OF), math.copysign(math.sin(SHORT_OF), -off)
+    cosine, sine = math.cos(BEHIND.short_of), math.copysign(math.sin(BEHIND.short_of), -off)
     player.facing_x, player.facing_y = ux * cosine - uy * sine, ux * sine + uy * cosine
-    speed = min(speed, TURNED_SPEED)
+    speed = min(speed, BEHIND.speed)
     player.vx, player.vy = speed * player.facing_x, speed * player.facing_y

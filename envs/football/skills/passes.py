@@ -6,6 +6,7 @@ The rules and numbers are those documented of Google Research Football. Read nex
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
 from envs.football.physics.vectors import length
@@ -13,26 +14,58 @@ from envs.football.skills.first_touch import difficulty
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-# Which mate
-LOOK_FARTHEST, LOOK_NEAREST = 60.0, 1.0  # m ahead of the passer, the place that mates are rated by, by the gauge
-LOOK_POWER_SHORT, LOOK_POWER_LONG, LOOK_POWER_HIGH = 0.7, 0.65, 0.55  # of the gauge
-RATE_SCALE, RATE_WEIGHT, RATE_POWER = 70.0, 0.8, 0.8
-LEAD_LONGEST, LEAD_POWER, LEAD_FIRST, LEAD_PER_METRE = 0.7, 0.7, 0.3, 0.05  # s by which a mate's run is led
-LONG_LEAD = 0.2  # of the distance, towards the goal line that the passer attacks
-UNAIMED_PASS = 39.4  # m, a pass when there is no mate
 
-# How
-PASS_SPEED, PASS_BASE = 36.0, 0.3  # m/s; share of it at no distance
-GROUND_GAIN, HIGH_GAIN, GAIN_POWER, GAIN_DISTANCE = 1.8, 1.15, 1.4, 60.0  # m
-GROUND_CAP, HIGH_CAP, EXCESS_LIFT, EXCESS_MOST = 26.0, 38.0, 0.25, 10.0
-BALL_HELPS = 0.5  # of the speed of a ball played without a trap adds to the cap
-GROUND_LIFT = 0.11  # tangent of the elevation
-HIGH_LIFT, HIGH_LIFT_LESS = 0.45, 0.15  # for near and, less this, for far ones
-GROUND_SPIN, HIGH_SPIN, FULL_SPIN = 5.2, -1.5, 15.0  # m/s, at this speed and more
-PASS_SCATTER = 0.02  # rad either way
-HARD_SCATTER, HARD_KEEP, HARD_MOST = 0.15, 0.3, 0.5  # quarter turns more of a ball that is hard to play
-HARD_WEAK = 0.3  # of its speed that a pass of such a ball loses
-HEADED_FROM, HEADED_SHARE = 1.1, 0.6  # m; of the fastest pass that a header reaches
+class Choice(NamedTuple):
+    """Which mate a pass is for, and where he will be."""
+
+    farthest: float = 60.0  # m ahead of the passer, the place that mates are rated by, by the gauge
+    nearest: float = 1.0  # m, at least
+    power_short: float = 0.7  # of the gauge
+    power_long: float = 0.65
+    power_high: float = 0.55
+    scale: float = 70.0  # m
+    weight: float = 0.8
+    power: float = 0.8
+    lead_longest: float = 0.7  # s by which a mate's run is led
+    lead_power: float = 0.7
+    lead_first: float = 0.3
+    lead_per_metre: float = 0.05
+    long_lead: float = 0.2  # of the distance, towards the goal line that the passer attacks
+    unaimed: float = 39.4  # m, a pass when there is no mate
+
+
+class Flight(NamedTuple):
+    """How hard, high and sure a pass is played."""
+
+    speed: float = 36.0  # m/s
+    base: float = 0.3  # share of it at no distance
+    ground_gain: float = 1.8  # shares more at the distance of full gain
+    high_gain: float = 1.15
+    gain_power: float = 1.4
+    gain_distance: float = 60.0  # m
+    ground_cap: float = 26.0  # m/s
+    high_cap: float = 38.0  # m/s
+    excess_lift: float = 0.25  # of what is above the cap, into m/s upwards
+    excess_most: float = 10.0  # m/s
+    ball_helps: float = 0.5  # of the speed of a ball played without a trap adds to the cap
+    ground_lift: float = 0.11  # tangent of the elevation
+    high_lift: float = 0.45  # the same of a high pass, near
+    high_lift_less: float = 0.15  # less for far ones
+    ground_spin: float = 5.2  # m/s, at this speed and more:
+    high_spin: float = -1.5  # m/s
+    full_spin: float = 15.0  # m/s
+    scatter: float = 0.02  # rad either way
+    hard_scatter: float = 0.15  # quarter turns more of a ball that is hard to play
+    hard_keep: float = 0.3
+    hard_most: float = 0.5
+    hard_weak: float = 0.3  # of its speed that a pass of such a ball loses
+    headed_from: float = 1.1  # m
+    headed_share: float = 0.6  # of the fastest pass that a header reaches
+
+
+# The law is that documented of Google Research Football, caps and scatter are fitted: `regista benchmark --suite grf`,
+# family passes.
+CHOICE, FLIGHT = Choice(), Flight()
 
 
 @kernel
@@ -42,20 +75,20 @@ def aim_pass(match, i, ux, uy, gauge):
     mate = choose_mate(match, i, ux, uy, gauge)
     player.kick_mate = mate
     if mate == NOBODY:
-        player.aim_x = player.x + UNAIMED_PASS * player.facing_x
-        player.aim_y = player.y + UNAIMED_PASS * player.facing_y
+        player.aim_x = player.x + CHOICE.unaimed * player.facing_x
+        player.aim_y = player.y + CHOICE.unaimed * player.facing_y
         return
     player.aim_x, player.aim_y = place_of(match.ball, match.players[mate])
     if player.kick == LONG_PASS:
-        lead = LONG_LEAD * length(player.aim_x - match.ball.x, player.aim_y - match.ball.y)
+        lead = CHOICE.long_lead * length(player.aim_x - match.ball.x, player.aim_y - match.ball.y)
         player.aim_x += lead if player.team == LEFT else -lead
 
 
 @kernel
 def place_of(ball, mate):
     """Where a mate will be when he takes a pass of this ball."""
-    time = LEAD_FIRST + LEAD_PER_METRE * length(mate.x - ball.x, mate.y - ball.y)
-    time = LEAD_LONGEST * min(time, 1.0) ** LEAD_POWER
+    time = CHOICE.lead_first + CHOICE.lead_per_metre * length(mate.x - ball.x, mate.y - ball.y)
+    time = CHOICE.lead_longest * min(time, 1.0) ** CHOICE.lead_power
     return mate.x + time * mate.vx, mate.y + time * mate.vy
 
 
@@ -76,8 +109,8 @@ def choose_mate(match, i, ux, uy, gauge):
         x, y = place_of(ball, mate)
         dx, dy = x - ball.x, y - ball.y
         off = abs(math.atan2(ux * dy - uy * dx, ux * dx + uy * dy)) / math.pi
-        far = min(length(x - look_x, y - look_y) / RATE_SCALE, 1.0)
-        rating = RATE_WEIGHT * far**RATE_POWER + off
+        far = min(length(x - look_x, y - look_y) / CHOICE.scale, 1.0)
+        rating = CHOICE.weight * far**CHOICE.power + off
         if rating < best_rating:
             best, best_rating = j, rating
     return best
@@ -86,28 +119,34 @@ def choose_mate(match, i, ux, uy, gauge):
 @kernel
 def look_ahead(kick, gauge):
     """Metres ahead of the passer of the place that mates are rated by."""
-    power = LOOK_POWER_HIGH if kick == HIGH_PASS else (LOOK_POWER_LONG if kick == LONG_PASS else LOOK_POWER_SHORT)
-    return max(LOOK_FARTHEST * gauge**power, LOOK_NEAREST)
+    power = CHOICE.power_high if kick == HIGH_PASS else (CHOICE.power_long if kick == LONG_PASS else CHOICE.power_short)
+    return max(CHOICE.farthest * gauge**power, CHOICE.nearest)
 
 
 @kernel
 def play_pass(match, player, ux, uy, distance):
     """Give the ball the velocity of a pass along (ux, uy) over this distance."""
     ball = match.ball
-    far = min(distance / GAIN_DISTANCE, 1.0) ** GAIN_POWER
+    far = min(distance / FLIGHT.gain_distance, 1.0) ** FLIGHT.gain_power
     high = player.kick == HIGH_PASS
-    wanted = PASS_SPEED * (PASS_BASE + (HIGH_GAIN if high else GROUND_GAIN) * far)
-    cap = (HIGH_CAP if high else GROUND_CAP) * (HEADED_SHARE if ball.z > HEADED_FROM else 1.0)
-    cap += BALL_HELPS * length(ball.vx - player.vx, ball.vy - player.vy)
-    rise = HIGH_LIFT - HIGH_LIFT_LESS * min(1.0, distance / GAIN_DISTANCE) if high else GROUND_LIFT
+    wanted = FLIGHT.speed * (FLIGHT.base + (FLIGHT.high_gain if high else FLIGHT.ground_gain) * far)
+    cap = (FLIGHT.high_cap if high else FLIGHT.ground_cap) * (
+        FLIGHT.headed_share if ball.z > FLIGHT.headed_from else 1.0
+    )
+    cap += FLIGHT.ball_helps * length(ball.vx - player.vx, ball.vy - player.vy)
+    rise = (
+        FLIGHT.high_lift - FLIGHT.high_lift_less * min(1.0, distance / FLIGHT.gain_distance)
+        if high
+        else FLIGHT.ground_lift
+    )
     far_off, high_off, kept = difficulty(match, player)
-    speed = min(wanted, cap) * (1.0 - HARD_WEAK * far_off)
+    speed = min(wanted, cap) * (1.0 - FLIGHT.hard_weak * far_off)
     flat = speed / math.sqrt(1.0 + rise * rise)
-    excess = EXCESS_LIFT * min(max(wanted - cap, 0.0), EXCESS_MOST)
-    turn = min(HARD_SCATTER * (far_off + high_off) + HARD_KEEP * kept, HARD_MOST)
-    off = (PASS_SCATTER / player.skill + 0.5 * math.pi * turn) * (2.0 * uniform(match) - 1.0)
+    excess = FLIGHT.excess_lift * min(max(wanted - cap, 0.0), FLIGHT.excess_most)
+    turn = min(FLIGHT.hard_scatter * (far_off + high_off) + FLIGHT.hard_keep * kept, FLIGHT.hard_most)
+    off = (FLIGHT.scatter / player.skill + 0.5 * math.pi * turn) * (2.0 * uniform(match) - 1.0)
     cosine, sine = math.cos(off), math.sin(off)
     wx, wy = ux * cosine - uy * sine, ux * sine + uy * cosine
     ball.vx, ball.vy, ball.vz = flat * wx, flat * wy, flat * rise + excess
-    spin = (HIGH_SPIN if high else GROUND_SPIN) * min(speed / FULL_SPIN, 1.0)
+    spin = (FLIGHT.high_spin if high else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)
     ball.spin_x, ball.spin_y, ball.curl = spin * wx, spin * wy, 0.0

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from envs.football.constants import NOBODY
-from envs.football.physics.motion import SLIDE_TIME
+from envs.football.physics.motion import SLIDE
 from envs.football.physics.possession import ball_speed, fall_time, meeting_time, travelled
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
@@ -28,7 +28,7 @@ def slide(match, i):
         return
     speed = SLIDE_KEEPS * length(player.vx, player.vy)
     player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
-    player.is_sliding, player.down_wait = True, SLIDE_TIME
+    player.is_sliding, player.down_wait = True, SLIDE.time
 
 
 @kernel

@@ -6,41 +6,65 @@ Chances are fitted to tackles measured of Google Research Football, severities f
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from envs.football.constants import BUILTIN_AI, DT
-from envs.football.physics.motion import SLIDE_TIME
+from envs.football.physics.motion import SLIDE
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.rules.fouls import report_foul
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
+
+class Tackle(NamedTuple):
+    """Standing tackles."""
+
+    reach: float = 0.85  # m from the body to the ball
+    below: float = 0.9  # m, its height
+    idles: float = 0.5  # m/s, who is slower and wants no more does not try
+    meant_cosine: float = 0.85  # of the angle between the way that a tackler wants to go and the ball
+    shielding_cosine: float = 0.6  # of the angle at the carrier's body between the way to him and on to the ball
+    passing_most: float = 9.0  # m/s at which the ball passes
+    contact: float = 0.85  # m between bodies, for a poke round the carrier's
+    at_feet: float = 0.6  # m to the ball from the carrier's body, for that
+    chance: float = 0.9
+    hurried: float = 0.02  # less of it per m/s of the carrier
+    behind: float = 0.3  # share of the chance that is left from behind
+    behind_cosine: float = -0.3  # of straight ahead of the carrier: behind him
+    skill_least: float = 0.9  # share of the chance that the least skilful have
+    skill_most: float = 1.04  # and the most skilful
+    clumsy: float = 4.5  # more of the chance against a carrier without skill, by the square of what he lacks
+    swerve: float = 20.0  # m/s, see `within_reach`
+    wait: float = 0.6  # s until who has failed can touch the ball again
+    beaten_down: float = 0.3  # s on the ground
+    robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
+    won_speed: float = 0.3  # share of the winner's speed that the ball gets
+    trip_chance: float = 0.4  # of a tackle from the side or from behind that misses the ball
+
+
+class Slide(NamedTuple):
+    """Slides, and the fouls that come of them."""
+
+    reach: float = 0.75  # m from the body to the ball
+    trip_reach: float = 1.22  # m, and to the carrier's body
+    legs_out: float = SLIDE.time - 0.05  # s left of a slide until which it reaches nobody
+    rate: float = 10.0  # wins per s within reach
+    moving: float = 0.5  # m/s at which the ball passes, at least
+    shielded: float = 0.05  # share of that from behind, until he has slid past the carrier's body
+    foul_side: float = 0.97  # chance to fell the carrier from the side,
+    foul_side_running: float = 0.87  # if he runs,
+    foul_behind: float = 0.95  # from behind if he runs: who stands is not felled from there
+    foul_front: float = 0.03
+    severity: float = 1.0  # of never meeting the ball
+    severity_standing: float = 0.5  # more from beside or behind
+    severity_running: float = 0.9  # more, if he runs
+
+
+# Fitted to tackles measured of Google Research Football: `regista benchmark --suite grf`, family tackles.
+TACKLE, SLIDING = Tackle(), Slide()
 STANDING = 1.5  # m/s, a carrier slower than this stands
-
-# Standing tackles
-TACKLE_REACH, TACKLE_BELOW = 0.85, 0.9  # m from the body to the ball; its height
-IDLES = 0.5  # m/s
-MEANT_COSINE = 0.85  # of the angle between the way that a tackler wants to go and the ball
-SHIELDING_COSINE = 0.6  # of the angle at the carrier's body between the way to him and on to the ball
-PASSING_MOST = 9.0  # m/s at which the ball passes
-CONTACT, AT_FEET = 0.85, 0.6  # m between bodies, and to the ball from the carrier's, for a poke round his body
-TACKLE_CHANCE, TACKLE_HURRIED = 0.9, 0.02  # of a tackle; less of it per m/s of the carrier
-TACKLE_BEHIND, BEHIND_COSINE = 0.3, -0.3  # share of the chance that is left from behind
-SKILL_LEAST, SKILL_MOST = 0.9, 1.04  # share of the chance that the least and the most skilful have
-CLUMSY = 4.5  # more of the chance against a carrier without skill, by the square of what he lacks
-SWERVE = 20.0  # m/s, see `within_reach`
-TACKLE_WAIT, BEATEN_DOWN, ROBBED_WAIT = 0.6, 0.3, 0.7  # s
-WON_SPEED = 0.3  # share of the winner's speed that the ball gets
-TRIP_CHANCE = 0.4  # of a tackle from the side or from behind that misses the ball
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
-
-# Slides
-SLIDE_REACH, TRIP_REACH = 0.75, 1.22  # m from the body to the ball, and to the carrier's body
-LEGS_OUT = SLIDE_TIME - 0.05  # s left of a slide until which it reaches nobody
-SLIDE_RATE, SLIDE_MOVING = 10.0, 0.5  # wins per s within reach of a ball that passes at more than this many m/s
-SHIELDED = 0.05  # share of that from behind, until he has slid past the carrier's body
-# Chances to fell the carrier: who stands is not felled from behind
-FOUL_SIDE, FOUL_SIDE_RUNNING, FOUL_BEHIND, FOUL_FRONT = 0.97, 0.87, 0.95, 0.03
-SEVERITY, SEVERITY_STANDING, SEVERITY_RUNNING = 1.0, 0.5, 0.9  # of never meeting the ball; more from beside or behind
 
 
 @kernel
@@ -50,12 +74,14 @@ def in_tackle_reach(match, i, distance):
     Who stands idly beside a carrier who stands does not.
     """
     player, ball, carrier = match.players[i], match.ball, match.players[match.carrier]
-    if ball.z > TACKLE_BELOW:
+    if ball.z > TACKLE.below:
         return False
-    idles = length(player.desired_vx, player.desired_vy) < IDLES and length(player.vx, player.vy) < IDLES
+    idles = length(player.desired_vx, player.desired_vy) < TACKLE.idles and length(player.vx, player.vy) < TACKLE.idles
     if idles and length(carrier.vx, carrier.vy) < STANDING:
         return False
-    return distance < TACKLE_REACH or (apart(player, carrier) < CONTACT and apart(ball, carrier) < AT_FEET)
+    return distance < TACKLE.reach or (
+        apart(player, carrier) < TACKLE.contact and apart(ball, carrier) < TACKLE.at_feet
+    )
 
 
 @kernel
@@ -68,14 +94,14 @@ def goes_for_ball(match, i, distance):
     carrier = match.players[match.carrier]
     want = length(player.desired_vx, player.desired_vy)
     along = player.desired_vx * (ball.x - player.x) + player.desired_vy * (ball.y - player.y)
-    if along < MEANT_COSINE * want * distance:
+    if along < TACKLE.meant_cosine * want * distance:
         return False
     if player.action != BUILTIN_AI:
         return True
     to_x, to_y = toward(carrier.x - player.x, carrier.y - player.y)
     ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
-    slow = length(ball.vx - player.vx, ball.vy - player.vy) < PASSING_MOST
-    return slow and to_x * ball_x + to_y * ball_y < SHIELDING_COSINE
+    slow = length(ball.vx - player.vx, ball.vy - player.vy) < TACKLE.passing_most
+    return slow and to_x * ball_x + to_y * ball_y < TACKLE.shielding_cosine
 
 
 @kernel
@@ -83,48 +109,48 @@ def tackle(match, i):
     """Let player i try to take the ball off the carrier's feet."""
     player, carrier = match.players[i], match.players[match.carrier]
     front, speed = frontal(player, carrier), length(carrier.vx, carrier.vy)
-    chance = (TACKLE_CHANCE - TACKLE_HURRIED * speed) * share_of_skill(player) * within_reach(match, i, SWERVE)
-    chance *= 1.0 + CLUMSY * (1.0 - carrier.skill) ** 2
-    if front < BEHIND_COSINE:
-        chance *= TACKLE_BEHIND
+    chance = (TACKLE.chance - TACKLE.hurried * speed) * share_of_skill(player) * within_reach(match, i, TACKLE.swerve)
+    chance *= 1.0 + TACKLE.clumsy * (1.0 - carrier.skill) ** 2
+    if front < TACKLE.behind_cosine:
+        chance *= TACKLE.behind
     if uniform(match) < chance:
         win(match, i)
         return
-    player.touch_wait = TACKLE_WAIT
+    player.touch_wait = TACKLE.wait
     if speed > STANDING:
-        player.down_wait = max(player.down_wait, BEATEN_DOWN)
-        if front < SIDE_COSINE and uniform(match) < TRIP_CHANCE:
+        player.down_wait = max(player.down_wait, TACKLE.beaten_down)
+        if front < SIDE_COSINE and uniform(match) < TACKLE.trip_chance:
             report_foul(match, i, match.carrier, 0.0, False)
 
 
 @kernel
 def share_of_skill(player):
     """Share of the chance to win the ball that a player of his skill has; 1 for the one who was measured."""
-    return SKILL_LEAST + (SKILL_MOST - SKILL_LEAST) * player.skill
+    return TACKLE.skill_least + (TACKLE.skill_most - TACKLE.skill_least) * player.skill
 
 
 @kernel
 def slide_into(match, i, distance):
     """Let player i, sliding this far from the ball, win it or fell the carrier if either is in his reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
-    if player.down_wait > LEGS_OUT:
+    if player.down_wait > SLIDING.legs_out:
         return
     front = frontal(player, carrier)
-    if apart(player, carrier) < TRIP_REACH and not player.is_slide_spent:
+    if apart(player, carrier) < SLIDING.trip_reach and not player.is_slide_spent:
         player.is_slide_spent = True
         runs = length(carrier.vx, carrier.vy) > STANDING
         if uniform(match) < foul_chance(front, runs):
-            most = SEVERITY_RUNNING * uniform(match) if runs else SEVERITY_STANDING
-            player.touch_wait = TACKLE_WAIT
-            report_foul(match, i, match.carrier, SEVERITY + most, True)
+            most = SLIDING.severity_running * uniform(match) if runs else SLIDING.severity_standing
+            player.touch_wait = TACKLE.wait
+            report_foul(match, i, match.carrier, SLIDING.severity + most, True)
             return
     passes = length(ball.vx - player.vx, ball.vy - player.vy)
-    if distance > SLIDE_REACH or ball.z > TACKLE_BELOW or passes < SLIDE_MOVING:
+    if distance > SLIDING.reach or ball.z > TACKLE.below or passes < SLIDING.moving:
         return
-    rate = SLIDE_RATE * share_of_skill(player)
+    rate = SLIDING.rate * share_of_skill(player)
     same_way = player.facing_x * carrier.facing_x + player.facing_y * carrier.facing_y
     if same_way > SIDE_COSINE and distance > apart(ball, carrier):
-        rate *= SHIELDED
+        rate *= SLIDING.shielded
     if uniform(match) < rate * DT:
         win(match, i)
 
@@ -133,10 +159,10 @@ def slide_into(match, i, distance):
 def foul_chance(front, runs):
     """Chance that a slide fells the carrier: from the side nearly always, from behind if he runs, seldom frontal."""
     if abs(front) < SIDE_COSINE:
-        return FOUL_SIDE_RUNNING if runs else FOUL_SIDE
+        return SLIDING.foul_side_running if runs else SLIDING.foul_side
     if front > 0.0:
-        return FOUL_FRONT
-    return FOUL_BEHIND if runs else FOUL_FRONT
+        return SLIDING.foul_front
+    return SLIDING.foul_behind if runs else SLIDING.foul_front
 
 
 @kernel
@@ -149,11 +175,11 @@ def frontal(player, carrier):
 @kernel
 def win(match, i):
     """Give player i the ball of the carrier, who cannot take it back at once."""
-    match.players[match.carrier].touch_wait = ROBBED_WAIT
+    match.players[match.carrier].touch_wait = TACKLE.robbed_wait
     take(match, i)
     if match.carrier == i:
         ball = match.ball
-        ball.vx, ball.vy = WON_SPEED * ball.vx, WON_SPEED * ball.vy
+        ball.vx, ball.vy = TACKLE.won_speed * ball.vx, TACKLE.won_speed * ball.vy
 
 
 @kernel
