@@ -57,7 +57,7 @@ class BatchSettings(NamedTuple):
 
 
 def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple[np.ndarray, np.ndarray]) -> Batch:
-    """Room for `count` matches; records whose fields are attributes even when not compiled."""
+    """Make room for `count` matches; records whose fields are attributes even when not compiled."""
     matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
     commands = np.zeros((count, objects))
@@ -65,7 +65,7 @@ def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple
 
 
 def empty_outcome(count: int, agents: int) -> Outcome:
-    """Room for what `count` matches bring to so many agents each."""
+    """Make room for what `count` matches bring to so many agents each."""
     return Outcome(
         np.zeros(count),
         np.zeros((count, agents)),

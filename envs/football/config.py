@@ -42,7 +42,7 @@ class FootballConfig:
 
 
 def check_control(mode: str | int) -> str:
-    """Give a control mode as text. Raises ValueError for one that does not exist."""
+    """Return a control mode as text. Raises ValueError for one that does not exist."""
     text = str(mode)
     if text not in CONTROL_MODES and not (text.isdecimal() and int(text) > 0):
         known = ", ".join(CONTROL_MODES)

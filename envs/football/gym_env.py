@@ -103,7 +103,7 @@ class FootballEnv(gymnasium.Env):
         return self._first(self.batch.reset_agent())
 
     def render(self) -> np.ndarray | None:
-        """Give the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode.
+        """Return the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode.
 
         After the last step of an episode that is its last moment.
         """
@@ -113,7 +113,7 @@ class FootballEnv(gymnasium.Env):
         return draw_match((ended if self._over and ended is not None else self.batch.matches)[0])
 
     def get_state(self) -> dict[str, Any]:
-        """Give everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
+        """Return everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
         return self.batch.get_state()
 
     def set_state(self, state: dict[str, Any]) -> Any:
@@ -125,12 +125,12 @@ class FootballEnv(gymnasium.Env):
         return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:
-        """Row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""
+        """Return row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""
         if isinstance(observations, tuple):
             return tuple(row(each, 0) for each in observations)
         return row(observations, 0) if isinstance(observations, dict) else observations[0]
 
 
 def is_there(value: Any) -> bool:
-    """Whether anything was recorded: a vector or number is NaN if not, all else None."""
+    """Return whether anything was recorded: a vector or number is NaN if not, all else None."""
     return value is not None and not (isinstance(value, float | np.ndarray) and bool(np.isnan(value).any()))

@@ -126,7 +126,9 @@ def _place_players(players: np.ndarray, positions: np.ndarray, teams: np.ndarray
 
 
 def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
-    """Team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are equal."""
+    """Return the team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are
+    equal.
+    """
     squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
     left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
     return np.where(left < right, LEFT, RIGHT)

@@ -57,7 +57,7 @@ class Record:
     last: np.ndarray
 
     def make_env(self) -> FootballVectorEnv:
-        """Give the environment as it was at the start. Raises `RecordError` where that is not possible."""
+        """Return the environment as it was at the start. Raises `RecordError` where that is not possible."""
         path = Path(self.file)
         source = path if self.file and path.is_file() and path.read_text() == self.program else self.program
         try:
@@ -87,7 +87,7 @@ class Recorder:
         return result
 
     def record(self) -> Record:
-        """Give the record up to now."""
+        """Return the record up to now."""
         shape = self.env.action_space.shape
         assert shape is not None
         actions = np.array(self._actions, np.int64).reshape(len(self._actions), *shape)
@@ -165,7 +165,7 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
 
 
 def after_step(env: FootballVectorEnv, ended: np.ndarray) -> np.ndarray:
-    """The matches as the last step left them, MATCH `[N]`, of an environment that keeps endings."""
+    """Return the matches as the last step left them, MATCH `[N]`, of an environment that keeps endings."""
     matches = env.matches
     if env.ended_matches is not None:
         matches[ended] = env.ended_matches[ended]
@@ -173,5 +173,5 @@ def after_step(env: FootballVectorEnv, ended: np.ndarray) -> np.ndarray:
 
 
 def same(first: np.ndarray, second: np.ndarray) -> bool:
-    """Whether two batches of matches are equal field by field, bit for bit."""
+    """Return whether two batches of matches are equal field by field, bit for bit."""
     return bool((np.asarray(first).view(MATCH) == np.asarray(second).view(MATCH)).all())

@@ -100,9 +100,11 @@ class FootballVectorEnv(UPOMDP):
         self._settings = self._settings._replace(restart=False)
 
     def valid(self, theta: Any) -> np.ndarray:
+        """Return for θ `[N, D]` whether each is a valid scene: `[N]`."""
         return self.program.valid(check_theta(theta, self.theta_dim))
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
+        """Return for θ `[N, D]` what each draws, by name, in the program's units."""
         return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def sample_theta(self, count: int) -> np.ndarray:
@@ -142,7 +144,7 @@ class FootballVectorEnv(UPOMDP):
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
     def observe(self) -> Any:
-        """The present observations, in arrays of their own."""
+        """Return the present observations, in arrays of their own."""
         seen = self._observer.room(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
@@ -153,7 +155,7 @@ class FootballVectorEnv(UPOMDP):
             restart(self._batch, self._settings, index)
 
     def _checked(self, actions: Any) -> np.ndarray:
-        """Actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
+        """Return the actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
         array, shape = np.asarray(actions), self.action_space.shape
         assert shape is not None
         if array.shape != shape or array.dtype.kind not in "iu":
@@ -175,6 +177,7 @@ class FootballVectorEnv(UPOMDP):
         raise error
 
     def get_state(self) -> dict[str, Any]:
+        """Return everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
         batch = self._batch
         return {
             "matches": np.asarray(batch.matches).copy(),
@@ -188,7 +191,7 @@ class FootballVectorEnv(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Take back what `get_state` gave; give the observations of that moment.
+        """Take back what `get_state` gave; return the observations of that moment.
 
         Raises ValueError for a state of other matches: another number, another program or representation.
         """
@@ -210,7 +213,8 @@ class FootballVectorEnv(UPOMDP):
         return self.observe()
 
     def with_scripted_policy(self) -> FootballVectorEnv:
-        """Give a copy in which the program's behaviors play the agents' players, or the built-in AI where it has none.
+        """Return a copy in which the program's behaviors play the agents' players, or the built-in AI where it has
+        none.
 
         It begins the same levels anew; its actions are ignored.
         """
@@ -231,6 +235,7 @@ class FootballVectorEnv(UPOMDP):
         return twin
 
     def copy(self) -> FootballVectorEnv:
+        """Return an environment that goes on from here on its own."""
         twin = self.resized(self.num_envs)
         twin._scripted = self._scripted
         twin.set_state(self.get_state())

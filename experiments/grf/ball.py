@@ -46,7 +46,9 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def their_paths() -> dict[str, np.ndarray]:
-    """The original's paths by name: `[T, 4]`, m from the beginning, m of height, m/s in the plane, m/s upwards."""
+    """Return the original's paths by name: `[T, 4]`, m from the beginning, m of height, m/s in the plane, m/s
+    upwards.
+    """
     found: dict[str, list[list[float]]] = {}
     for row in read_data("ball_paths"):
         found.setdefault(row["path"], []).append([float(row[name]) for name in ("away", "height", "speed", "rise")])
@@ -54,7 +56,7 @@ def their_paths() -> dict[str, np.ndarray]:
 
 
 def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
-    """Our path of this name `[T, 4]`, begun like the original's."""
+    """Return our path of this name `[T, 4]`, begun like the original's."""
     matches = np.zeros(1, MATCH).view(np.recarray)
     ball = matches["ball"]
     ball["z"], ball["vx"], ball["vz"] = theirs[0, 1:]
@@ -67,7 +69,7 @@ def our_path(name: str, theirs: np.ndarray) -> np.ndarray:
 
 
 def spin_of(name: str, speed: float) -> float:
-    """The spin in m/s that a kick of this kind and speed in m/s gives."""
+    """Return the spin in m/s that a kick of this kind and speed in m/s gives."""
     if name == "shot":
         return CURL.spin
     return (FLIGHT.high_spin if name.startswith("high") else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)

@@ -129,7 +129,9 @@ def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
 
 
 def cross_line(ball: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Where and when `[N, 3]` (y in m, height in m, s) free balls cross the right goal line, 9 s if they do not."""
+    """Return where and when `[N, 3]` (y in m, height in m, s) free balls cross the right goal line, 9 s if they do
+    not.
+    """
     stage = Stage([(0.0, 0.0)], (0.0, 0.0), Roster([LEFT], [CF]), n=len(ball))
     for axis, name in enumerate("xyz"):
         stage.matches["ball"][name], stage.matches["ball"]["v" + name] = ball[:, axis], velocity[:, axis]
@@ -152,13 +154,13 @@ def fly_to_line(matches, result):
 
 
 def cell(shots: Shots, time: tuple[float, float], gap: tuple[float, float]) -> np.ndarray:
-    """Which shots on target were so long under way and passed so far from the keeper."""
+    """Return which shots on target were so long under way and passed so far from the keeper."""
     in_time = (shots.time >= time[0]) & (shots.time < time[1])
     return shots.on_target & in_time & (shots.gap >= gap[0]) & (shots.gap < gap[1])
 
 
 def goal_rates(shots: Shots) -> list[Row]:
-    """The table of goal rates by time to the line and gap."""
+    """Return the table of goal rates by time to the line and gap."""
     rows = []
     for target in read_data("keeper_cells"):
         time = (float(target["time_from"]), float(target["time_to"]))
@@ -171,7 +173,7 @@ def goal_rates(shots: Shots) -> list[Row]:
 
 
 def odds_rows(shots: Shots) -> list[Row]:
-    """The logistic fit of goals on target; each coefficient within three of the original's standard errors."""
+    """Return the logistic fit of goals on target; each coefficient within three of the original's standard errors."""
     on = shots.on_target
     features = np.column_stack([np.ones(on.sum()), shots.time[on], shots.gap[on], shots.height[on]])
     fitted = fit_odds(features, shots.goal[on])
@@ -194,7 +196,7 @@ def fit_odds(features: np.ndarray, happened: np.ndarray) -> np.ndarray:
 
 
 def rebound_rows(shots: Shots) -> list[Row]:
-    """Who has the ball after a save of a shot on target."""
+    """Return who has the ball after a save of a shot on target."""
     target = read_data("keeper_rebounds")[0]
     saved = shots.on_target & ~shots.goal & (shots.rebound >= 0)
     share = np.mean(shots.rebound[saved] == RIGHT)
@@ -202,7 +204,9 @@ def rebound_rows(shots: Shots) -> list[Row]:
 
 
 def position_rows(effort: float) -> list[Row]:
-    """What becomes of shots from the table's positions, in the mean over the positions, for each way to shoot."""
+    """Return what becomes of shots from the table's positions, in the mean over the positions, for each way to
+    shoot.
+    """
     rows = []
     for way, keys, difficulty in (
         ("single press", (IDLE, SHOT), 0.6),
@@ -217,7 +221,7 @@ def position_rows(effort: float) -> list[Row]:
 
 
 def position_shares(way: str, keys: tuple, difficulty: float, n: int) -> tuple[dict[str, float], dict[str, float]]:
-    """Mean shares over the positions that the original's table has for this way to shoot: ours, and its."""
+    """Return the mean shares over the positions that the original's table has for this way to shoot: ours, and its."""
     targets = [row for row in read_data("keeper_positions") if row["way"] == way]
     places = np.array([(float(row["x"]), float(row["y"])) for row in targets]).repeat(n, axis=0)
     shots = shoot(places, np.array(keys)[:, None].repeat(len(places), axis=1), DUEL, (FAR, (1.0, 0.0)), difficulty)
@@ -228,7 +232,7 @@ def position_shares(way: str, keys: tuple, difficulty: float, n: int) -> tuple[d
 
 
 def catch_rows(effort: float) -> list[Row]:
-    """What a keeper does with a caught ball: for how long he holds it, how and how far it leaves him."""
+    """Return what a keeper does with a caught ball: for how long he holds it, how and how far it leaves him."""
     ours = after_catch(max(int(100 * effort), 20))
     grf = read_data("keeper_catches")
     rows = []
@@ -256,7 +260,7 @@ def after_catch(n: int) -> dict[str, float]:
 
 
 def catch(trace: Trace, e: int, gk: int) -> dict[str, float]:
-    """The first time that the keeper of match `e` had the ball and sent it away, empty if he never did."""
+    """Return the first time that the keeper of match `e` had the ball and sent it away, empty if he never did."""
     has = trace.owner[:, e] == gk
     if not has.any():
         return {}

@@ -66,7 +66,7 @@ def play(right_difficulty: float, n: int, steps: int = STEPS) -> Trace:
 
 
 def owning_team(trace: Trace) -> np.ndarray:
-    """Team [T, N] that owns the ball, -1 none."""
+    """Return the team [T, N] that owns the ball, -1 none."""
     return np.where(trace.owner == NOBODY, NOBODY, trace.owner // 11)
 
 
@@ -95,7 +95,9 @@ def events(trace: Trace) -> dict[str, float]:
 
 
 def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
-    """Every change of the owner: the new one's team, and the way of the ball if it is the old one's too, else None."""
+    """Return every change of the owner: the new one's team, and the way of the ball if it is the old one's too, else
+    None.
+    """
     owner = trace.owner[:, match]
     owned = np.flatnonzero(owner != NOBODY)
     found: list[tuple[int, float | None]] = []
@@ -109,7 +111,7 @@ def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
 
 
 def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
-    """Every shot: the team, and where its line crosses the goal line, in m off the middle."""
+    """Return every shot: the team, and where its line crosses the goal line, in m off the middle."""
     ball, owner = trace.ball[:, match, :2], trace.owner[:, match]
     speed = np.linalg.norm(np.diff(ball, axis=0), axis=1) / 0.1
     sudden = np.flatnonzero((speed[1:] > SUDDEN) & (speed[:-1] <= SUDDEN) & (speed[1:] < 60.0)) + 1
@@ -132,7 +134,7 @@ def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
 
 
 def possession(trace: Trace) -> dict[str, float]:
-    """Who owns the ball for how long."""
+    """Return who owns the ball for how long."""
     team = owning_team(trace)[1:]
     owned = team != NOBODY
     return {"possession left": float((team[owned] == 0).mean()), "ball owned": float(owned.mean())}
@@ -152,7 +154,7 @@ def restarts(trace: Trace) -> dict[str, float]:
 
 
 def ways(trace: Trace) -> dict[str, float]:
-    """How far players run."""
+    """Return how far players run."""
     steps = np.linalg.norm(np.diff(trace.places, axis=0), axis=-1)
     way = np.where(steps < TELEPORT, steps, 0.0).sum(axis=0)
     keepers = [0, 11]
@@ -182,7 +184,7 @@ def shape(trace: Trace) -> dict[str, float]:
 
 
 def _of_team(values: np.ndarray, team: np.ndarray) -> np.ndarray:
-    """Of values [T, N, 22, ...] those [T, N, 11, ...] of the players of a team [T, N]."""
+    """Return of values [T, N, 22, ...] those [T, N, 11, ...] of the players of a team [T, N]."""
     right = (team == 1).reshape(*team.shape, *(1,) * (values.ndim - 2))
     return np.where(right, values[:, :, 11:], values[:, :, :11])
 

@@ -87,7 +87,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
-    """One left player who stands at (-0.4, 0.1), the ball at his feet, or far away at a mate's."""
+    """Return one left player who stands at (-0.4, 0.1), the ball at his feet, or far away at a mate's."""
     places = [(-0.4, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
     stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Roster([0, 0, 0, 1], [CB, GK, CF, GK]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[shirt]
@@ -95,7 +95,7 @@ def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
 
 
 def run_keys(with_ball: bool, *pressed: tuple[int, int], shirt: int = 1) -> Trace:
-    """What happens when the runner presses these keys, each for so many steps."""
+    """Return what happens when the runner presses these keys, each for so many steps."""
     stage = runner_stage(with_ball, shirt)
     return stage.play(keys(*pressed, others=(STAND,) * (stage.num_players - 1)))
 
@@ -107,7 +107,9 @@ def run_straight(mode: str, with_ball: bool, steps: int, shirt: int = 1) -> Trac
 
 
 def velocities(trace: Trace, first: int) -> np.ndarray:
-    """Velocity [T, 2] of the runner over each step, as a difference of places; row 0 is the step of index `first`."""
+    """Return the velocity [T, 2] of the runner over each step, as a difference of places; row 0 is the step of index
+    `first`.
+    """
     return np.diff(trace.places[:, 0, 0], axis=0)[first:] / STEP
 
 
@@ -157,7 +159,7 @@ def _curve_row(name: str, error: float, top: float) -> Row:
 
 
 def their_curves() -> dict[str, Curve]:
-    """The original's curves by name."""
+    """Return the original's curves by name."""
     found: dict[str, list[tuple[float, float]]] = {}
     for row in read_data("motion_curves"):
         found.setdefault(row["curve"], []).append((float(row["ahead"]), float(row["aside"])))
@@ -165,19 +167,19 @@ def their_curves() -> dict[str, Curve]:
 
 
 def direction_asked(name: str) -> np.ndarray:
-    """Unit vector [2] of the direction that the last key of a curve asks for; stops keep the old one."""
+    """Return the unit vector [2] of the direction that the last key of a curve asks for; stops keep the old one."""
     angle = np.radians(float(name.split()[-1])) if "turn" in name else 0.0
     return np.array([np.cos(angle), np.sin(angle)])
 
 
 def best_phase(name: str, theirs: Curve) -> list[Curve]:
-    """Our curves of this name that agree best with the original's, over the phases in which the key may come."""
+    """Return our curves of this name that agree best with the original's, over the phases in which the key may come."""
     phases = range(PHASES if "with ball" in name and "start" not in name else 1)
     return min((our_curves(name, phase) for phase in phases), key=lambda found: sum(fit(found[0], theirs)[1]))
 
 
 def our_curves(name: str, phase: int = 0) -> list[Curve]:
-    """The curve of this name as we run it, from four steps before the key: one, or one to either side.
+    """Return the curve of this name as we run it, from four steps before the key: one, or one to either side.
 
     The key comes `phase` steps after the usual run-up.
     """
@@ -197,7 +199,9 @@ def our_curves(name: str, phase: int = 0) -> list[Curve]:
 
 
 def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
-    """The shift in steps at which two curves agree best, and their rms differences there: of speed, and along."""
+    """Return the shift in steps at which two curves agree best, and their rms differences there: of speed, and
+    along.
+    """
     count = len(theirs.velocity)
     found = []
     for shift in SHIFTS:
@@ -208,7 +212,7 @@ def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
 
 
 def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
-    """`count` values from `shift` on; where there are none, the first or the last one."""
+    """Return `count` values from `shift` on; where there are none, the first or the last one."""
     return values[np.clip(np.arange(count) + shift, 0, len(values) - 1)]
 
 
@@ -237,7 +241,7 @@ def slide_rows() -> list[Row]:
 
 
 def slide_speeds(mode: str) -> np.ndarray:
-    """Speed [T] over each step from four steps before the slide key; without the ball."""
+    """Return the speed [T] over each step from four steps before the slide key; without the ball."""
     run = [] if mode == "stand" else [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, 30)]
     stage = Stage([(-0.4, 0.1), (0.9, -0.35)], (0.895, -0.35), Roster([0, 1], [CB, CF]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[1]

@@ -99,13 +99,15 @@ def straight_pass(kind: str, distance: float, repeats: int) -> Trace:
 
 
 def first_moving(trace: Trace) -> np.ndarray:
-    """Index [N] of the first row in which the ball is kicked; the last one if it never is."""
+    """Return the index [N] of the first row in which the ball is kicked; the last one if it never is."""
     fast = np.linalg.norm(trace.ball_velocity[..., :2], axis=-1) > MOVING
     return np.where(fast.any(axis=0), fast.argmax(axis=0), len(fast) - 1)
 
 
 def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
-    """Steps [N] from the kick until another player than the first has it; to the end of the trace if none does."""
+    """Return the steps [N] from the kick until another player than the first has it; to the end of the trace if none
+    does.
+    """
     steps = []
     for k, at in enumerate(start):
         owned = trace.owner[at:, k] > 0

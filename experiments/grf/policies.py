@@ -111,13 +111,13 @@ class Policy:
 
 
 def towards_goal(me: np.ndarray) -> np.ndarray:
-    """The direction key [N] that points best at the middle of the right goal."""
+    """Return the direction key [N] that points best at the middle of the right goal."""
     angle = np.arctan2(GOAL[1] - me["y"], GOAL[0] - me["x"])
     return TOWARDS[np.round(angle / (np.pi / 4)).astype(int) % 8]
 
 
 def policy_named(name: str) -> Policy:
-    """The policy that was measured under this name. Raises ValueError if there is none."""
+    """Return the policy that was measured under this name. Raises ValueError if there is none."""
     simple = {
         "idle": Policy(),
         "random": Policy(finish="random"),

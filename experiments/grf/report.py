@@ -42,7 +42,7 @@ def draw(name: str, folder: Path, effort: float = 1.0) -> None:
 
 
 def render_family(name: str, rows: Sequence[Row]) -> str:
-    """Give a family as a table."""
+    """Return a family as a table."""
     module = family_module(name)
     lines = [[module.TITLE, "     ours", "      GRF", "unit", "difference", "tolerance", "verdict"]]
     for row in rows:

@@ -109,7 +109,7 @@ class Stage:
         return self.trace()
 
     def trace(self) -> Trace:
-        """What was seen so far: row 0 is the beginning, row t the end of step t."""
+        """Return what was seen so far: row 0 is the beginning, row t the end of step t."""
         return Trace(*(np.stack(each) for each in zip(*self._frames, strict=True)))
 
     def _frame(self) -> tuple[np.ndarray, ...]:
@@ -124,7 +124,8 @@ class Stage:
 
 
 def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = True) -> np.ndarray:
-    """Actions `[T, P]` of one player who presses each action for so many steps, and what all others do meanwhile.
+    """Return the actions `[T, P]` of one player who presses each action for so many steps, and what all others do
+    meanwhile.
 
     He is the first player, or with `first` off the last one.
     """

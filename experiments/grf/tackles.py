@@ -79,7 +79,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def slide_row(target: dict[str, str], ours: Outcomes) -> Row:
-    """One way to slide: that of won, foul and nothing which differs most from the original."""
+    """Return one way to slide: that of won, foul and nothing which differs most from the original."""
     grf = Outcomes(*(float(target[name]) for name in ("won", "foul", "yellow")))
     pairs = {
         "won": (ours.won, grf.won),
@@ -92,7 +92,7 @@ def slide_row(target: dict[str, str], ours: Outcomes) -> Row:
 
 
 def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) -> Row:
-    """Yellow cards per foul by a slide, against carriers who stand, or who run or sprint."""
+    """Compare yellow cards per foul by a slide, against carriers who stand, or who run or sprint."""
     which = [k for k, target in enumerate(targets) if (target["carrier"] == "stands") == stands]
     grf = sum(float(targets[k]["yellow"]) for k in which) / sum(float(targets[k]["foul"]) for k in which)
     fouls = sum(ours[k].foul for k in which)
@@ -102,7 +102,9 @@ def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) 
 
 
 def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
-    """A carrier at full speed with the ball, and a tackler so many m from the ball, at rest on that side of him."""
+    """Return a carrier at full speed with the ball, and a tackler so many m from the ball, at rest on that side of
+    him.
+    """
     ball = (START_X + 0.45 / METRES_X, 0.0)
     away = SIDES[side]
     place = (ball[0] + away[0] * distance / METRES_X, ball[1] + away[1] * distance / METRES_Y)
@@ -126,7 +128,7 @@ def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) 
 
 
 def toward_ball(stage: Stage) -> np.ndarray:
-    """The direction keys `[N]` that point best from the tackler to the ball, as he sees the pitch."""
+    """Return the direction keys `[N]` that point best from the tackler to the ball, as he sees the pitch."""
     tackler, ball = stage.matches["players"][:, TACKLER], stage.matches["ball"]
     away = np.column_stack([ball["x"] - tackler["x"], ball["y"] - tackler["y"]])
     key = np.argmax(away @ np.array([DIRECTION_X[1:], DIRECTION_Y[1:]]), axis=1) + 1
@@ -134,7 +136,7 @@ def toward_ball(stage: Stage) -> np.ndarray:
 
 
 def stand_up(carrier: str, side: str, n: int) -> float:
-    """Share of tacklers who win the ball by running at it, sprinting."""
+    """Return the share of tacklers who win the ball by running at it, sprinting."""
     stage = duel(carrier, side, TACKLE_FROM, n)
     won = np.zeros(n, bool)
     for step in range(TACKLE_STEPS):
@@ -165,7 +167,7 @@ def run_at_ball(stage: Stage, side: str) -> None:
 
 
 def dribble_rows(target: dict[str, str], n: int) -> list[Row]:
-    """How often a carrier who runs straight at the goal is stopped, scores, and where he loses the ball."""
+    """Return how often a carrier who runs straight at the goal is stopped, scores, and where he loses the ball."""
     lost, scored, place = run_past(target["carrier"], float(target["ahead"]), float(target["beside"]), n)
     name = f"past one defender, carrier {target['carrier']}, {target['ahead']} m ahead, {target['beside']} m beside"
     rows = [
@@ -178,7 +180,7 @@ def dribble_rows(target: dict[str, str], n: int) -> list[Row]:
 
 
 def run_past(carrier: str, ahead: float, beside: float, n: int, difficulty: float = 0.6) -> tuple[float, float, float]:
-    """Shares of carriers who lose the ball to a built-in back and who score, and the median x of the losses."""
+    """Return shares of carriers who lose the ball to a built-in back and who score, and the median x of the losses."""
     places = [(0.0, 0.0), KEEPERS[0], (ahead / METRES_X, beside / METRES_Y), (-1.0, 0.4)]
     stage = Stage(places, (0.45 / METRES_X, 0.0), ONE_EACH, n=n)
     stage.matches["players"]["skill"][:, TACKLER] = 0.3 + 0.7 * difficulty

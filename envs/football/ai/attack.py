@@ -62,7 +62,7 @@ def meet_free_ball(match, i):
 
 @kernel
 def kicks_himself(match, player):
-    """Tell whether a player may kick: in a team with agents the ball waits for one of them."""
+    """Return whether a player may kick: in a team with agents the ball waits for one of them."""
     return match.num_agents[player.team] == 0
 
 
@@ -80,7 +80,7 @@ def run_by_forces(match, player):
 
 @kernel
 def carrying_speed(player, desired):
-    """The speed in m/s with the ball that suits a desired one; he never stands."""
+    """Return the speed in m/s with the ball that suits a desired one; he never stands."""
     if desired < WALKS:
         return DRIBBLE_SPEED
     return RUN_SPEED if desired < RUNS else player.top_speed
@@ -88,7 +88,7 @@ def carrying_speed(player, desired):
 
 @kernel
 def pull_of_goal(player):
-    """Force 1 towards the goal, or rather towards a place nearer to the player's own lane."""
+    """Return a force of 1 towards the goal, or rather towards a place nearer to the player's own lane."""
     to_x, to_y = attacked_goal_x(player.team) - player.x, -CENTRE_PULL * player.y
     distance = length(to_x, to_y) + 1e-9
     return to_x / distance, to_y / distance
@@ -96,7 +96,7 @@ def pull_of_goal(player):
 
 @kernel
 def push_of_rivals(match, player):
-    """Force away from the opponents around."""
+    """Return the force away from the opponents around."""
     force_x, force_y = 0.0, 0.0
     for j in range(match.num_players):
         rival = match.players[j]
@@ -114,13 +114,13 @@ def push_of_rivals(match, player):
 
 @kernel
 def push_of_goal_line(player):
-    """Force away from the goal lines, but not before the goal."""
+    """Return the force away from the goal lines, but not before the goal."""
     beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / BESIDE_GOAL, 0.0), 1.0)
     return beside * push_of_line(HALF_LENGTH, player.x)
 
 
 @kernel
 def push_of_line(limit, place):
-    """Force away from the nearer of two lines at -limit and limit."""
+    """Return the force away from the nearer of two lines at -limit and limit."""
     near = max(1.0 - (limit - abs(place)) / LINES_RANGE, 0.0)
     return -math.copysign(LINES_PUSH * near * near, place)

@@ -59,7 +59,7 @@ def find_team_in_possession(match):
 
 @kernel
 def arrival_lead(match):
-    """Seconds by which the left team's first player at a free ball is later than the right team's."""
+    """Return the seconds by which the left team's first player at a free ball is later than the right team's."""
     left, right = match.chaser[LEFT], match.chaser[RIGHT]
     if left == NOBODY or right == NOBODY:
         return -1.0 if right == NOBODY else 1.0
@@ -89,7 +89,7 @@ def choose_command(match, i):
 
 @kernel
 def unaware_of_kick(match, player):
-    """Tell whether the ball has just been kicked and a player has not reacted to that yet."""
+    """Return whether the ball has just been kicked and a player has not reacted to that yet."""
     if match.carrier != NOBODY or match.kick_age > FULL_REACTION + 0.5 * STEP:
         return False
     return match.kick_age < reaction_time(player) + (uniform(match) - 0.5) * STEP
@@ -97,7 +97,7 @@ def unaware_of_kick(match, player):
 
 @kernel
 def goes_for_free_ball(match, i):
-    """Tell whether player i runs for a free ball: first of his team at it, and not much later than the opponents."""
+    """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents."""
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
         return False

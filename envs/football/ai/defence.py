@@ -69,7 +69,7 @@ def defend(match, i):
 
 @kernel
 def tackles(match, player):
-    """Tell whether a player tries for a led ball that comes to him, from where he is not behind it.
+    """Return whether a player tries for a led ball that comes to him, from where he is not behind it.
 
     Who marks the carrier waits for that until he has come close to where he will shoot.
     """
@@ -87,7 +87,7 @@ def tackles(match, player):
 
 @kernel
 def may_slide(match, player):
-    """Tell whether a slide reaches a ball that is loose for long enough; teams with agents leave that to them."""
+    """Return whether a slide reaches a ball that is loose for long enough; teams with agents leave that to them."""
     ball, carrier = match.ball, match.players[match.carrier]
     if match.num_agents[player.team] != 0 or apart(ball, carrier) < SLIDE_LOOSE:
         return False
@@ -172,7 +172,7 @@ def mark(match, player):
 
 @kernel
 def loses_patience(match, player, on_ball):
-    """Tell whether a guard attacks an opponent who keeps the ball without getting anywhere, as mates cover him."""
+    """Return whether a guard attacks an opponent who keeps the ball without getting anywhere, as mates cover him."""
     rival = match.players[on_ball]
     if match.carry_age <= PATIENCE or length(own_goal_x(player.team) - rival.x, rival.y) > PRESSED_RANGE:
         return False
@@ -184,7 +184,7 @@ def loses_patience(match, player, on_ball):
 
 @kernel
 def slot_place(match, player):
-    """Place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
+    """Return place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
     x, y = formation_place(match, player)
     ball = match.ball
     if player.slot_x < LINE_SLOT:
@@ -197,7 +197,7 @@ def slot_place(match, player):
 
 @kernel
 def trap_x(match, team):
-    """x behind which guards leave an opponent offside: far behind a far ball, close behind one near the goal."""
+    """Return x behind which guards leave an opponent offside: far behind a far ball, close behind one near the goal."""
     depth = -forward(team) * match.ball.x
     near = min(max((depth - TRAP_FROM) / (TRAP_TO - TRAP_FROM), 0.0), 1.0)
     return -forward(team) * max(depth + TRAP_DEPTH * (1.0 - near), depth + TRAP_LEAST)
@@ -205,7 +205,9 @@ def trap_x(match, team):
 
 @kernel
 def line_x(match, team):
-    """x of a team's back line: it moves with the block, from near the goal to some way out, and not past the ball."""
+    """Return x of a team's back line: it moves with the block, from near the goal to some way out, and not past the
+    ball.
+    """
     ahead = forward(team)
     line = ahead * block_x(match, team) - DEPTH
     line = min(max(line, LINE_NEAREST - HALF_LENGTH), LINE_FARTHEST - HALF_LENGTH)

@@ -52,13 +52,13 @@ def remember_ball(match):
 
 @kernel
 def block_x(match, team):
-    """x of the middle of a team's block, in m."""
+    """Return x of the middle of a team's block, in m."""
     return FOLLOW_SLOW * match.mean_ball_x + FOLLOW_FAST * match.ball.x - forward(team) * SET_BACK
 
 
 @kernel
 def formation_place(match, player):
-    """Place in m of a player's slot."""
+    """Return the place in m of a player's slot."""
     x = block_x(match, player.team) + forward(player.team) * DEPTH * player.slot_x
     y = FOLLOW_ACROSS * match.mean_ball_y + WIDTH * player.slot_y
     return on_pitch(x, y)
@@ -66,7 +66,7 @@ def formation_place(match, player):
 
 @kernel
 def on_pitch(x, y):
-    """The nearest place that is not close to a line."""
+    """Return the nearest place that is not close to a line."""
     limit_x, limit_y = HALF_LENGTH - EDGE, HALF_WIDTH - EDGE
     return min(max(x, -limit_x), limit_x), min(max(y, -limit_y), limit_y)
 

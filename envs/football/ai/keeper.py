@@ -127,7 +127,7 @@ def nearest_mate(match, i, free):
 
 @kernel
 def opposed(match, j, within):
-    """Tell whether player j has an opponent within so many m."""
+    """Return whether player j has an opponent within so many m."""
     player = match.players[j]
     for k in range(match.num_players):
         rival = match.players[k]
@@ -138,7 +138,7 @@ def opposed(match, j, within):
 
 @kernel
 def goes_for_loose_ball(match, i):
-    """Tell whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
+    """Return whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
     player, ball = match.players[i], match.ball
     goal_x = own_goal_x(player.team)
     if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
@@ -154,7 +154,7 @@ def goes_for_loose_ball(match, i):
 
 @kernel
 def lone(match, i):
-    """Tell whether keeper i's team has no other player: every ball in his half is his."""
+    """Return whether keeper i's team has no other player: every ball in his half is his."""
     mates = 0
     for j in range(match.num_players):
         mates += match.players[j].team == match.players[i].team and not match.players[j].has_left
@@ -163,7 +163,8 @@ def lone(match, i):
 
 @kernel
 def boldness(match, i):
-    """Share of the way to the ball that keeper i goes to meet an opponent whom no mate can stop before he shoots.
+    """Return the share of the way to the ball that keeper i goes to meet an opponent whom no mate can stop before he
+    shoots.
 
     0 if one can, 1 if only that opponent is dangerous, less the more an attacker next to him is.
     """
@@ -188,7 +189,9 @@ def boldness(match, i):
 
 @kernel
 def ways_to_shot(match, i, j, range_of_shot):
-    """How far in m opponent j is from where he will shoot, and how far the nearest mate of keeper i is from there."""
+    """Return how far in m opponent j is from where he will shoot, and how far the nearest mate of keeper i is from
+    there.
+    """
     rival = match.players[j]
     goal_x = own_goal_x(match.players[i].team)
     x, y = rival.x + RIVAL_LEAD * rival.vx, rival.y + RIVAL_LEAD * rival.vy
@@ -205,7 +208,7 @@ def ways_to_shot(match, i, j, range_of_shot):
 
 @kernel
 def nearest_to_goal(match, team, but):
-    """The player of `team`, except one, who is nearest to the goal that it attacks; -1 none."""
+    """Return the player of `team`, except one, who is nearest to the goal that it attacks; -1 none."""
     goal_x = -own_goal_x(team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
@@ -261,6 +264,6 @@ def stand(match, i):
 
 @kernel
 def bisector_foot(dx, y):
-    """y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
+    """Return y at which the bisector of the angle from a ball at (dx, y) to both posts meets the goal line."""
     near, far = length(dx, y - GOAL_HALF_WIDTH), length(dx, y + GOAL_HALF_WIDTH)
     return GOAL_HALF_WIDTH * (far - near) / (far + near + 1e-9)

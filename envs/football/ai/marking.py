@@ -25,7 +25,7 @@ TIRED_PRESS = 0.4  # share of the range that the tired lack
 
 @kernel
 def man_on_ball(match, team):
-    """The player of `team` who has the ball or will be first of his team at it, -1 none."""
+    """Return the player of `team` who has the ball or will be first of his team at it, -1 none."""
     i = match.carrier
     if i != NOBODY and match.players[i].team == team:
         return i
@@ -58,7 +58,8 @@ def mark_the_dangerous(match, team):
 
 @kernel
 def most_dangerous(match, team, taken):
-    """The opponent of `team` nearest to a place between its goal and the ball, keepers and the bits `taken` apart.
+    """Return the opponent of `team` nearest to a place between its goal and the ball, keepers and the bits `taken`
+    apart.
 
     Who is on the ball counts as nearer than he is. -1: none.
     """
@@ -78,7 +79,7 @@ def most_dangerous(match, team, taken):
 
 @kernel
 def best_marker(match, team, rival):
-    """The free defender of `team` who marks `rival` best, -1 none."""
+    """Return the free defender of `team` who marks `rival` best, -1 none."""
     best, most = NOBODY, -1.0
     for i in range(match.num_players):
         player = match.players[i]
@@ -92,8 +93,9 @@ def best_marker(match, team, rival):
 
 @kernel
 def marking_quality(player, rival):
-    """How well a player marks an opponent, 0 to 1: from a little way in front of him, seen from the goal; who is past
-    him he marks badly.
+    """Return how well a player marks an opponent, 0 to 1: best from a little way in front of him, seen from the goal.
+
+    Who is past him he marks badly.
     """
     x, y = player.x + MARK_LEAD * player.vx, player.y + MARK_LEAD * player.vy
     dx, dy = rival.x + MARK_LEAD * rival.vx - x, rival.y + MARK_LEAD * rival.vy - y
@@ -142,5 +144,5 @@ def send_pressers(match, team, on_ball):
 
 @kernel
 def pressing_range(player):
-    """Distance in m within which a player presses the opponent on the ball."""
+    """Return the distance in m within which a player presses the opponent on the ball."""
     return PRESS_RANGE * player.skill * (1.0 - TIRED_PRESS * player.tiredness)

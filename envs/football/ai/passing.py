@@ -102,7 +102,7 @@ def best_kind(match, player, mate, own, gain):
 
 @kernel
 def into_run(player, mate, distance):
-    """The place ahead of a mate to which a through ball goes."""
+    """Return the place ahead of a mate to which a through ball goes."""
     to_x, to_y = attacked_goal_x(player.team) - mate.x, -mate.y
     share = LONG_LEAD * distance / max(length(to_x, to_y), 1.0)
     return mate.x + LEAD_TIME * mate.vx + share * to_x, mate.y + LEAD_TIME * mate.vy + share * to_y
@@ -110,13 +110,13 @@ def into_run(player, mate, distance):
 
 @kernel
 def ground_odds(match, player, x, y):
-    """Odds in [0, 1] that a pass along the ground from a player to (x, y) gets past his opponents."""
+    """Return the odds in [0, 1] that a pass along the ground from a player to (x, y) gets past his opponents."""
     return max(1.0 - danger(match, player.team, match.ball.x, match.ball.y, x, y, 0.0, 1.0), 0.0)
 
 
 @kernel
 def high_odds(match, player, x, y):
-    """Odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
+    """Return the odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
     found = danger(match, player.team, match.ball.x, match.ball.y, x, y, OVERHEAD, 1.0)
     return max(1.0 - HIGH_LOSS - found, 0.0)
 

@@ -20,7 +20,7 @@ AHEAD_WIDTH = 0.5  # tangent of half the angle that counts as ahead
 
 @kernel
 def eagerness(player):
-    """Weight of ground gained for a player: the further forward his slot, the greater."""
+    """Return the weight of ground gained for a player: the further forward his slot, the greater."""
     return PROGRESS_LEAST + (PROGRESS_MOST - PROGRESS_LEAST) * 0.5 * (1.0 + player.slot_x)
 
 
@@ -50,7 +50,7 @@ def position_value(match, player, x, y):
 
 @kernel
 def nearest_opponent(match, player):
-    """Distance in m to a player's nearest opponent."""
+    """Return the distance in m to a player's nearest opponent."""
     nearest = math.inf
     for j in range(match.num_players):
         rival = match.players[j]

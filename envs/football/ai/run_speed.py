@@ -34,7 +34,7 @@ def head_for(match, player, x, y):
 
 @kernel
 def gait_speed(player, desired):
-    """The speed in m/s of the body's gaits that is nearest to a desired one."""
+    """Return the speed in m/s of the body's gaits that is nearest to a desired one."""
     if desired < STANDS:
         return 0.0
     if desired < WALKS:
@@ -52,6 +52,6 @@ def go(player, dx, dy, speed):
 
 @kernel
 def reaction_time(player):
-    """Seconds by which a player is behind with what he sees of others."""
+    """Return the seconds by which a player is behind with what he sees of others."""
     ease = (player.skill - (1.0 - SKILL_RANGE)) / SKILL_RANGE
     return FULL_REACTION + (SKILLED_REACTION - FULL_REACTION) * ease

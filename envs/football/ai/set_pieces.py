@@ -170,7 +170,7 @@ def choose_kick(match, taker):
 
 @kernel
 def in_shooting_place(dx, y):
-    """Tell whether a free kick dx m before the goal line is near enough and not too far out for a shot."""
+    """Return whether a free kick dx m before the goal line is near enough and not too far out for a shot."""
     return length(dx, y) < SHOT_RANGE and abs(y) < abs(dx)
 
 

@@ -72,6 +72,6 @@ def shoot(match, player, goal_x, y):
 
 @kernel
 def lane_odds(match, player, x, y):
-    """Odds in [0, 1] that a shot at (x, y) gets past the opponents of a player."""
+    """Return the odds in [0, 1] that a shot at (x, y) gets past the opponents of a player."""
     from_x, from_y = player.x + LANE_LEAD * player.vx, player.y + LANE_LEAD * player.vy
     return max(1.0 - danger(match, player.team, from_x, from_y, x, y, 0.0, FASTER_THAN_PASSES), 0.0)

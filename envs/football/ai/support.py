@@ -58,7 +58,7 @@ def choose_place(match, i):
 
 @kernel
 def support_force(match, i, x, y):
-    """The way in m that leads from (x, y) to a better place for player i: apart from mates, out of shadows."""
+    """Return the way in m that leads from (x, y) to a better place for player i: apart from mates, out of shadows."""
     player, ball = match.players[i], match.ball
     to_x, to_y = x - ball.x, y - ball.y
     distance = math.sqrt(to_x * to_x + to_y * to_y) + 1e-9
@@ -92,7 +92,7 @@ def support_force(match, i, x, y):
 
 @kernel
 def onside_line(match, team):
-    """How far forward in m a player of `team` may stand."""
+    """Return how far forward in m a player of `team` may stand."""
     ahead = forward(team)
     return max(second_last(match, 1 - team, ahead), ahead * match.ball.x, 0.0)
 
@@ -111,7 +111,7 @@ def start_runs(match):
 
 @kernel
 def free_runner(match, team):
-    """The foremost mate of the player on the ball who is onside and free, -1 none."""
+    """Return the foremost mate of the player on the ball who is onside and free, -1 none."""
     ahead = forward(team)
     line = onside_line(match, team)
     best, most = NOBODY, 0.0
@@ -129,7 +129,7 @@ def free_runner(match, team):
 
 @kernel
 def clear_of_opponents(match, player, distance):
-    """Tell whether no opponent is this close to a player."""
+    """Return whether no opponent is this close to a player."""
     for j in range(match.num_players):
         if match.players[j].team != player.team and apart(match.players[j], player) < distance:
             return False

@@ -136,7 +136,7 @@ def active_player(match, team, old):
 
 @kernel
 def receives(match, team):
-    """Tell whether a pass to a player of the team is under way: nobody but the passer has touched it."""
+    """Return whether a pass to a player of the team is under way: nobody but the passer has touched it."""
     if match.receiver == NOBODY or match.last_touch == NOBODY or match.last_touch == match.receiver:
         return False
     return match.players[match.receiver].team == team and match.players[match.last_touch].team == team

@@ -21,7 +21,9 @@ _KINDS = {"none": NO_AGENTS, "active": ACTIVE, "closest1": CLOSEST, "closest2": 
 
 
 def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
-    """Number of agents of a team whose players have these roles `[P]`. Raises ValueError if it cannot have so many."""
+    """Return the number of agents of a team whose players have these roles `[P]`. Raises ValueError if it cannot have
+    so many.
+    """
     text, size = check_control(mode), len(roles)
     if text == "allNonGK":
         keepers = int(np.count_nonzero(roles == GK))
@@ -65,7 +67,7 @@ def release_agents(matches: np.ndarray) -> None:
 
 
 def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
-    """Who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
+    """Return who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
     if mode == "all":
         return np.broadcast_to(np.arange(members.shape[1]), members.shape)
     if mode == "allNonGK":

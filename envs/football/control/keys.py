@@ -118,13 +118,13 @@ def steer(match, i):
 
 @kernel
 def stands_to_pass(player):
-    """Tell whether a player who has asked for a pass plays it from the stand, as he hardly runs yet."""
+    """Return whether a player who has asked for a pass plays it from the stand, as he hardly runs yet."""
     return LONG_PASS <= player.kick < SHOT and length(player.vx, player.vy) < PASS_ON_THE_RUN
 
 
 @kernel
 def drawn_to_ball(match, i):
-    """Tell whether the ball pulls player i: it is free or his own, and no mate is better placed."""
+    """Return whether the ball pulls player i: it is free or his own, and no mate is better placed."""
     player = match.players[i]
     if match.chaser[player.team] != i or match.game_mode != 0:
         return False
@@ -133,7 +133,7 @@ def drawn_to_ball(match, i):
 
 @kernel
 def key_speed(player, with_ball):
-    """Speed in m/s that the sprint and dribble keys ask for."""
+    """Return the speed in m/s that the sprint and dribble keys ask for."""
     if player.sprint:
         return player.top_speed
     if player.dribble:

@@ -34,7 +34,7 @@ def agent_reward(match, agent, checkpoints):
 
 @kernel
 def team_reward(match, checkpoints):
-    """Mean reward of the left team's agents, or of the right one's if the left has none."""
+    """Return the mean reward of the left team's agents, or of the right one's if the left has none."""
     first, last = 0, match.num_agents[LEFT]
     if last == 0:
         last = num_agents(match)
@@ -48,7 +48,7 @@ def team_reward(match, checkpoints):
 
 @kernel
 def side(match, agent):
-    """1 for an agent of the left team, -1 for one of the right team."""
+    """Return 1 for an agent of the left team, -1 for one of the right team."""
     return 1.0 if agent < match.num_agents[LEFT] else -1.0
 
 
@@ -72,5 +72,5 @@ def pay_checkpoints(match):
 
 @kernel
 def threshold(reached):
-    """Distance to the goal at which the next checkpoint lies, when so many are behind."""
+    """Return the distance to the goal at which the next checkpoint lies, when so many are behind."""
     return FIRST_CHECKPOINT - reached * CHECKPOINT_SPAN / (CHECKPOINTS - 1)

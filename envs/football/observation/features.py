@@ -35,12 +35,12 @@ SOON = 1.0  # s, unit of waits
 
 
 def features_size(num_players: int) -> int:
-    """Number of entries for matches of so many players."""
+    """Return the number of entries for matches of so many players."""
     return BASE_SIZE + OTHER_SIZE * (num_players - 1)
 
 
 def features_names(num_players: int) -> tuple[str, ...]:
-    """Names of the entries, in order."""
+    """Return the names of the entries, in order."""
     others = tuple(f"other{i}.{name}" for i in range(1, num_players) for name in OTHER_NAMES)
     return (*SELF_NAMES, *BALL_NAMES, *OWNER_NAMES, *GOAL_NAMES, *COMMAND_NAMES, *CLOCK_NAMES, *others)
 

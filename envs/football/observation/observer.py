@@ -82,7 +82,7 @@ class Observer:
             self.space = space if self._agents == 1 else batch_space(space, self._agents)
 
     def _space(self) -> Box:
-        """Of one agent's array."""
+        """Return the space of one agent's array."""
         if self.kind == FEATURES:
             return Box(-LIMIT, LIMIT, (features_size(self._players),), np.float32)
         if self.kind == SIMPLE115:
@@ -91,7 +91,7 @@ class Observer:
         return Box(0, 255, (HEIGHT, WIDTH, channels), np.uint8)
 
     def room(self, count: int) -> View:
-        """Fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
+        """Make fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
         vectors: tuple[int, ...] = (0,)
         planes: tuple[int, ...] = (0, 0, 0)
         if self.kind in (FEATURES, SIMPLE115):
@@ -102,11 +102,13 @@ class Observer:
         return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 
     def minimap_history(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Room for what must be remembered of `count` matches, see `smm`."""
+        """Make room for what must be remembered of `count` matches, see `smm`."""
         return empty_history(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
 
     def read(self, view: View, matches: np.ndarray) -> Any:
-        """The observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH `[N]`."""
+        """Return the observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH
+        `[N]`.
+        """
         if self.kind == RAW:
             dicts = [raw_observation(matches, agent, self._sizes, right) for agent, right in enumerate(self._rights)]
             return dicts[0] if self._agents == 1 else tuple(dicts)

@@ -21,7 +21,7 @@ SPIN_UNIT = 1e-4  # of `ball_rotation`: rad/s into tenths of rad/ms
 
 
 def raw_space(ours: int, theirs: int) -> Dict:
-    """Give the space of one agent's observation with so many players in its team and in the other one."""
+    """Return the space of one agent's observation with so many players in its team and in the other one."""
     real, whole = np.float64, np.int64
     spaces: dict[str, Space] = {
         "ball": Box(-FAR, FAR, (3,), real),
@@ -82,7 +82,7 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
 
 
 def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
-    """One match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
+    """Return one match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
     found: dict[str, Any] = {name: values[index] for name, values in observation.items()}
     for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
         found[name] = int(found[name])
@@ -92,17 +92,17 @@ def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
 
 
 def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) -> np.ndarray:
-    """Vectors `[..., 2]` or `[..., 3]` in the units and the frame of the observation."""
+    """Return vectors `[..., 2]` or `[..., 3]` in the units and the frame of the observation."""
     return np.stack([x * plane[0], y * plane[1], *z], axis=-1)
 
 
 def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
-    """A field `[N]` of the player `index` `[N]`, -1 where that is nobody."""
+    """Return a field `[N]` of the player `index` `[N]`, -1 where that is nobody."""
     return np.where(index < 0, -1, players[field][np.arange(len(players)), index])
 
 
 def _sticky(players: np.ndarray, me: np.ndarray, right: bool) -> np.ndarray:
-    """The ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
+    """Return the ten sticky actions `[N, 10]` of an agent's player `[N]`: eight directions, sprint, dribble."""
     rows = np.arange(len(players))
     sticky = np.zeros((len(players), 10), np.int8)  # as Gymnasium batches `MultiBinary`
     direction = players["direction"][rows, me]

@@ -24,7 +24,7 @@ HALF_HEIGHT = 1.0 / 2.25  # units of the original from the middle to the upper a
 
 
 def empty_history(count: int, players: int, agents: int) -> tuple[np.ndarray, np.ndarray]:
-    """Room for what is remembered of `count` matches; the frame after t steps stands in slot t modulo FRAMES.
+    """Make room for what is remembered of `count` matches; the frame after t steps stands in slot t modulo FRAMES.
 
     Places `[N, FRAMES, P + 1, 2]` are x and y in units of the original, the ball last; `[N, FRAMES, A]` are the agents'
     players.

@@ -145,7 +145,9 @@ def hit_goal_frame(ball, x, y, z):
 
 @kernel
 def entry_share(a, b, da, db):
-    """Share in [0, 1] of the way (da, db) from (a, b) at which the frame is hit at the origin, -1 if it is not."""
+    """Return the share in [0, 1] of the way (da, db) from (a, b) at which the frame is hit at the origin, -1 if it is
+    not.
+    """
     squared = da * da + db * db
     half = a * da + b * db
     outside = a * a + b * b - FRAME_REACH * FRAME_REACH
@@ -158,14 +160,14 @@ def entry_share(a, b, da, db):
 
 @kernel
 def reflected(va, vb, a, b):
-    """Velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
+    """Return the velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
     inward = (va * a + vb * b) / (a * a + b * b)
     return (va - 2.0 * inward * a) * POST_BOUNCE, (vb - 2.0 * inward * b) * POST_BOUNCE
 
 
 @kernel
 def rolled(speed, time):
-    """Distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
+    """Return the distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
     slowing = GROUND_FRICTION + 0.045 * speed * speed
     time = min(time, speed / slowing)
     return speed * time - 0.5 * slowing * time * time

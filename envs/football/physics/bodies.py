@@ -36,7 +36,7 @@ def keep_on_pitch(player):
 
 @kernel
 def crowded(match):
-    """Tell whether any two players could meet within this step."""
+    """Return whether any two players could meet within this step."""
     for i in range(1, match.num_players):
         a = match.players[i]
         for j in range(i):
@@ -66,7 +66,7 @@ def part_bodies(match):
 
 @kernel
 def beaten(player):
-    """Tell whether a player lies on the ground or has just tried for the ball in vain."""
+    """Return whether a player lies on the ground or has just tried for the ball in vain."""
     return player.down_wait > 0.0 or player.touch_wait > 0.0
 
 

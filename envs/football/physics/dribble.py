@@ -118,7 +118,9 @@ TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Touch(), AtFoot(), TurnBack(), Arc(), B
 
 @kernel
 def run_with_ball(match, i, speed):
-    """Velocity after a step of running with the ball towards the wanted velocity; and decide about the next touch."""
+    """Return the velocity after a step of running with the ball towards the wanted velocity; and decide about the next
+    touch.
+    """
     player, ball = match.players[i], match.ball
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH.reach * TOUCH.reach or ball.z > TOUCH.below:
@@ -169,7 +171,7 @@ def stride_on(ball, player, speed, want, gait):
 
 @kernel
 def out_runs(ball, player, speed, away_x, away_y):
-    """Tell whether the ball is still ahead of a sprinter who has just pushed it on: he cannot but follow."""
+    """Return whether the ball is still ahead of a sprinter who has just pushed it on: he cannot but follow."""
     if speed < BRAKING.sprinting:
         return False
     ahead = (away_x * player.vx + away_y * player.vy) / speed
@@ -180,13 +182,13 @@ def out_runs(ball, player, speed, away_x, away_y):
 
 @kernel
 def turns_off(player, speed, want):
-    """Tell whether a player wants to run elsewhere than he does, by more than a step's arc."""
+    """Return whether a player wants to run elsewhere than he does, by more than a step's arc."""
     return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC.cosine * speed * want
 
 
 @kernel
 def gait_of(player, want):
-    """How a player runs with the ball who wants, or has, this speed."""
+    """Return how a player runs with the ball who wants, or has, this speed."""
     if want < TOUCH.dribble_below:
         return DRIBBLING
     if want < BRAKING.sprinting:
@@ -196,7 +198,7 @@ def gait_of(player, want):
 
 @kernel
 def steered(ball, player, speed, want):
-    """Velocity after a step with the ball, were he not held back by a touch."""
+    """Return the velocity after a step with the ball, were he not held back by a touch."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
@@ -239,13 +241,13 @@ def steered(ball, player, speed, want):
 
 @kernel
 def sprint_gain(speed, top_speed):
-    """Speed in m/s gained in a step of a sprint with the ball."""
+    """Return the speed in m/s gained in a step of a sprint with the ball."""
     return min(gain(speed, top_speed, ARC.effort), ARC.gain * STEP)
 
 
 @kernel
 def eased(player, speed, want, loss):
-    """Velocity after a step in which a sprint with the ball comes down to a slower gait, by `loss` m/s."""
+    """Return the velocity after a step in which a sprint with the ball comes down to a slower gait, by `loss` m/s."""
     new = max(speed - loss, want)
     ux, uy = player.vx / speed, player.vy / speed
     if want > 1e-6:
@@ -255,7 +257,9 @@ def eased(player, speed, want, loss):
 
 @kernel
 def arc(ball, player, speed, want, cosine):
-    """Velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs pace."""
+    """Return the velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs
+    pace.
+    """
     ux, uy = player.vx / speed, player.vy / speed
     turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
     if cosine < ARC.straight and turning > 0.0 and not leaves(ball, player, speed):
@@ -269,7 +273,7 @@ def arc(ball, player, speed, want, cosine):
 
 @kernel
 def leaves(ball, player, speed):
-    """Tell whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
+    """Return whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
     if player.stride < STEP:
         return False
     side = player.vx * player.desired_vy - player.vy * player.desired_vx
@@ -289,7 +293,9 @@ def bent(ux, uy, wx, wy, cosine, sine):
 
 @kernel
 def play_direction(player, vx, vy, want):
-    """Unit vector along which a player wants the ball: where he wants to go, in a sprint not too far off his run v."""
+    """Return the unit vector along which a player wants the ball: where he wants to go, in a sprint not too far off his
+    run v.
+    """
     if want < AT_FOOT.walking:
         return player.facing_x, player.facing_y
     wx, wy = player.desired_vx / want, player.desired_vy / want
@@ -301,7 +307,7 @@ def play_direction(player, vx, vy, want):
 
 @kernel
 def touch_due(ball, player, speed, want, gait):
-    """Seconds until a player goes for his next touch; STEP if he does not in this step."""
+    """Return the seconds until a player goes for his next touch; STEP if he does not in this step."""
     ux, uy = play_direction(player, player.vx, player.vy, want)
     along = ball.vx * ux + ball.vy * uy
     away_x, away_y = ball.x - player.x, ball.y - player.y
@@ -326,7 +332,9 @@ def touch_due(ball, player, speed, want, gait):
 
 @kernel
 def played_at(gait, share):
-    """How far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he wants."""
+    """Return how far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he
+    wants.
+    """
     return GAITS[gait].played_at * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
 
 

@@ -85,7 +85,7 @@ def turn_to_goal(player):
 
 @kernel
 def slowed(player, speed):
-    """Velocity after a step on the ground, in a slide or after a dive."""
+    """Return the velocity after a step on the ground, in a slide or after a dive."""
     player.turning = 0
     if player.is_sliding:
         new = slid(player.down_wait, speed)
@@ -98,7 +98,7 @@ def slowed(player, speed):
 
 @kernel
 def slid(left, speed):
-    """Speed after a step of a slide of which `left` s are left."""
+    """Return the speed after a step of a slide of which `left` s are left."""
     if left > SLIDE.glide:
         return max(speed, min(SLIDE.start + SLIDE.gain * speed, SLIDE.jump))
     if left > SLIDE.stops:
@@ -108,7 +108,7 @@ def slid(left, speed):
 
 @kernel
 def thrown(player):
-    """Velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
+    """Return the velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     size = math.sqrt(dx * dx + dy * dy)
     keep = min(1.0, 2.0 * BRAKING.power * STEP / size) if size > 0.0 else 1.0

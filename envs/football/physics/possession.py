@@ -24,7 +24,7 @@ LANDED = 0.6  # share of its speed that a ball keeps when it comes down
 
 @kernel
 def ball_speed(ball):
-    """Speed of the ball in m/s in the plane."""
+    """Return the speed of the ball in m/s in the plane."""
     return length(ball.vx, ball.vy)
 
 
@@ -119,7 +119,7 @@ def compare_owner(match):
 
 @kernel
 def owns(ball, player):
-    """Tell whether the last player at the ball possesses it: near, low and hardly faster than he is."""
+    """Return whether the last player at the ball possesses it: near, low and hardly faster than he is."""
     dx = ball.x - player.x - OWNED_LEAD * player.vx - OWNED_AHEAD * player.facing_x
     dy = ball.y - player.y - OWNED_LEAD * player.vy - OWNED_AHEAD * player.facing_y
     slip_x, slip_y = ball.vx - player.vx, ball.vy - player.vy

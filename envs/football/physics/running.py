@@ -53,7 +53,7 @@ UNDER_WAY = 0.5 - SURE  # m/s
 
 @kernel
 def run_free(player, speed):
-    """Velocity after a step of running without the ball towards the wanted velocity."""
+    """Return the velocity after a step of running without the ball towards the wanted velocity."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
@@ -73,7 +73,7 @@ def run_free(player, speed):
 
 @kernel
 def straight(player, speed):
-    """Tell whether a player already runs where he wants to run, only not yet as fast: there is nothing to answer."""
+    """Return whether a player already runs where he wants to run, only not yet as fast: there is nothing to answer."""
     if speed < UNDER_WAY:
         return False
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
@@ -83,7 +83,7 @@ def straight(player, speed):
 
 @kernel
 def effort_now(steps, speed):
-    """Share of full effort after so many steps of turning."""
+    """Return the share of full effort after so many steps of turning."""
     steps = min(steps, 3)
     if speed < BRAKING.slow:
         return LAG_FROM_REST[steps]
@@ -122,7 +122,7 @@ def redirect(player, want, braking, effort, fresh, off):
 
 @kernel
 def gain(speed, top_speed, effort):
-    """Speed in m/s gained in a step by a player who runs straight as hard as he can."""
+    """Return the speed in m/s gained in a step by a player who runs straight as hard as he can."""
     if speed <= 0.0:
         return START.jump * effort
     if speed < START.jump - SURE:

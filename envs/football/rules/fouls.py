@@ -74,7 +74,7 @@ def judge_foul(match, over):
 
 @kernel
 def keeps_ball(match, team):
-    """Tell whether `team` still has the ball, as its last touch says."""
+    """Return whether `team` still has the ball, as its last touch says."""
     return match.last_touch != NOBODY and match.players[match.last_touch].team == team
 
 

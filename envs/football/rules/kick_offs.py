@@ -43,7 +43,7 @@ def second_half(match):
 
 @kernel
 def swaps(match, team):
-    """Tell whether the teams take each other's start positions when `team` kicks off."""
+    """Return whether the teams take each other's start positions when `team` kicks off."""
     left = 0
     for i in range(match.num_players):
         left += match.players[i].team == 0

@@ -36,7 +36,7 @@ def mark_offside(match, toucher):
 
 @kernel
 def second_last(match, team, ahead):
-    """How far forward (towards its own goal) the second-last player of `team` stands, in m; -inf without one."""
+    """Return how far forward (towards its own goal) the second-last player of `team` stands, in m; -inf without one."""
     last, second = -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]

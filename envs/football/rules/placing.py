@@ -55,7 +55,7 @@ def place_players(match):
 
 @kernel
 def block_place(match, i, taking, way):
-    """Place of player i in his team's block for this restart: his slot, drawn to what matters."""
+    """Return the place of player i in his team's block for this restart: his slot, drawn to what matters."""
     player, ball = match.players[i], match.ball
     back, front, focus, pull, wide, focus_y, pull_y, near = block(match.game_mode, taking, way * ball.x)
     ahead = back + 0.5 * (1.0 + player.slot_x) * (front - back)
@@ -75,8 +75,10 @@ def block_place(match, i, taking, way):
 
 @kernel
 def block(mode, taking, ball):
-    """The block of a team, for a ball this far ahead: back, front, focus ahead (m) and its pull; its half width as a
-    share of the pitch's; the focus across as a share of the ball's y, its pull; and the pull of the ball itself.
+    """Return the block of a team, for a ball this far ahead.
+
+    Back, front, focus ahead (m) and its pull; half its width as a share of the pitch's; the focus across as a share of
+    the ball's y, its pull; and the pull of the ball itself.
     """
     along = 0.5 + 0.5 * min(max(ball / HALF_LENGTH, -1.0), 1.0)  # 0 at the own goal, 1 at the other
     if mode == GOAL_KICK:
@@ -116,7 +118,7 @@ def untangle(match):
 
 @kernel
 def shares_place(match, i):
-    """Tell whether somebody before player i stands where he does."""
+    """Return whether somebody before player i stands where he does."""
     player, others = match.players[i], 0
     for j in range(i):
         others += apart(player, match.players[j]) < SAME_PLACE
@@ -125,7 +127,7 @@ def shares_place(match, i):
 
 @kernel
 def kept_away(match, x, y, way):
-    """The place nearest to (x, y) that is far enough from the ball; at a penalty, outside the box too."""
+    """Return the place nearest to (x, y) that is far enough from the ball; at a penalty, outside the box too."""
     ball = match.ball
     distance = THROW_IN_DISTANCE if match.game_mode == THROW_IN else DISTANCE
     if match.game_mode > THROW_IN:

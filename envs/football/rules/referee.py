@@ -74,7 +74,7 @@ def judge(match):
 
 @kernel
 def in_goal(ball):
-    """Tell whether a ball beyond the goal line crossed it inside the frame."""
+    """Return whether a ball beyond the goal line crossed it inside the frame."""
     beyond = abs(ball.x) - HALF_LENGTH - OUT_MARGIN
     time = beyond / abs(ball.vx) if abs(ball.vx) > 0.0 else 0.0
     y, z = ball.y - time * ball.vy, ball.z - time * ball.vz
@@ -98,7 +98,7 @@ def judge_out(match):
 
 @kernel
 def other_team(match):
-    """Team that did not touch the ball last; if nobody has, the one that defends this half."""
+    """Return the team that did not touch the ball last; if nobody has, the one that defends this half."""
     if match.last_touch == NOBODY:
         return RIGHT if match.ball.x > 0.0 else LEFT
     return 1 - match.players[match.last_touch].team

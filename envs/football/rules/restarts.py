@@ -38,7 +38,7 @@ def set_up(match):
 
 @kernel
 def run_up(match, team):
-    """Where the taker starts: a direction off the ball, and how far along it, in m."""
+    """Return where the taker starts: a direction off the ball, and how far along it, in m."""
     ball = match.ball
     backward = -forward(team)
     if match.game_mode == FREE_KICK:

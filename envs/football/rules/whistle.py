@@ -15,7 +15,7 @@ KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 
 @kernel
 def off_pitch(match):
-    """Tell whether the ball's centre is beyond a line; just after a set piece side lines do not count."""
+    """Return whether the ball's centre is beyond a line; just after a set piece side lines do not count."""
     ball = match.ball
     beside = abs(ball.y) > HALF_WIDTH + OUT_MARGIN and match.line_wait <= 1e-9
     return beside or abs(ball.x) > HALF_LENGTH + OUT_MARGIN

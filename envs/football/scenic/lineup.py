@@ -45,7 +45,7 @@ class NotAMatchError(ValueError):
 
 
 def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> NotAMatchError:
-    """The error for one place of a program, its line underlined."""
+    """Return the error for one place of a program, its line underlined."""
     error = NotAMatchError(str(program.error("unsupported", message, place, hint)))
     error.place = place
     return error
@@ -105,7 +105,7 @@ class Lineup:
         return kick_off(positions[:, self.players], positions[:, self.ball], self.roster, seeds, self.config)
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
-        """Team and role of one object."""
+        """Return the team and role of one object."""
         name, place = self.program.objects[index].class_name, self.program.objects[index].place
         team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
         if not isinstance(team, str) or team not in TEAMS:
@@ -138,7 +138,9 @@ class Lineup:
 
 
 def _settings(program: Program) -> MatchConfig:
-    """The settings among the parameters of a program; a value that does not fit is refused where it is written."""
+    """Return the settings among the parameters of a program; a value that does not fit is refused where it is
+    written.
+    """
     chosen = {name: place for name, place in program.param_places.items() if name in SETTINGS}
     for name, place in chosen.items():
         kind = type(getattr(MatchConfig(), name))

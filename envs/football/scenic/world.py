@@ -34,7 +34,7 @@ FACTS = ("time", "steps_left", "score_left", "score_right", "game_mode")
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
-    """The live properties of one object."""
+    """Return the live properties of one object."""
     live: dict[str, Value] = {
         "position": Vector(fields["x"], fields["y"]),
         "velocity": Vector(fields["vx"], fields["vy"]),
@@ -58,7 +58,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
 
 
 def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
-    """What `simulation()` gives: the state of the game under the names that Scenic4RL's programs use."""
+    """Return what `simulation()` gives: the state of the game under the names that Scenic4RL's programs use."""
     players = [each for each in objects if not is_ball(each)]
     left = [each for each in players if each.properties["team"] == "left"]
     right = [each for each in players if each.properties["team"] == "right"]
@@ -101,6 +101,7 @@ def command(value: Value, instance: Instance) -> Value:
 
 
 def is_ball(instance: Instance) -> bool:
+    """Return whether an object is the ball."""
     return any(each.name == "Ball" for each in instance.cls.lineage())
 
 

@@ -125,7 +125,7 @@ def meet(match, i, distance):
 
 @kernel
 def too_sudden(match):
-    """Tell whether the ball has just been struck so hard that it meets nobody but whom it hits."""
+    """Return whether the ball has just been struck so hard that it meets nobody but whom it hits."""
     return match.was_kicked and match.kick_age < TRAP.sudden_age and ball_speed(match.ball) > TRAP.sudden_speed
 
 

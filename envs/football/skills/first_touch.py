@@ -50,7 +50,9 @@ CONTROL = Control()
 
 @kernel
 def difficulty(match, player):
-    """How hard a ball is to play: how far off it jumps, how high, and how much of its way it keeps, each 0 to 1."""
+    """Return how hard a ball is to play: how far off it jumps, how high, and how much of its way it keeps, each 0 to
+    1.
+    """
     ball = match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
     away = length(
@@ -71,7 +73,9 @@ def difficulty(match, player):
 
 @kernel
 def surprised(match, player):
-    """Share in [0, 1], falling with the time since an opponent's last touch, of what a player can be surprised."""
+    """Return the share in [0, 1], falling with the time since an opponent's last touch, of what a player can be
+    surprised.
+    """
     if not match.was_kicked or match.last_touch == NOBODY or match.players[match.last_touch].team == player.team:
         return 0.0
     return max(1.0 - match.kick_age / CONTROL.surprise_time, 0.0)

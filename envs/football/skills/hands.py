@@ -54,7 +54,7 @@ HOLD_STEPS = 3  # steps for which a keeper keeps the ball at least
 
 @kernel
 def has_hands(match, i):
-    """Tell whether player i may use his hands: a keeper in his box, unless a mate has kicked the ball to him."""
+    """Return whether player i may use his hands: a keeper in his box, unless a mate has kicked the ball to him."""
     player = match.players[i]
     if player.role != GK or not in_box_of(player.team, player.x, player.y):
         return False
@@ -64,7 +64,7 @@ def has_hands(match, i):
 
 @kernel
 def can_hold(match, speed):
-    """Tell whether a ball of this speed in m/s sticks in the hands: not a fast one, nor one just kicked."""
+    """Return whether a ball of this speed in m/s sticks in the hands: not a fast one, nor one just kicked."""
     fresh = max(1.0 - match.kick_age / HOLD.age, 0.0)
     return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh) >= HOLD.from_ease
 

@@ -105,7 +105,9 @@ def swing_legs(match):
 
 @kernel
 def heading(player):
-    """Direction as a unit vector of the run, or else of the run that is wanted, or where he looks; speed in m/s."""
+    """Return the direction as a unit vector of the run, or else of the run that is wanted, or where he looks; speed in
+    m/s.
+    """
     speed = length(player.vx, player.vy)
     if speed > STANDS:
         return player.vx / speed, player.vy / speed, speed
@@ -116,7 +118,7 @@ def heading(player):
 
 @kernel
 def swing_time(match, player):
-    """Seconds from the command to the contact: longer across the run, round the body, and at a sprint."""
+    """Return the seconds from the command to the contact: longer across the run, round the body, and at a sprint."""
     hx, hy, speed = heading(player)
     dx, dy = player.aim_x - player.x, player.aim_y - player.y
     starting = speed > STANDS or player.direction > 0
@@ -132,7 +134,7 @@ def swing_time(match, player):
 
 @kernel
 def delay(kick, angle, speed, starting, distance):
-    """Mean seconds from the command to the contact of a kick over `distance`, `angle` rad off the run."""
+    """Return the mean seconds from the command to the contact of a kick over `distance`, `angle` rad off the run."""
     turn = SWING.round * min(max((angle - SWING.round_from) / (SWING.round_by - SWING.round_from), 0.0), 1.0)
     if speed > SWING.running_from:
         time, full, turn = SWING.running, SWING.across_running, SWING.round_running if angle > BEHIND.angle else 0.0
@@ -171,7 +173,7 @@ def swing_frame(match):
 
 @kernel
 def gauge(held):
-    """How full the gauge is, 0 to 1, after so many steps of holding the button."""
+    """Return how full the gauge is, 0 to 1, after so many steps of holding the button."""
     return min(max((GAUGE.step * held - GAUGE.least) / GAUGE.range, 0.0), 1.0)
 
 

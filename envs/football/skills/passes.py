@@ -86,7 +86,7 @@ def aim_pass(match, i, ux, uy, gauge):
 
 @kernel
 def place_of(ball, mate):
-    """Where a mate will be when he takes a pass of this ball."""
+    """Return where a mate will be when he takes a pass of this ball."""
     time = CHOICE.lead_first + CHOICE.lead_per_metre * length(mate.x - ball.x, mate.y - ball.y)
     time = CHOICE.lead_longest * min(time, 1.0) ** CHOICE.lead_power
     return mate.x + time * mate.vx, mate.y + time * mate.vy
@@ -118,7 +118,7 @@ def choose_mate(match, i, ux, uy, gauge):
 
 @kernel
 def look_ahead(kick, gauge):
-    """Metres ahead of the passer of the place that mates are rated by."""
+    """Return the metres ahead of the passer of the place that mates are rated by."""
     power = CHOICE.power_high if kick == HIGH_PASS else (CHOICE.power_long if kick == LONG_PASS else CHOICE.power_short)
     return max(CHOICE.farthest * gauge**power, CHOICE.nearest)
 

@@ -136,7 +136,7 @@ def follow_shot(match, player, goal_x):
 
 @kernel
 def save_chance(player, gap, time):
-    """Chance of saving a shot that passes `gap` m away and crosses the line in `time` s."""
+    """Return the chance of saving a shot that passes `gap` m away and crosses the line in `time` s."""
     if not in_box_of(player.team, player.x, player.y):
         return SAVE.foot_chance * max(1.0 - (gap / SAVE.foot_gap) ** 2, 0.0)
     wide = min(max((gap - SAVE.gap_near) / SAVE.gap_wide, 0.0), 1.0)

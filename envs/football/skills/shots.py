@@ -122,7 +122,7 @@ def eased(x, weight):
 
 @kernel
 def angle_between(ax, ay, bx, by):
-    """Angle in rad from direction a to direction b, positive to the left."""
+    """Return the angle in rad from direction a to direction b, positive to the left."""
     return math.atan2(ax * by - ay * bx, ax * bx + ay * by)
 
 
@@ -150,7 +150,9 @@ def strike(match, player, ux, uy, power):
 
 @kernel
 def run_at_contact(player):
-    """Direction and speed in m/s of the body when the foot meets the ball; who stands steps in where he looks."""
+    """Return the direction and speed in m/s of the body when the foot meets the ball; who stands steps in where he
+    looks.
+    """
     speed = length(player.vx, player.vy)
     if speed < POWER.step_in:
         return player.facing_x, player.facing_y, POWER.step_in
@@ -159,7 +161,9 @@ def run_at_contact(player):
 
 @kernel
 def force_of(player, along, speed, power):
-    """Speed in m/s that is meant: by the gauge, less across the run and from the stand, and what he has in him."""
+    """Return the speed in m/s that is meant: by the gauge, less across the run and from the stand, and what he has in
+    him.
+    """
     share = (0.7 + 0.3 * along) * (0.7 + 0.3 * min(speed / 8.0, 1.0) ** 0.3)
     force = share * POWER.full * (POWER.least + POWER.gauge * math.sqrt(power))
     stand = POWER.stand_share + (POWER.run_share - POWER.stand_share) * min(
@@ -171,7 +175,7 @@ def force_of(player, along, speed, power):
 
 @kernel
 def ease(along, speed, meeting, force):
-    """How easy the shot is, 0 to 1: along the run, at a jog, with a still ball, without effort."""
+    """Return how easy the shot is, 0 to 1: along the run, at a jog, with a still ball, without effort."""
     jog = 1.0 - min(abs(speed - HARD.easy_speed) / HARD.speed_range, 1.0)
     still = 1.0 - meeting * HARD.volley_skill
     calm = eased(1.0 - min(max((force - HARD.effort_from) / HARD.effort_range, 0.0), 1.0), 1.0)
@@ -183,7 +187,7 @@ def ease(along, speed, meeting, force):
 
 @kernel
 def bad_direction(match, rx, ry, ux, uy, hard):
-    """Unit vector of a bad shot: between shot and run, scattered, and too high."""
+    """Return the unit vector of a bad shot: between shot and run, scattered, and too high."""
     drag = BAD.drag * hard
     x, y = drag * rx + (1.0 - drag) * ux, drag * ry + (1.0 - drag) * uy
     size = length(x, y) + 1e-9

@@ -69,7 +69,7 @@ SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is fro
 
 @kernel
 def in_tackle_reach(match, i, distance):
-    """Tell whether player i, this far from the ball, tries for it, past the carrier's body if need be.
+    """Return whether player i, this far from the ball, tries for it, past the carrier's body if need be.
 
     Who stands idly beside a carrier who stands does not.
     """
@@ -86,7 +86,7 @@ def in_tackle_reach(match, i, distance):
 
 @kernel
 def goes_for_ball(match, i, distance):
-    """Tell whether the way that player i wants to go leads to the ball, this far from him; who stands lets it come.
+    """Return whether the way that player i wants to go leads to the ball, this far from him; who stands lets it come.
 
     A built-in player does not try past the carrier's body, nor when they run at each other too fast.
     """
@@ -125,7 +125,7 @@ def tackle(match, i):
 
 @kernel
 def share_of_skill(player):
-    """Share of the chance to win the ball that a player of his skill has; 1 for the one who was measured."""
+    """Return the share of the chance to win the ball that a player of his skill has; 1 for the one who was measured."""
     return TACKLE.skill_least + (TACKLE.skill_most - TACKLE.skill_least) * player.skill
 
 
@@ -157,7 +157,9 @@ def slide_into(match, i, distance):
 
 @kernel
 def foul_chance(front, runs):
-    """Chance that a slide fells the carrier: from the side nearly always, from behind if he runs, seldom frontal."""
+    """Return the chance that a slide fells the carrier: from the side nearly always, from behind if he runs, seldom
+    frontal.
+    """
     if abs(front) < SIDE_COSINE:
         return SLIDING.foul_side_running if runs else SLIDING.foul_side
     if front > 0.0:
@@ -167,7 +169,7 @@ def foul_chance(front, runs):
 
 @kernel
 def frontal(player, carrier):
-    """Cosine of where a player comes from, seen from the carrier: 1 from ahead of him, -1 from behind."""
+    """Return the cosine of where a player comes from, seen from the carrier: 1 from ahead of him, -1 from behind."""
     ux, uy = toward(player.x - carrier.x, player.y - carrier.y)
     return ux * carrier.facing_x + uy * carrier.facing_y
 
@@ -184,7 +186,7 @@ def win(match, i):
 
 @kernel
 def within_reach(match, i, widest):
-    """Share of player i's chance to win the ball that is left by a carrier who swerves across his reach.
+    """Return the share of player i's chance to win the ball that is left by a carrier who swerves across his reach.
 
     At `widest` m/s across it the ball cannot be won.
     """

@@ -45,7 +45,7 @@ Point = tuple[float, float]
 
 
 def act(observation: Mapping[str, Any]) -> int:
-    """Give the action, 0 to 18, for a `raw` observation (a dict as Google Research Football gives it)."""
+    """Return the action, 0 to 18, for a `raw` observation (a dict as Google Research Football gives it)."""
     pitch = Pitch(observation)
     if observation["game_mode"] != NORMAL:
         return restart(pitch, observation)
@@ -98,7 +98,9 @@ def attack(pitch: Pitch) -> int:
 
 
 def best_mate(pitch: Pitch) -> Point | None:
-    """A mate to whom the way is free, the closer to the goal the better; none if all of them are worse placed."""
+    """Return a mate to whom the way is free, the closer to the goal the better; none if all of them are worse
+    placed.
+    """
     best, best_worth = None, -8.0
     for mate in pitch.mates:
         distance = _distance(pitch.me, mate)
@@ -112,7 +114,7 @@ def best_mate(pitch: Pitch) -> Point | None:
 
 
 def dribble_direction(pitch: Pitch) -> int:
-    """The direction that gains most ground towards the goal and leads past the opponents."""
+    """Return the direction that gains most ground towards the goal and leads past the opponents."""
     goal = _unit(pitch.me, GOAL)
     best, best_worth = 5, -math.inf
     for action, (dx, dy) in enumerate(DIRECTIONS, start=1):
@@ -132,7 +134,7 @@ def dribble_direction(pitch: Pitch) -> int:
 
 
 def _shot_direction(pitch: Pitch) -> int:
-    """The direction that points at the goal; from the side, its far half."""
+    """Return the direction that points at the goal; from the side, its far half."""
     x, y = pitch.me
     return _towards((x, y), (GOAL[0], -math.copysign(min(abs(y), 2.0), y)))
 
@@ -188,19 +190,19 @@ def _distance(a: Point, b: Point) -> float:
 
 
 def _unit(a: Point, b: Point) -> Point:
-    """Unit vector from a to b."""
+    """Return the unit vector from a to b."""
     size = _distance(a, b) + 1e-9
     return (b[0] - a[0]) / size, (b[1] - a[1]) / size
 
 
 def _towards(a: Point, b: Point) -> int:
-    """The action 1 to 8 that leads best from a to b."""
+    """Return the action 1 to 8 that leads best from a to b."""
     ux, uy = _unit(a, b)
     return max(range(1, 9), key=lambda action: DIRECTIONS[action - 1][0] * ux + DIRECTIONS[action - 1][1] * uy)
 
 
 def _blocked(pitch: Pitch, mate: Point) -> bool:
-    """Whether an opponent stands in the way of a pass."""
+    """Return whether an opponent stands in the way of a pass."""
     ux, uy = _unit(pitch.me, mate)
     distance = _distance(pitch.me, mate)
     for rival in pitch.rivals:

@@ -53,7 +53,7 @@ CARD: Colour = (255, 214, 0)
 
 
 def draw_match(match: Any) -> np.ndarray:
-    """Give a moment of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
+    """Return a moment of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
 
     Keepers wear other colours, whom agents move has a yellow ring, a nose shows where a player looks, the ball's shadow
     lies where it is above the ground. The bar tells score, time, and what is to be taken.
@@ -135,14 +135,14 @@ def _at(x: float, y: float) -> tuple[float, float]:
 
 
 def _disc(draw: ImageDraw, centre: tuple[float, float], radius: float, **colours: Any) -> None:
-    """A disc with its centre and radius in pixels."""
+    """Draw a disc with its centre and radius in pixels."""
     x, y = centre
     draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colours)
 
 
 @cache
 def _pitch() -> Image:
-    """The empty pitch."""
+    """Return the empty pitch."""
     from PIL import Image
     from PIL.ImageDraw import Draw
 
@@ -165,7 +165,7 @@ def _pitch() -> Image:
 
 
 def _draw_net(draw: ImageDraw, side: int) -> None:
-    """The net behind one goal line."""
+    """Draw the net behind one goal line."""
     inner, outer = side * HALF_LENGTH, side * (HALF_LENGTH + GOAL_DEPTH)
     for step in range(9):
         y = -GOAL_HALF_WIDTH + step * GOAL_HALF_WIDTH / 4
@@ -223,7 +223,7 @@ def _draw_bar(draw: ImageDraw, match: Any) -> None:
 
 
 def _faded(colour: Colour) -> Colour:
-    """A player on the ground."""
+    """Draw a player on the ground."""
     return tuple(round(0.55 * part + 0.45 * grass) for part, grass in zip(colour, GRASS[0], strict=True))  # type: ignore[return-value]
 
 

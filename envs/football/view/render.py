@@ -96,22 +96,22 @@ class FootballPainter:
             self.bounds = (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
 
     def lines(self) -> list[np.ndarray]:
-        """Give the markings of the pitch, those of the half that is shown."""
+        """Return the markings of the pitch, those of the half that is shown."""
         return [strip for strip in pitch_lines() if self.bounds[0] < -MARGIN or (strip[:, 0] >= 0).any()]
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Give the places in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
+        """Return the places in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
         return self.places(self._lineup.starts(theta, np.zeros(len(theta), np.uint64)))
 
     def places(self, matches: np.ndarray) -> np.ndarray:
-        """Give the places in matches MATCH `[N]` under way: `[N, K, 2]` m."""
+        """Return the places in matches MATCH `[N]` under way: `[N, K, 2]` m."""
         players = matches["players"][:, : len(self.classes) - 1]
         people = np.stack([players["x"], players["y"]], -1)  # [N, P, 2]
         ball = np.stack([matches["ball"]["x"], matches["ball"]["y"]], -1)  # [N, 2]
         return np.concatenate([people, ball[:, None]], 1)
 
     def frame(self, env: HasMatches) -> np.ndarray:
-        """Give the places in the first match of `env` as it stands: `[K, 2]` m."""
+        """Return the places in the first match of `env` as it stands: `[K, 2]` m."""
         return self.places(env.matches[:1])[0]
 
     def draw(self, axes: Axes, theta: np.ndarray, dots: float = 60.0) -> None:
@@ -122,7 +122,7 @@ class FootballPainter:
 
 
 def pitch_lines() -> list[np.ndarray]:
-    """Give the markings of a whole pitch as strips `[n, 2]` in metres."""
+    """Return the markings of a whole pitch as strips `[n, 2]` in metres."""
     x, y = HALF_LENGTH, HALF_WIDTH
     strips = [
         np.array([[-x, -y], [x, -y], [x, y], [-x, y], [-x, -y]]),
