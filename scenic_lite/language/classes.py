@@ -216,7 +216,7 @@ def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
     if dialect == 2:
         seen_corner: Value = False
         for corner in outline(seen):
-            seen_corner = apply(OR, seen_corner, view.contains(corner), kind="truth")
+            seen_corner = apply(OR, seen_corner, view.contains(corner))
         return seen_corner
     sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
     return apply(SECTOR_MEETS, *sector, *rectangle_of(seen))

@@ -113,7 +113,7 @@ def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Va
     """Draw as `draw_integers` does, with random ends; a scene whose range is empty is rejected."""
     column = scope.draw("integers", scope.place(node))
     first, last = apply(CEILING, low), apply(FLOOR, high)
-    filled = apply(LESS_EQUAL, first, last, kind="truth")
+    filled = apply(LESS_EQUAL, first, last)
     scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
     column.shown = RandomExpr(integer_between, (column, first, last))
     column.low, column.high = math.nan, math.nan

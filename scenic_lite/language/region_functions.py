@@ -74,7 +74,7 @@ def polygon(
     from scenic_lite.values import shapes
 
     numbers = [part for corner in corners for part in (corner.x, corner.y)]
-    return ShapeRegion(apply(shapes.POLYGON, *numbers, kind="any"), field)
+    return ShapeRegion(apply(shapes.POLYGON, *numbers), field)
 
 
 def reshaped(scope: Scope, node: ast.AST, source: Value, orientation: VectorField | None) -> Region:

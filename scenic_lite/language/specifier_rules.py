@@ -195,7 +195,7 @@ def not_visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSp
         container = self.properties["regionContainedIn"] or scope.state.workspace
         if container is None:
             raise ScenicError("value", "`not visible` needs a workspace to draw from")
-        return Filtered(container, lambda point: apply(NOT, view.contains(point), kind="truth"))
+        return Filtered(container, lambda point: apply(NOT, view.contains(point)))
 
     return in_or_out_of_sight(scope, node, Sight(viewer, False), hidden)
 

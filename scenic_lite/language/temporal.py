@@ -234,7 +234,7 @@ class Check:
 
 def possible(formula: Formula, value: Callable[[ast.expr], Value]) -> Value:
     """Whether a formula is not yet false after the first step; of many samples if `value` says so."""
-    return apply(NOT, known(formula, value, False), kind="truth")
+    return apply(NOT, known(formula, value, False))
 
 
 def known(formula: Formula, value: Callable[[ast.expr], Value], truth: bool) -> Value:
@@ -243,10 +243,10 @@ def known(formula: Formula, value: Callable[[ast.expr], Value], truth: bool) -> 
         return formula.value is truth
     if isinstance(formula, Atom):
         holds = value(formula.expression)
-        return holds if truth else apply(NOT, holds, kind="truth")
+        return holds if truth else apply(NOT, holds)
     if isinstance(formula, Not):
         return known(formula.operand, value, not truth)
     if isinstance(formula, Both):
         parts: list[Any] = [known(side, value, truth) for side in (formula.left, formula.right)]
-        return apply(AND if truth else OR, *parts, kind="truth")
+        return apply(AND if truth else OR, *parts)
     return known(formula.right, value, True) if truth and isinstance(formula, Until) else False

@@ -226,9 +226,9 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
             allowed = [instance.properties["allowCollisions"] for instance in (a, b)]
             if any(isinstance(value, RandomExpr) for value in allowed) and True not in allowed:
                 meets = apply(RECTANGLES_MEET, *rectangle_of(a), *rectangle_of(b))
-                excused = apply(OR, *allowed, kind="truth")
+                excused = apply(OR, *allowed)
                 constraint = Constraint(f"{b.title()} overlaps {a.title()}", b.place, "overlap")
-                yield constraint, apply(OR, excused, apply(NOT, meets, kind="truth"), kind="truth")
+                yield constraint, apply(OR, excused, apply(NOT, meets))
 
 
 def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
@@ -240,7 +240,7 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
             continue
         seen = can_see(ego, instance, state.dialect)
         if isinstance(required, RandomExpr):
-            seen = apply(OR, seen, apply(NOT, required, kind="truth"), kind="truth")
+            seen = apply(OR, seen, apply(NOT, required))
         if seen is not True:
             label = f"{instance.title()} is not visible from {ego.title()}"
             yield Constraint(label, instance.place, "visibility"), seen
@@ -254,6 +254,6 @@ def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constrai
             continue
         seen = can_see(viewer, instance, state.dialect)
         label = f"{instance.title()} is {'not ' if visible else ''}visible from {viewer.title()}"
-        holds = seen if visible else apply(NOT, seen, kind="truth")
+        holds = seen if visible else apply(NOT, seen)
         if holds is not True:
             yield Constraint(label, instance.place, "visibility"), holds

@@ -65,7 +65,7 @@ def remainder(a: Region, b: Region) -> Region:
     if isinstance(a, PointSetRegion):
         return chosen_points(a, b, kept=False)
     if isinstance(a, Filtered | Everywhere) or isinstance(b, Filtered | PointSetRegion):
-        return Filtered(a, lambda point: apply(NOT, b.contains(point), kind="truth"))
+        return Filtered(a, lambda point: apply(NOT, b.contains(point)))
     return made_of(shapes.DIFFERENCE, a, b, a.orientation if a.dimension == 2 else None)
 
 
@@ -88,7 +88,7 @@ def made_of(operation: Operation, a: Region, b: Region, orientation: VectorField
     dimension = max(a.dimension, b.dimension) if operation is shapes.UNION else min(a.dimension, b.dimension)
     if operation is shapes.DIFFERENCE:
         dimension = a.dimension
-    shape = apply(operation, a.shape(), b.shape(), kind="any")
+    shape = apply(operation, a.shape(), b.shape())
     return (
         ShapeRegion(shape, orientation, dimension) if isinstance(shape, RandomExpr) else region_of(shape, orientation)
     )
@@ -112,7 +112,7 @@ def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
     """Return the points of a set that lie in another region, or those that do not."""
     inside = [other.contains(Vector(float(x), float(y))) for x, y in points.points]
     if any(isinstance(truth, RandomExpr) for truth in inside):
-        return Filtered(points, other.contains if kept else lambda p: apply(NOT, other.contains(p), kind="truth"))
+        return Filtered(points, other.contains if kept else lambda p: apply(NOT, other.contains(p)))
     left = [tuple(point) for point, held in zip(points.points, inside, strict=True) if bool(held) is kept]
     return PointSetRegion(left, points.orientation or other.orientation) if left else Nowhere()
 
@@ -124,8 +124,8 @@ def meet(a: Region, b: Region) -> Value:
             return isinstance(first, Everywhere) and not isinstance(second, Nowhere)
         if isinstance(first, PointSetRegion):
             inside = [second.contains(Vector(float(x), float(y))) for x, y in first.points]
-            return reduce(lambda some, truth: apply(OR, some, truth, kind="truth"), inside)
-    return apply(shapes.MEET, a.shape(), b.shape(), kind="truth")
+            return reduce(lambda some, truth: apply(OR, some, truth), inside)
+    return apply(shapes.MEET, a.shape(), b.shape())
 
 
 def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
@@ -134,13 +134,13 @@ def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
         return True
     if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
         return False
-    shape = a.shape() if tolerance == 0 else apply(shapes.GROWN, a.shape(), tolerance, kind="any")
-    return apply(shapes.HOLDS_SHAPE, shape, b.shape(), kind="truth")
+    shape = a.shape() if tolerance == 0 else apply(shapes.GROWN, a.shape(), tolerance)
+    return apply(shapes.HOLDS_SHAPE, shape, b.shape())
 
 
 def grown(region: Region, by: Value) -> Region:
     """Return the region and all points within a distance of it (for a negative one, what is so deep inside)."""
-    shape = apply(shapes.GROWN, region.shape(), by, kind="any")
+    shape = apply(shapes.GROWN, region.shape(), by)
     return ShapeRegion(shape) if isinstance(shape, RandomExpr) else region_of(shape)
 
 

@@ -218,7 +218,7 @@ class GridRegion(PointSetRegion):
         """Return the corners are free, and no obstacle's grid point lies in the rectangle."""
         inside = Region.contains_corners(self, corners)
         numbers = [part for corner in corners for part in (corner.x, corner.y)]
-        return apply(AND, inside, truth_of(self._unobstructed, *numbers), kind="truth")
+        return apply(AND, inside, truth_of(self._unobstructed, *numbers))
 
     def _unobstructed(self, *numbers: Any) -> Any:
         x0, y0, x1, y1, x2, y2 = (np.asarray(number)[..., None] for number in numbers[:6])

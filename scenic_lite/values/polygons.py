@@ -67,9 +67,9 @@ class PolygonalRegion(Region):
     def contains_corners(self, corners: list[Vector]) -> Value:
         numbers = [part for corner in corners for part in (corner.x, corner.y)]
         if len(self.edges) > FEW_EDGES:
-            return apply(AND, super().contains_corners(corners), truth_of(self._covers, *numbers), kind="truth")
+            return apply(AND, super().contains_corners(corners), truth_of(self._covers, *numbers))
         centre = (corners[0] + corners[2]) / 2
-        return apply(AND, self.contains(centre), truth_of(self._clear, *numbers), kind="truth")
+        return apply(AND, self.contains(centre), truth_of(self._clear, *numbers))
 
     def _covers(self, *numbers: Any) -> Any:
         return self._holds.rectangles(*numbers)
@@ -188,14 +188,14 @@ class ShapeRegion(Region):
     def contains(self, point: Vector) -> Value:
         from scenic_lite.values import shapes
 
-        return apply(shapes.HOLDS_POINT, self._shape, point.x, point.y, kind="truth")
+        return apply(shapes.HOLDS_POINT, self._shape, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         from scenic_lite.values import shapes
 
         numbers = [part for corner in corners for part in (corner.x, corner.y)]
-        outline = apply(shapes.POLYGON, *numbers, kind="any")
-        return apply(shapes.HOLDS_SHAPE, self._shape, outline, kind="truth")
+        outline = apply(shapes.POLYGON, *numbers)
+        return apply(shapes.HOLDS_SHAPE, self._shape, outline)
 
 
 def polygon_through(points: list[Point2], orientation: VectorField | None = None) -> PolygonalRegion:

@@ -58,7 +58,7 @@ class Region:
         """Return whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
         inside = self.contains(corners[0])
         for corner in corners[1:]:
-            inside = apply(AND, inside, self.contains(corner), kind="truth")
+            inside = apply(AND, inside, self.contains(corner))
         return inside
 
     def distance(self, point: Vector) -> Value:
@@ -136,7 +136,7 @@ class RectangularRegion(Region):
     def shape(self) -> Value:
         from scenic_lite.values import shapes
 
-        return apply(shapes.RECTANGLE, *self.parameters(), kind="any")
+        return apply(shapes.RECTANGLE, *self.parameters())
 
 
 class SectorRegion(Region):
@@ -171,7 +171,7 @@ class SectorRegion(Region):
         for side in sides:
             end = Vector(self.center.x - self.radius * sine(side), self.center.y + self.radius * cosine(side))
             numbers = [part for corner in (self.center, end, *corners) for part in (corner.x, corner.y)]
-            inside = apply(AND, inside, truth_of(stays_aside, *numbers), kind="truth")
+            inside = apply(AND, inside, truth_of(stays_aside, *numbers))
         return inside
 
     def distance(self, point: Vector) -> Value:
@@ -185,7 +185,7 @@ class SectorRegion(Region):
     def shape(self) -> Value:
         from scenic_lite.values import shapes
 
-        return apply(shapes.SECTOR, *self.parameters(), kind="any")
+        return apply(shapes.SECTOR, *self.parameters())
 
 
 class Everywhere(Region):
@@ -231,7 +231,7 @@ class Filtered(Region):
         return self.region.heading_of(point, u)
 
     def contains(self, point: Vector) -> Value:
-        return apply(AND, self.region.contains(point), self.test(point), kind="truth")
+        return apply(AND, self.region.contains(point), self.test(point))
 
     def outlines(self) -> list[Any]:
         return self.region.outlines()

@@ -43,7 +43,7 @@ def one(build: Callable[..., Any], row: tuple) -> Any:
 def shaping(build: Callable[..., Any]) -> Operation:
     """Return an operation that makes shapes: `build` takes arrays [N]."""
     rows = guarded(build)
-    return Operation(lambda *parts: rows(*(np.array([part]) for part in parts))[0], rows)
+    return Operation(lambda *parts: rows(*(np.array([part]) for part in parts))[0], rows, kind="any")
 
 
 def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
@@ -67,12 +67,6 @@ def polygons_of(*numbers: Any) -> Any:
     rows = np.broadcast_arrays(*numbers)
     made = shapely.polygons(np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1))
     return np.where(shapely.is_valid(made), made, EMPTY)
-
-
-def lines_of(*numbers: Any) -> Any:
-    """Return [N] polylines from the x and y of each point in turn."""
-    rows = np.broadcast_arrays(*numbers)
-    return shapely.linestrings(np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1))
 
 
 def flat(shapes: Any) -> Any:
@@ -105,16 +99,17 @@ def distances(shape: Any, x: Any, y: Any) -> Any:
 
 
 RECTANGLE = shaping(rectangles)
-SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), shaping(sectors).array)
+SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), shaping(sectors).array, kind="any")
 POLYGON = shaping(polygons_of)
-LINE = shaping(lines_of)
 INTERSECTION = shaping(intersections)
 DIFFERENCE = shaping(differences)
 UNION = shaping(unions)
 DISTANCE = Operation(lambda shape, x, y: float(distances(shape, x, y)), distances)
-MEET = Operation(lambda a, b: bool(shapely.intersects(a, b)), shapely.intersects)
+MEET = Operation(lambda a, b: bool(shapely.intersects(a, b)), shapely.intersects, kind="truth")
 HOLDS_POINT = Operation(
-    lambda shape, x, y: bool(shapely.intersects_xy(shape, x, y)), lambda shape, x, y: shapely.intersects_xy(shape, x, y)
+    lambda shape, x, y: bool(shapely.intersects_xy(shape, x, y)),
+    lambda shape, x, y: shapely.intersects_xy(shape, x, y),
+    kind="truth",
 )
 AREA = Operation(lambda shape: float(shape.area), shapely.area)
 LENGTH = Operation(lambda shape: float(shape.length), shapely.length)
@@ -138,7 +133,7 @@ def holds_shape(shape: Any, other: Any) -> Any:
     return shapely.covers(shapely.buffer(shape, CLOSENESS, join_style="mitre"), other)
 
 
-HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), holds_shape)
+HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), holds_shape, kind="truth")
 
 
 def covers_rectangles(shape: Any, *numbers: Any) -> Any:
