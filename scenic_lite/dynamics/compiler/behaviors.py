@@ -45,7 +45,7 @@ Called = tuple[BehaviorCall, Value]  # with its weight
 
 
 def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
-    """`take a, b`; a single tuple or list stands for its elements, also one that is chosen by chance."""
+    """Compile `take a, b`; a single tuple or list stands for its elements, also one that is chosen by chance."""
     on = Label()
     take_actions(c, [scope.value(action) for action in node.actions], node, on)
     c.code.put(on)
@@ -57,12 +57,14 @@ def take_actions(c: Compilation, actions: list[Value], node: nodes.Take, on: Lab
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     elif len(actions) == 1 and isinstance(actions[0], RandomChoice) and any(map(is_listed, actions[0].options)):
-        take_option(c, actions[0], node, on)
+        options = enumerate(actions[0].options)  # of any length: each is a command of its own
+        cases = {i: partial(take_actions, c, [option], node, on) for i, option in options}
+        c.code.dispatch(register_of(c.code, actions[0].index), cases)
         return
-    assert c.agent is not None, "the checker lets only behaviors take actions"
+    assert c.site.agent is not None, "the checker lets only behaviors take actions"
     actions = [checked(c, action, node) for action in actions]
     remember(c, tuple(actions))
-    c.code.row(op.TAKE, command(c, actions, node), c.slot, on)
+    c.code.row(op.TAKE, command(c, actions, node), c.site.slot, on)
     c.code.reachable = False
 
 
@@ -70,23 +72,12 @@ def is_listed(value: Value) -> bool:
     return isinstance(value, list | tuple)
 
 
-def take_option(c: Compilation, choice: RandomChoice, node: nodes.Take, on: Label) -> None:
-    """Options of any length: each is a command of its own."""
-    index = register_of(c.code, choice.index)
-    for i, option in enumerate(choice.options):
-        following = Label()
-        if i < len(choice.options) - 1:
-            c.code.row(op.JUMP_NOT_EQUAL, index, c.code.constant(i), following)
-        take_actions(c, [option], node, on)
-        c.code.put(following)
-
-
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
-    """An action as the world wants it: a fault if it is none."""
+    """Return an action as the world wants it: a fault if it is none."""
     if isinstance(action, RandomChoice):
         return over_options(c, action, lambda each: checked(c, each, node))
-    assert c.agent is not None
-    action = c.world.command(action, c.agent)
+    assert c.site.agent is not None
+    action = c.world.command(action, c.site.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
         c.code.row(op.IS_INDEX, known, register, c.code.constant(c.world.actions))
@@ -95,13 +86,13 @@ def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
 
 
 def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
-    """The register of a command's number: the actions as one number where they are such, else its place in a list."""
+    """Return the register of a command's number: its actions as one number, or its place in a list."""
     if not actions:
         return c.code.constant(-1)
     if c.world.actions is not None:
         return register_of(c.code, packed(actions, c.world.actions))
-    c.commands.append(tuple(store_in_register(c.code, each) for each in actions))
-    return c.code.constant(len(c.commands) - 1)
+    c.output.commands.append(tuple(store_in_register(c.code, each) for each in actions))
+    return c.code.constant(len(c.output.commands) - 1)
 
 
 def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
@@ -120,20 +111,20 @@ def idle(c: Compilation) -> None:
 
 
 def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> None:
-    """The end of a scenario or of the match; in Scenic 2 always of the match."""
+    """End a scenario or the match; in Scenic 2 always the match."""
     word = "terminate simulation" if node.scope == "simulation" else "terminate"
     statement = f'"{word}" executed on line {node.lineno}'
     whole = node.scope == "simulation" or c.program.dialect == 2
-    part, code = c.part, c.code
-    if part is not None and c.composing:
+    part, code = c.site.part, c.code
+    if part is not None and c.site.composing:
         if whole or part.parent is None:
             register_of(code, RegisterValue(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
         code.row(op.JUMP, c=part.kill if whole else part.over)
         return
-    if c.agent is not None or whole or part is None:
-        who = "Behavior" if c.agent is not None else "Monitor"
+    if c.site.agent is not None or whole or part is None:
+        who = "Behavior" if c.site.agent is not None else "Monitor"
         on = Label()
-        code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.slot, on)
+        code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.site.slot, on)
         code.reachable = False
         code.put(on)
     else:  # when all monitors have run
@@ -143,7 +134,7 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
 
 
 def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """`require[p] condition` in a behavior or monitor: the match is rejected if it does not hold now."""
+    """Compile `require[p] condition` in a behavior or monitor: reject the match if it does not hold now."""
     if is_temporal(node.condition):
         require_later(c, scope, node)
         return
@@ -168,8 +159,8 @@ LATELY = {2: "(actions of this step)", 3: "lastActions"}
 def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
     """Note the actions of the present object, for whoever asks for its `lastActions`."""
     if c.remembering:
-        assert c.agent is not None
-        c.keep(("object", c.agent.label, LATELY[c.program.dialect]), actions)
+        assert c.site.agent is not None
+        c.keep(("object", c.site.agent.label, LATELY[c.program.dialect]), actions)
 
 
 def forget(c: Compilation, agents: list[Instance]) -> None:
@@ -212,14 +203,14 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
         limited(c, scope, limit_of(c, scope, node), run)
     else:
         run()
-    if not scope.inlined.live and not c.guarding and not c.composing:
+    if not scope.inlined.live and not c.site.suspending and not c.site.composing:
         c.code.variables.used = used
     check_invariants(c, scope)
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     """Run a behavior, or whichever one it is in the match; in a compose block scenarios."""
-    if c.composing:
+    if c.site.composing:
         run_scenarios(c, calls, node)
     elif isinstance(calls[0], BehaviorCall):
         run_behavior(c, calls[0], node)
@@ -235,7 +226,7 @@ def run_round(c: Compilation, run: Callable[[], object], node: ast.AST, number: 
 
 
 def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Called]:
-    """What is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
+    """Return what is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
     values = [scope.value(each) for each in node.calls]
     places: list[ast.expr] = list(node.calls)
     weights: list[Value] = [1.0] * len(values)
@@ -254,14 +245,14 @@ def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Calle
 
 
 def called(c: Compilation, scope: Scope, value: Value, place: ast.expr) -> Value:
-    """A behavior with its arguments, or a choice among such; in a compose block a scenario."""
+    """Return a behavior with its arguments, or a choice among such; in a compose block a scenario."""
     if isinstance(value, RandomChoice):
         return RandomChoice(value.index, tuple(called(c, scope, option, place) for option in value.options))
-    wanted = "scenario" if c.composing else "behavior"
-    if isinstance(value, BehaviorCall) and value.behavior.kind == wanted:
+    kind = "scenario" if c.site.composing else "behavior"
+    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
         return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == wanted else ""
-    raise scope.error("type", f"`do` needs a {wanted}, not {describe_kind(value)}", place, hint)
+    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
+    raise scope.error("type", f"`do` needs a {kind}, not {describe_kind(value)}", place, hint)
 
 
 # ------------------------------------------------------------ one of several

@@ -70,7 +70,7 @@ class Area:
     most: int = 0
 
     def take(self, count: int = 1) -> int:
-        """The first of `count` fresh registers."""
+        """Return the first of `count` fresh registers."""
         start = self.base + self.used
         self.used += count
         self.most = max(self.most, self.used)
@@ -119,18 +119,18 @@ class Assembler:
             self.reachable = False
 
     def put(self, label: Label) -> None:
-        """The label stands here; control may come from wherever it is used."""
+        """Put a label here; control may come from wherever it is used."""
         self.rows.append(Row(LABEL, 0, 0, label, self.place))
         self.reachable = self.reachable or label.used
         self.known.clear()
 
     def put_reachable(self, label: Label) -> None:
-        """The label stands here; a slot leads to it."""
+        """Put a label here to which a slot leads."""
         label.used = self.reachable = True
         self.put(label)
 
     def put_loop(self, label: Label) -> None:
-        """A label that only later rows will use."""
+        """Put a label here that only later rows will use."""
         self.rows.append(Row(LABEL, 0, 0, label, self.place))
         self.known.clear()
 
@@ -190,7 +190,7 @@ class Assembler:
     # ------------------------------------------------------------ registers
 
     def constant(self, value: float | bool | str) -> int:
-        """The register of a constant; a text is its number in `texts`."""
+        """Return the register of a constant; a text is its number in `texts`."""
         number = float(self.text(value)) if isinstance(value, str) else float(value)
         key = number if number != 0 else 0.0
         if number != number:
@@ -203,13 +203,13 @@ class Assembler:
         return self.texts.setdefault(value, len(self.texts))
 
     def input(self, node: RandomExpr) -> int:
-        """The register of a value that is the same for a whole match: it is computed when the match starts."""
+        """Return the register of a value that is the same for a whole match: it is computed when the match starts."""
         if id(node) not in self.inputs:
             self.inputs[id(node)] = (INPUTS + len(self.inputs), node)
         return self.inputs[id(node)][0]
 
     def begin_with(self, register: int, value: Any) -> None:
-        """What a register holds when a match starts: a fixed value, or one that the scene gives."""
+        """Note what a register holds when a match starts: a fixed value, or one that the scene gives."""
         if isinstance(value, RandomExpr):
             self.inputs[-register] = (register, value)
         else:

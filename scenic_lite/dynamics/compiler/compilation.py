@@ -7,13 +7,12 @@ Names are looked up as everywhere; their values are fixed, or made of registers.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.checks import PYTHON_FAULTS, from_python
 from scenic_lite.core.environment import Environment, Source
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
@@ -24,6 +23,7 @@ from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstan
 from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_to, store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
@@ -111,7 +111,7 @@ class CompiledScope(Scope):
         return super().lookup(name)
 
     def owner_of(self, name: str) -> CompiledScope:
-        """The frame around this one whose variable it is."""
+        """Return the frame around this one whose variable it is."""
         scope = self.outer
         while scope is not None and name not in scope.locals:
             scope = scope.outer
@@ -157,6 +157,53 @@ class CompiledScope(Scope):
             self.inlined.live -= 1
 
 
+@dataclass(frozen=True)
+class Site:
+    """Where in the program a walk is."""
+
+    path: tuple = ()  # of calls and rounds that lead here
+    inside: tuple = ()  # bodies of the behaviors and functions that are being inlined
+    agent: Instance | None = None
+    slot: int = 0  # register of the innermost block: where it goes on
+    suspending: int = 0  # statements with a scan around the present one: their variables all last
+    repeating: int = 0  # constructs around it that may execute it several times
+    part: ScenarioInstance | None = None  # the scenario to which it belongs
+    composing: bool = False  # to its compose block
+    setting_up: bool = False  # to its setup, which runs during the match
+
+
+@dataclass(eq=False)
+class Output:
+    """What a walk gives besides rows."""
+
+    doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
+    commands: list[tuple[Value, ...]] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)  # for the end of a match
+    rejections: list[str] = field(default_factory=list)  # requirements that reject a match
+    records: list[Record] = field(default_factory=list)
+    starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
+    titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
+    counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
+
+
+@dataclass(eq=False)
+class WorldRegisters:
+    """Where a match shows the world."""
+
+    base: int = 0  # of the table [O, F]
+    facts: int = 0
+    clock: RegisterValue | None = None  # steps since the start
+    names: frozenset[str] = frozenset()  # properties that the world shows
+
+
+@dataclass(eq=False)
+class Overrides:
+    """Objects whose behavior scenarios change, by their labels."""
+
+    behaviors: dict[str, list[BehaviorOverride]] = field(default_factory=dict)
+    registers: dict[str, int] = field(default_factory=dict)  # the number of the behavior that an object has now
+
+
 @dataclass(eq=False)
 class Compilation:
     """One walk over a program's behaviors, monitors and conditions."""
@@ -168,91 +215,73 @@ class Compilation:
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
     modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
     mode: Mode = field(init=False)  # how nodes are evaluated for the compiler
+    site: Site = field(default_factory=Site)
+    output: Output = field(default_factory=Output)
+    shown: WorldRegisters = field(default_factory=WorldRegisters)
+    overrides: Overrides = field(default_factory=Overrides)
     shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
-    path: tuple = ()
-    slot: int = 0  # register of the innermost block: where it goes on
-    agent: Instance | None = None
     before: dict[int, dict[str, Value]] = field(default_factory=dict)  # what `modules` held before this walk
-    inside: list[Any] = field(default_factory=list)  # behaviors and functions that are being inlined
-    doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
-    commands: list[tuple[Value, ...]] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)  # for the end of a match
-    broken: list[str] = field(default_factory=list)  # requirements that reject a match
-    remembering: bool = False  # the program reads `lastActions`
-    guarding: int = 0  # statements with a scan around the present one: their variables all last
-    clock: Any = None  # steps since the start
-    counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
-    part: ScenarioInstance | None = None  # the scenario to which the present statements belong
-    composing: bool = False  # they are those of its compose block
-    setting_up: bool = False  # they are those of its setup, which runs during the match
-    repeating: int = 0  # constructs around them that may run them several times
     flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
-    drivers: dict[str, list[BehaviorOverride]] = field(
-        default_factory=dict
-    )  # overriding behaviors, by the object's label
-    driving: dict[str, int] = field(default_factory=dict)  # register of the driver's number, by label
-    starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
-    titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
-    records: list[Record] = field(default_factory=list)
-    world_base: int = 0
-    fact_base: int = 0
-    live_names: frozenset[str] = frozenset()  # properties that the world shows
+    remembering: bool = False  # the program reads `lastActions`
 
     @property
     def state(self) -> LoadState:
         """What the statements of the walk make, `ego` among it."""
         return self.mode.state
 
+    # ------------------------------------------------------------ where the walk is
+
     @contextmanager
-    def entered(self, thing: Behavior | Function, node: ast.AST) -> Iterator[None]:
+    def at(self, site: Site) -> Iterator[None]:
+        """Inside, the walk is at another site."""
+        outside, self.site = self.site, site
+        try:
+            yield
+        finally:
+            self.site = outside
+
+    def entered(self, thing: Behavior | Function, node: ast.AST) -> AbstractContextManager[None]:
         """Inside, a behavior or function is inlined. Raises ScenicError for recursion."""
         body = thing.node if isinstance(thing, Behavior) else thing.body
-        if any(each is body for each in self.inside) or len(self.inside) >= DEEPEST:
-            hint = "write a loop"
-            raise ScenicError("unsupported", f"{thing.name} calls itself, which no match can do", hint=hint)
-        self.inside.append(body)
-        path, self.path = self.path, (*self.path, id(node))
-        try:
-            yield
-        finally:
-            self.inside.pop()
-            self.path = path
+        site = self.site
+        if any(each is body for each in site.inside) or len(site.inside) >= DEEPEST:
+            message = f"{thing.name} calls itself, which no match can do"
+            raise ScenicError("unsupported", message, hint="write a loop")
+        return self.at(replace(site, path=(*site.path, id(node)), inside=(*site.inside, body)))
 
-    @contextmanager
-    def round(self, node: ast.AST, number: int) -> Iterator[None]:
+    def round(self, node: ast.AST, number: int) -> AbstractContextManager[None]:
         """Inside is one round of a loop that is unrolled."""
-        path, self.path = self.path, (*self.path, id(node), number)
-        try:
-            yield
-        finally:
-            self.path = path
+        return self.at(replace(self.site, path=(*self.site.path, id(node), number)))
 
-    @contextmanager
-    def rounds(self, number: int) -> Iterator[None]:
-        """Inside is what belongs to the scenario with this number."""
-        path, self.path = self.path, (*self.path, number)
-        try:
-            yield
-        finally:
-            self.path = path
+    def numbered(self, number: int) -> AbstractContextManager[None]:
+        """Inside is what belongs to the scenario, or behavior of an object, with this number."""
+        return self.at(replace(self.site, path=(*self.site.path, number)))
 
-    @contextmanager
-    def block(self, slot: int) -> Iterator[None]:
+    def acting(self, agent: Instance | None) -> AbstractContextManager[None]:
+        """Inside, `self` is this object."""
+        return self.at(replace(self.site, agent=agent))
+
+    def block(self, slot: int) -> AbstractContextManager[None]:
         """Inside, time passes in the block with this slot."""
-        outer, self.slot = self.slot, slot
-        try:
-            yield
-        finally:
-            self.slot = outer
+        return self.at(replace(self.site, slot=slot))
+
+    def suspends_others(self) -> AbstractContextManager[None]:
+        """Inside, blocks are suspended while others run: none of their variables may share a register."""
+        return self.at(replace(self.site, suspending=self.site.suspending + 1))
+
+    def repeated(self) -> AbstractContextManager[None]:
+        """Inside, statements may be executed several times."""
+        return self.at(replace(self.site, repeating=self.site.repeating + 1))
 
     @contextmanager
-    def suspends_others(self) -> Iterator[None]:
-        """Inside, blocks are suspended while others run: none of their variables may share a register."""
-        self.guarding += 1
-        try:
-            yield
-        finally:
-            self.guarding -= 1
+    def within(self, part: ScenarioInstance, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
+        """Inside, statements belong to a scenario, and `ego` is its own."""
+        ego, self.state.ego = self.state.ego, part.ego
+        with self.at(replace(self.site, part=part, composing=composing, setting_up=setting_up, repeating=0)):
+            try:
+                yield
+            finally:
+                part.ego, self.state.ego = self.state.ego, ego
 
     # ------------------------------------------------------------ what all behaviors of a match see
 
@@ -298,7 +327,7 @@ class Compilation:
 
     def refuse_live(self, owner: Instance, name: str) -> None:
         """Raise the error for an attribute that is the world's."""
-        if name in ("x", "y") or name in self.live_names:
+        if name in ("x", "y") or name in self.shown.names:
             hint = "players move by what they do: take an action"
             raise ScenicError("type", f"the {name} of {owner.title()} belongs to the world", hint=hint)
 
@@ -308,124 +337,67 @@ class Compilation:
             self.table_of(key)[key[2]] = self.shared_variable(key).load()
 
     def flag_of(self, thing: Any) -> int | None:
-        """The register that says whether the statement that made something was come to; None if that is certain."""
-        found = self.flags.get(id(thing))
-        return None if found is None else found[1]
+        """Return the register that says whether what made something was come to; None if that is certain."""
+        flag = self.flags.get(id(thing))
+        return None if flag is None else flag[1]
 
     @property
     def part_behavior(self) -> Behavior | None:
         """The definition of the present scenario."""
-        return None if self.part is None or self.part.call is None else self.part.call.behavior
+        return None if self.site.part is None or self.site.part.call is None else self.site.part.call.behavior
 
     def scenarios_begun(self) -> int:
-        """How many scenarios the present compose block has run in the text so far."""
-        return len(self.part.parts) if self.part is not None and self.composing else 0
+        """Return how many scenarios the present compose block has run in the text so far."""
+        return len(self.site.part.parts) if self.site.part is not None and self.site.composing else 0
 
     def stop_scenarios(self, since: int) -> None:
         """End the scenarios that the compose block has begun in a statement and not come back to."""
-        if self.part is not None and self.composing:
-            for part in self.part.parts[since:]:
+        if self.site.part is not None and self.site.composing:
+            for part in self.site.part.parts[since:]:
                 part.call_routine(self.code, part.stop)
 
-    @contextmanager
-    def within(self, part: ScenarioInstance, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
-        """Inside, statements belong to a scenario, and `ego` is its own."""
-        outside = self.part, self.composing, self.setting_up, self.repeating, self.state.ego
-        self.part, self.composing, self.setting_up, self.repeating = part, composing, setting_up, 0
-        self.state.ego = part.ego
-        try:
-            yield
-        finally:
-            part.ego = self.state.ego
-            self.part, self.composing, self.setting_up, self.repeating, self.state.ego = outside
-
-    @contextmanager
-    def repeated(self) -> Iterator[None]:
-        """Inside, statements may be executed several times."""
-        self.repeating += 1
-        try:
-            yield
-        finally:
-            self.repeating -= 1
-
     def time(self) -> Any:
-        """Steps since the start. Raises ScenicError if the world does not tell."""
-        if self.clock is None:
+        """Return steps since the start. Raises ScenicError if the world does not tell."""
+        if self.shown.clock is None:
             raise ScenicError("unsupported", f"the world {self.world.name} does not tell the time")
-        return self.clock
+        return self.shown.clock
+
+    def stop_with(self, error: ScenicError) -> None:
+        """Write a row that stops a match which comes to it."""
+        message = f"{error.message} ({error.hint})" if error.hint else error.message
+        self.code.row(op.FAULT, note=message, place=error.place)
 
     def reject(self, message: str) -> None:
-        self.broken.append(message)
-        self.code.row(op.REJECT, c=len(self.broken))
+        self.output.rejections.append(message)
+        self.code.row(op.REJECT, c=len(self.output.rejections))
 
     def reason(self, message: str) -> int:
-        """The register of the number of a reason to end."""
-        if message not in self.reasons:
-            self.reasons.append(message)
-        return self.code.constant(1 + self.reasons.index(message))
-
-
-def with_location(
-    compilation: Compilation, handler: Callable[[Compilation, CompiledScope, Any], None]
-) -> Callable[[CompiledScope, Any], None]:
-    """A handler of statements that notes the place of the rows it writes.
-
-    A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
-    match that comes to it, as in the reference; what cannot be compiled refuses the program.
-    """
-
-    def handle(scope: CompiledScope, node: ast.stmt) -> None:
-        code = compilation.code
-        before, code.place = code.place, scope.place(node)
-        start, known = len(code.rows), len(compilation.doubts)
-        try:
-            with code.statement():
-                handler(compilation, scope, node)
-        except (ScenicError, *PYTHON_FAULTS) as fault:
-            error = scope.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
-            if error.kind in REFUSALS:
-                raise
-            inner = [each for each in compilation.doubts[known:] if each.kind != "warning"]
-            if inner and not code.reachable:  # a function has failed before, and so this is not come to
-                error = inner[0]
-            else:
-                compilation.doubts.append(error)
-            del code.rows[start:]
-            code.reachable = True
-            code.row(op.FAULT, note=said(error), place=error.place)
-        finally:
-            code.place = before
-
-    return handle
-
-
-REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
-
-
-def said(error: ScenicError) -> str:
-    return f"{error.message} ({error.hint})" if error.hint else error.message
+        """Return the register of the number of a reason to end."""
+        if message not in self.output.reasons:
+            self.output.reasons.append(message)
+        return self.code.constant(1 + self.output.reasons.index(message))
 
 
 @lru_cache(maxsize=4096)
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
-    """The variables that some statements change, loop targets aside: a loop looks after its own."""
-    found: set[str] = set()
-    for each in nodes.walk_own(*trees):
-        if isinstance(each, ast.Assign):
-            targets: list[ast.expr] = each.targets
-        elif isinstance(each, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
-            targets = [each.target]
-        elif isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and each.func.attr == "append":
-            targets = [each.func.value]
+    """Return the variables that some statements change, loop targets aside: a loop looks after its own."""
+    names: set[str] = set()
+    for node in nodes.walk_own(*trees):
+        if isinstance(node, ast.Assign):
+            targets: list[ast.expr] = node.targets
+        elif isinstance(node, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
+            targets = [node.target]
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "append":
+            targets = [node.func.value]
         else:
             continue
         for target in targets:
-            found |= {part.id for part in base_names(target)}
-    return frozenset(found)
+            names |= {part.id for part in base_names(target)}
+    return frozenset(names)
 
 
 def base_names(target: ast.expr) -> Iterator[ast.Name]:
-    """The variables that assigning to a target changes."""
+    """Yield the variables that assigning to a target changes."""
     if isinstance(target, ast.Name):
         yield target
     elif isinstance(target, ast.Tuple | ast.List):
@@ -436,6 +408,6 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
 
 
 def suspends(trees: Iterable[ast.AST]) -> bool:
-    """Whether time may pass in some statements."""
+    """Return whether time may pass in some statements."""
     kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
     return any(isinstance(each, kinds) for each in nodes.walk_own(*trees))

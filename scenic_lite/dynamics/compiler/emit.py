@@ -52,20 +52,20 @@ class Unsupported(ScenicError):
 
 
 def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
-    """The register that holds a number, truth value or text; the rows that compute it are written first.
+    """Return the register that holds a number, truth value or text; the rows that compute it are written first.
 
     With `into` the value is put there.
     """
     if isinstance(value, RandomExpr):
-        found = _register(code, value, into)
+        register = _register(code, value, into)
     elif isinstance(value, bool | int | float | str | np.number | np.bool_):
-        found = code.constant(value)  # type: ignore[arg-type]
+        register = code.constant(value)  # type: ignore[arg-type]
     else:
         raise TypeError(f"no register holds {value!r}")
-    if into is not None and found != into:
-        code.row(op.COPY, into, found)
+    if into is not None and register != into:
+        code.row(op.COPY, into, register)
         return into
-    return found
+    return register
 
 
 def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
@@ -83,7 +83,7 @@ def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
 
 
 def is_live(value: Value) -> bool:
-    """Whether a value is computed in the running match; what is not is known when it starts."""
+    """Return whether a value is computed in the running match; what is not is known when it starts."""
     if isinstance(value, RegisterValue | DrawnNow):
         return True
     if not isinstance(value, RandomExpr):
@@ -161,13 +161,13 @@ def _is(operation: Any, kind: Any) -> bool:
 
 
 def describe(operation: Any) -> str:
-    """What an operation is called, for a message."""
+    """Return what an operation is called, for a message."""
     name = operation.__name__ if isinstance(operation, np.ufunc | FunctionType) else type(operation).__name__
     return name.strip("_").replace("_", " ")
 
 
 def choose_constant(code: Assembler, node: RandomExpr, out: int) -> None:
-    """One of some constants, by a live index."""
+    """Write rows for one of some constants, by a live index."""
     assert isinstance(node.operation, Table)
     options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
     select(code, out, node.inputs[0], options)
@@ -189,7 +189,7 @@ def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def integers(code: Assembler, node: RandomExpr, out: int) -> None:
-    """first + min(int(u · count), count - 1)."""
+    """Write rows for first + min(int(u · count), count - 1)."""
     assert isinstance(node.operation, distributions.Integers)
     first, count = node.operation.first, node.operation.count
     code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
@@ -222,7 +222,7 @@ def as_degrees(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Whether a point lies in a fixed polygon: its edges stand in the operands."""
+    """Write rows that ask whether a point lies in a fixed polygon: its edges stand in the operands."""
     import shapely
 
     assert isinstance(node.operation, Holds)
@@ -252,7 +252,7 @@ SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], None]], ...] = 
 
 
 def is_whole(value: Value) -> bool:
-    """Whether a number is an integer, as Python would have it: it is written without a point."""
+    """Return whether a number is an integer, as Python would have it: it is written without a point."""
     if isinstance(value, RegisterValue):
         return value.whole
     if not isinstance(value, RandomExpr):

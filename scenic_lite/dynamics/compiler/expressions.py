@@ -272,26 +272,26 @@ def inlined(
 
 def settled_result(c: Compilation, function: Function, names: dict[str, Value]) -> tuple[Value, int]:
     """Write the body; again if a variable of its own had not its last type, which is sooner done than a whole walk."""
-    code, doubts, known = c.code, len(c.doubts), dict(c.code.known)
+    code, doubts, known = c.code, len(c.output.doubts), dict(c.code.known)
     temporaries, scratch = code.temporaries.used, code.scratch.used
     while True:
         inner = scope_of(c, function, dict(names))
         with code.captured() as rows:
             result = result_of(inner, function)
-        own = {key for key in c.types.outdated if key[: len(c.path)] == c.path}
+        own = {key for key in c.types.outdated if key[: len(c.site.path)] == c.site.path}
         if not own:
             code.rows.extend(rows)
             return result, inner.inlined.level
         c.types.outdated -= own
-        c.types.read = {key for key in c.types.read if key[: len(c.path)] != c.path}
-        del c.doubts[doubts:]
+        c.types.read = {key for key in c.types.read if key[: len(c.site.path)] != c.site.path}
+        del c.output.doubts[doubts:]
         code.reachable, code.known = True, dict(known)
         code.temporaries.used, code.scratch.used = temporaries, scratch
 
 
 def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> CompiledScope:
     """Return the variables of a function that begins."""
-    body = InlinedBody(c.path, Label())
+    body = InlinedBody(c.site.path, Label())
     inner = CompiledScope(c, function.scope.source, names, function.scope, body)
     inner.assigned = function.assigned
     return inner

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, truth
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names, said
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
@@ -27,11 +27,11 @@ Limit = Callable[[Label], None]  # rows that jump when it is over
 
 def suspend(c: Compilation, on: Label) -> None:
     """Let time pass and go on at a label. A compose block lets the step of its scenario go on."""
-    if c.part is not None and c.composing:
-        c.code.row(op.SET_SLOT, c.slot, c=on)
-        c.code.row(op.JUMP, c=c.part.after)
+    if c.site.part is not None and c.site.composing:
+        c.code.row(op.SET_SLOT, c.site.slot, c=on)
+        c.code.row(op.JUMP, c=c.site.part.after)
     else:
-        c.code.row(op.WAIT, 0, c.slot, on)
+        c.code.row(op.WAIT, 0, c.site.slot, on)
     c.code.reachable = False
 
 
@@ -48,8 +48,8 @@ def pause(c: Compilation) -> None:
 def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
     """Return the variables of a behavior that begins."""
     behavior = call.behavior
-    names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.agent}
-    scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, InlinedBody(c.path, Label(), behavior))
+    names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.site.agent}
+    scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, InlinedBody(c.site.path, Label(), behavior))
     scope.assigned = behavior.assigned
     return scope
 
@@ -125,8 +125,8 @@ def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, star
     value = scope.value(condition)
     if isinstance(value, BehaviorCall):
         error = scope.error("type", "a behavior cannot be called in a condition", condition)
-        c.doubts.append(error)
-        c.code.row(op.FAULT, note=said(error), place=error.place)
+        c.output.doubts.append(error)
+        c.stop_with(error)
     elif c.code.reachable:
         jump(c.code, truth(value), start, when=True)
 
@@ -136,7 +136,7 @@ def flags_of_unset(c: Compilation, scope: CompiledScope, node: nodes.TryInterrup
 
     One that has none makes the condition false; in a behavior it is a fault, and so it is here within a loop.
     """
-    if not c.composing or c.repeating:
+    if not c.site.composing or c.site.repeating:
         return {}
     names = {name for handler in node.interrupts for name in surely_read(handler.condition)}
     flags = {name: c.code.variables.take() for name in sorted(names & assigned_names(node) - scope.locals.keys())}
@@ -173,7 +173,7 @@ def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: L
     code, behavior = c.code, scope.inlined.behavior
     resumed = Label() if behavior is not None and behavior.node.invariants else scan
     code.row(op.SET_SLOT, body, c=begin)
-    code.row(op.SET_SLOT, c.slot, c=resumed)
+    code.row(op.SET_SLOT, c.site.slot, c=resumed)
     if resumed is not scan:
         code.row(op.JUMP, c=scan)
         code.put(resumed)

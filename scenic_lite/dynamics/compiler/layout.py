@@ -31,37 +31,37 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     )
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
-    relocate([*c.commands, tuple(each.value for each in c.records)], layout)
+    relocate([*c.output.commands, tuple(each.value for each in c.output.records)], layout)
     return Compiled(
         code_of(c, rows, threads, layout),
         program,
         tuple(thing for _, thing, _, _ in threads),
         listing.places,
-        tuple(c.commands),
-        tuple(c.reasons),
-        tuple(c.broken),
-        tuple({(each.place, each.message): each for each in c.doubts}.values()),
+        tuple(c.output.commands),
+        tuple(c.output.reasons),
+        tuple(c.output.rejections),
+        tuple({(each.place, each.message): each for each in c.output.doubts}.values()),
         listing,
         start_of(c, layout),
         tuple(inputs),
         tape,
         code.texts,
-        tuple(each._replace(taken=layout(each.taken)) for each in c.records),
+        tuple(each._replace(taken=layout(each.taken)) for each in c.output.records),
         drivers_of(c, layout),
     )
 
 
 def drivers_of(c: Compilation, layout: Layout) -> tuple[tuple[int, int, bool], ...]:
-    """Objects whose behavior changes: number, register of what it is now, whether it begins with one."""
+    """Return objects whose behavior changes: number, register of what it is now, whether it begins with one."""
     return tuple(
-        (i, layout(c.driving[each.label]), each.properties["behavior"] is not None)
+        (i, layout(c.overrides.registers[each.label]), each.properties["behavior"] is not None)
         for i, each in enumerate(c.program.instances)
-        if each.label in c.driving
+        if each.label in c.overrides.registers
     )
 
 
 def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
-    """What the kernels read."""
+    """Return what the kernels read."""
     program = c.program
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
@@ -71,37 +71,37 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
         table,
         np.array([*lists, 0], dtype=np.uint32),
         np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
-        *c.counts,
+        *c.output.counts,
         program.dialect == 2,
-        layout(c.world_base),
-        layout(c.fact_base),
-        layout(c.clock.register) if c.clock is not None else 0,
+        layout(c.shown.base),
+        layout(c.shown.facts),
+        layout(c.shown.clock.register) if c.shown.clock is not None else 0,
         layout.count,
     )
 
 
 def start_of(c: Compilation, layout: Layout) -> np.ndarray:
-    """The registers [R] with which a match starts, but for what its scene gives."""
+    """Return the registers [R] with which a match starts, but for what its scene gives."""
     code, start = c.code, np.zeros(layout.count)
     for value, register in code.constants.items():
         start[layout(register)] = value
     for register, value in code.initial.items():
         start[layout(register)] = value
-    for slot, entry in c.starting.items():
+    for slot, entry in c.output.starting.items():
         start[layout(slot)] = entry.row
     start[SEEN] = -1.0
     return start
 
 
 def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
-    """What a person reads beside the rows."""
+    """Return what a person reads beside the rows."""
     nowhere = SourceSpan(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
     names = {layout(register): note for register, note in c.code.notes.items()}
     names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
     lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
-    titles = {label.row: title for label, title in c.titles.items()}
+    titles = {label.row: title for label, title in c.output.titles.items()}
     titles |= {entry.row: title for _, _, entry, title in threads}
     return Listing(places, names, lines, notes, titles)
 
@@ -150,7 +150,7 @@ class Layout:
 
 
 def shortened(rows: list[Row]) -> list[Row]:
-    """The rows without jumps that lead to the next row; jumps to a jump lead where that leads."""
+    """Return the rows without jumps that lead to the next row; jumps to a jump lead where that leads."""
     first = following(rows)
     kept: list[Row] = []
     for i, row in enumerate(rows):
@@ -167,7 +167,7 @@ SKIPPING = frozenset({op.JUMP, op.JUMP_IF, op.JUMP_UNLESS, op.JUMP_EQUAL, op.JUM
 
 
 def following(rows: list[Row]) -> list[int]:
-    """For each position the first real row at it or behind; labels note where they stand."""
+    """Return for each position the first real row at it or behind; labels note where they stand."""
     first = [len(rows)] * (len(rows) + 1)
     for i, row in reversed(list(enumerate(rows))):
         first[i] = first[i + 1] if row.opcode == LABEL else i
@@ -178,7 +178,7 @@ def following(rows: list[Row]) -> list[int]:
 
 
 def final(label: Label, rows: list[Row], first: list[int]) -> Label:
-    """Where a jump to a label ends up."""
+    """Return where a jump to a label ends up."""
     for _ in range(20):
         at = first[label.row]
         if at >= len(rows) or rows[at].opcode != op.JUMP:
@@ -190,7 +190,7 @@ def final(label: Label, rows: list[Row], first: list[int]) -> Label:
 
 
 def placed(rows: list[Row]) -> list[Row]:
-    """The rows without the labels, which now know theirs."""
+    """Return the rows without the labels, which now know theirs."""
     real = [row for row in rows if row.opcode != LABEL]
     at = 0
     for row in rows:

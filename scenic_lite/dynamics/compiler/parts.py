@@ -30,7 +30,7 @@ class Temporal:
     """A temporal requirement: the frame that its names have, its automaton, and the register of its state."""
 
     watched: Watched
-    scope: Any  # LiveFrame; None: that of the statement
+    scope: Any  # CompiledScope; None: that of the statement
     automaton: Any
     state: int
 
@@ -82,7 +82,7 @@ class ScenarioInstance:
     slot: int  # of the compose block
     ending: int  # asked for by a monitor of its own: the reason
     ego: Instance | None = None
-    scope: Any = None  # the LiveFrame of its variables
+    scope: Any = None  # the CompiledScope of its variables
     limit: tuple[int, int] | None = None  # registers: steps taken, steps allowed
     stop: Label = field(default_factory=Label)
     over: Label = field(default_factory=Label)
@@ -99,24 +99,24 @@ class ScenarioInstance:
     resets: list[tuple[int, float]] = field(default_factory=list)  # what its registers are while it does not run
 
     def family(self) -> Iterator[ScenarioInstance]:
-        """This part and all inside it, outer ones first."""
+        """Yield this scenario and all inside it, outer ones first."""
         yield self
         for part in self.parts:
             yield from part.family()
 
     def lists(self) -> list[list]:
-        """What grows while the part is written."""
+        """Return what grows while the part is written."""
         return [self.parts, self.monitors, self.terminations, self.records, self.temporal, self.resets]
 
     def call_routine(self, code: Assembler, routine: Label) -> None:
-        """Rows that run `stop` or `progress` and come back."""
+        """Write rows that run `stop` or `progress` and come back."""
         on = Label()
         code.row(op.SET_SLOT, self.back, c=on)
         code.row(op.JUMP, c=routine)
         code.put(on)
 
     def flagged(self, code: Assembler, at_rest: float = 0.0) -> int:
-        """A register that has a value of its own again whenever the scenario has ended."""
+        """Return a register that has a value of its own again whenever the scenario has ended."""
         register = code.fixed.take()
         code.begin_with(register, at_rest)
         self.resets.append((register, at_rest))
@@ -124,7 +124,7 @@ class ScenarioInstance:
 
 
 def part_of(code: Assembler, name: str, parent: ScenarioInstance | None, call: BehaviorCall | None) -> ScenarioInstance:
-    """A part with registers of its own, noted in its parent."""
+    """Return a part with registers of its own, noted in its parent."""
     first = code.fixed.take(4)
     for i, word in enumerate(("running", "back", "compose", "ending")):
         code.notes[first + i] = f"{name}.{word}"

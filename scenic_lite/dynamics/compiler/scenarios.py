@@ -32,7 +32,7 @@ DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Sce
 
 
 def main_part(c: Compilation) -> ScenarioInstance:
-    """The program as a scenario: what loading it has made; its variables are those of its setup."""
+    """Return the program as a scenario: what loading it has made; its variables are those of its setup."""
     program, code = c.program, c.code
     main = program.main
     part = part_of(code, "scenario" if main is None else main.behavior.name, None, main)
@@ -88,8 +88,8 @@ def entered(c: Compilation, part: ScenarioInstance, node: nodes.Do) -> Iterator[
 
 
 def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstance:
-    """Rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
-    code, parent = c.code, c.part
+    """Write rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
+    code, parent = c.code, c.site.part
     assert parent is not None
     part = part_of(code, call.behavior.name, parent, call)
     part.ego = c.state.ego
@@ -115,7 +115,7 @@ def show_names(part: ScenarioInstance) -> None:
 
 
 def start(c: Compilation, part: ScenarioInstance) -> None:
-    """What runs while the scenario does."""
+    """Begin what runs while the scenario does."""
     code = c.code
     assert part.call is not None
     if acts(part.call):
@@ -128,7 +128,7 @@ def start(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def acts(call: BehaviorCall) -> bool:
-    """Whether a scenario has a compose block, or guards to watch over instead."""
+    """Return whether a scenario has a compose block, or guards to watch over instead."""
     node = call.behavior.scenario
     return bool(node.compose or node.preconditions or node.invariants)
 
@@ -137,7 +137,7 @@ def acts(call: BehaviorCall) -> bool:
 
 
 def step(c: Compilation, part: ScenarioInstance) -> None:
-    """One step of a scenario: its requirements, its time limit, its compose block, its conditions."""
+    """Write one step of a scenario: its requirements, its time limit, its compose block, its conditions."""
     code, done = c.code, Label()
     if part.parent is not None:
         code.row(op.JUMP_UNLESS, part.running, c=done)
@@ -161,18 +161,18 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def may_require(c: Compilation, part: ScenarioInstance) -> bool:
-    """Whether the scenario can have temporal requirements: written before, or in what is written later."""
+    """Return whether the scenario can have temporal requirements: written before, or in what is written later."""
     node = None if part.call is None else part.call.behavior.node
     trees = [] if node is None else [node]
     if part.parent is None:
         trees += [each.node for each in c.program.behaviors.values()]
     monitors = [each.call.behavior.node for each in part.monitors]
-    found = (each for tree in (*trees, *monitors) for each in ast.walk(tree))
-    return bool(part.temporal) or any(isinstance(each, nodes.Require) and is_temporal(each) for each in found)
+    every = (each for tree in (*trees, *monitors) for each in ast.walk(tree))
+    return bool(part.temporal) or any(isinstance(each, nodes.Require) and is_temporal(each) for each in every)
 
 
 def take_time(c: Compilation, part: ScenarioInstance) -> None:
-    """`terminate after`."""
+    """Heed `terminate after`."""
     if part.limit is None:
         return
     code, (taken, allowed), going = c.code, part.limit, Label()
@@ -183,14 +183,14 @@ def take_time(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
-    """The scenario has ended by itself; the end of the program's own is that of the match."""
+    """End a scenario by itself; the end of the program's own is that of the match."""
     if part.parent is None:
         register_of(c.code, RegisterValue(c.reason(f"scenarioComplete: {reason}")), COMPLETE)
     c.code.row(op.JUMP, c=part.over)
 
 
 def compose(c: Compilation, part: ScenarioInstance) -> None:
-    """The compose block goes on. Without one, guards are watched over while time passes."""
+    """Let the compose block go on. Without one, guards are watched over while time passes."""
     code, scope = c.code, part.scope
     assert part.call is not None
     node = part.call.behavior.scenario
@@ -210,7 +210,7 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def watched_names(part: ScenarioInstance) -> frozenset[str]:
-    """The variables that a compose block assigns and what watches the scenario may read."""
+    """Return the variables that a compose block assigns and what watches the scenario may read."""
     assert part.call is not None
     node = part.call.behavior.scenario
     inside = [each for statement in node.compose for each in ast.walk(statement)]
@@ -229,7 +229,7 @@ def names_in(tree: ast.AST) -> list[ast.Name]:
 
 
 def write_routines(c: Compilation, main: ScenarioInstance) -> None:
-    """How each scenario ends, and how its temporal requirements see a step."""
+    """Write how each scenario ends, and how its temporal requirements see a step."""
     code = c.code
     for part in main.family():
         code.place = None if part.call is None else part.call.place
@@ -238,7 +238,7 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
             (part.stop, stop, "end of"),
         ):
             if label.used:
-                c.titles[label] = f"{title} {part.name}"
+                c.output.titles[label] = f"{title} {part.name}"
                 code.reachable = True
                 code.put(label)
                 code.temporaries.used = code.temporaries.most  # others' intermediate results stay as they are

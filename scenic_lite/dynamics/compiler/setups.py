@@ -55,14 +55,14 @@ def flag_if_live(c: Compilation, scope: CompiledScope, thing: object) -> None:
     """Note whether a match comes to a statement, if that is not certain."""
     if scope.inlined.live:
         refuse_repeated(c)
-        assert c.part is not None
-        flag = c.part.flagged(c.code)
+        assert c.site.part is not None
+        flag = c.site.part.flagged(c.code)
         c.flags[id(thing)] = thing, flag
         register_of(c.code, 1, flag)
 
 
 def refuse_repeated(c: Compilation) -> None:
-    if c.repeating:
+    if c.site.repeating:
         raise ScenicError("unsupported", "this cannot be repeated in a match", hint="write it before the loop")
 
 
@@ -90,19 +90,19 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
         raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
     call = with_own_arguments(c, value)
-    if c.setting_up:
+    if c.site.setting_up:
         c.state.monitors.append(call)
         flag_if_live(c, scope, call)
         return
     refuse_repeated(c)
-    assert c.part is not None
+    assert c.site.part is not None
     monitor = monitor_of(c, call, None)
-    c.part.monitors.append(monitor)
+    c.site.part.monitors.append(monitor)
     start_monitor(c, monitor)
 
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
-    """A behavior or monitor whose arguments stay as they are now."""
+    """Return a behavior or monitor whose arguments stay as they are now."""
     return BehaviorCall(
         call.behavior, {name: store_in_register(c.code, each) for name, each in call.arguments.items()}, call.place
     )
@@ -122,10 +122,10 @@ def start_monitor(c: Compilation, monitor: Monitor) -> None:
 
 
 def check_first(c: Compilation, call: BehaviorCall) -> None:
-    """The guards of what begins."""
+    """Check the guards of what begins."""
     node = call.behavior.node
     if node.preconditions or node.invariants:
-        with c.round(node, len(c.broken)), c.entered(call.behavior, node):
+        with c.round(node, len(c.output.rejections)), c.entered(call.behavior, node):
             check_guards(c, frame_of(c, call))
 
 
@@ -133,7 +133,7 @@ def check_first(c: Compilation, call: BehaviorCall) -> None:
 
 
 def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
-    """`override object with p v, ...`, until the scenario ends."""
+    """Compile `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
     if isinstance(target, RandomChoice):
         raise ScenicError("unsupported", "`override` of whichever object a match finds")
@@ -142,12 +142,12 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
     values: dict[str, Value] = {}
     for each in node.specifiers:
         name, value = overridden_property(scope, each)
-        if name in c.live_names:
+        if name in c.shown.names:
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
         if name not in target.properties:
             raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
         values[name] = value if isinstance(value, RandomChoice) else checked(name, value, c.program.dialect)
-    part = c.part
+    part = c.site.part
     assert part is not None
     overrides = []
     for name, value in values.items():
@@ -159,7 +159,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
 
 
 def override_property(c: Compilation, part: ScenarioInstance, target: Instance, name: str, value: Value) -> None:
-    """Another value for a property that no simulator knows."""
+    """Give another value to a property that no simulator knows."""
     c.refuse_live(target, name)
     key = ("object", target.label, name)
     before = Variable(c.code, c.types, (*part.scope.inlined.path, "before", *key), shared=True)
@@ -185,11 +185,11 @@ def note_first(c: Compilation, part: ScenarioInstance, key: tuple[str, str], sav
 def override_behavior(c: Compilation, part: ScenarioInstance, target: Instance, value: Value) -> list[BehaviorOverride]:
     """Give an object another behavior, or one of several: its register says which one it has now."""
     code, label = c.code, target.label
-    if label not in c.driving:
-        c.driving[label] = code.fixed.take()
-        code.notes[c.driving[label]] = f"{target.title()}.behavior"
-        c.drivers[label] = []
-    register, before = c.driving[label], code.fixed.take()
+    if label not in c.overrides.registers:
+        c.overrides.registers[label] = code.fixed.take()
+        code.notes[c.overrides.registers[label]] = f"{target.title()}.behavior"
+        c.overrides.behaviors[label] = []
+    register, before = c.overrides.registers[label], code.fixed.take()
     save = lambda: register_of(code, RegisterValue(register), before)  # noqa: E731
     note_first(c, part, (label, "behavior"), save, lambda: register_of(code, RegisterValue(before), register))
     if value is None:
@@ -208,7 +208,7 @@ def driver_of(c: Compilation, part: ScenarioInstance, target: Instance, call: Va
     if not isinstance(call, BehaviorCall):
         checked("behavior", call, c.program.dialect)
     assert isinstance(call, BehaviorCall)
-    known = c.drivers[target.label]
+    known = c.overrides.behaviors[target.label]
     slot = c.code.fixed.take()
     driver = BehaviorOverride(target, with_own_arguments(c, call), slot, Label(), 1 + len(known), part)
     known.append(driver)
@@ -225,9 +225,8 @@ def begin_override(c: Compilation, value: Value, overrides: list[BehaviorOverrid
 
 
 def begin_one(c: Compilation, behavior: BehaviorOverride) -> None:
-    agent, c.agent = c.agent, behavior.agent
-    check_first(c, behavior.call)
-    c.agent = agent
+    with c.acting(behavior.agent):
+        check_first(c, behavior.call)
     c.code.row(op.SET_SLOT, behavior.slot, c=behavior.entry)
 
 
@@ -235,9 +234,9 @@ def begin_one(c: Compilation, behavior: BehaviorOverride) -> None:
 
 
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """A temporal requirement that is made during the match: its scenario watches it from the next step on."""
+    """Make a temporal requirement during the match: its scenario watches it from the next step on."""
     refuse_repeated(c)
-    part, code = c.part, c.code
+    part, code = c.site.part, c.code
     assert part is not None
     label = node.name or source_text(scope, node)
     own = with_present_names(c, scope, node)
@@ -248,7 +247,7 @@ def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> 
 
 
 def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require) -> CompiledScope:
-    """A frame in which the names of a condition keep the values that they have now."""
+    """Return a frame in which the names of a condition keep the values that they have now."""
     code = c.code
     names: dict[str, Value] = {}
     used = {each.id for each in ast.walk(node.condition) if isinstance(each, ast.Name)}
@@ -260,7 +259,7 @@ def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require
         at = at.outer
     code.variables = outside
     return CompiledScope(
-        c, scope.source, names, scope, InlinedBody((*c.path, id(node)), Label(), scope.inlined.behavior)
+        c, scope.source, names, scope, InlinedBody((*c.site.path, id(node)), Label(), scope.inlined.behavior)
     )
 
 

@@ -50,7 +50,7 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
     if isinstance(value, BehaviorCall):
         name = value.behavior.name
         message = f'the behavior "{name}" is named here, but not run'
-        c.doubts.append(scope.error("warning", message, node, f"write do {name}(...)"))
+        c.output.doubts.append(scope.error("warning", message, node, f"write do {name}(...)"))
 
 
 # ------------------------------------------------------------ assignments
@@ -109,7 +109,7 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
     """Heed `ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
     if target.id not in TRACKED:
         return
-    if not c.setting_up or scope.inlined.live or scope.inlined.behavior is not c.part_behavior:
+    if not c.site.setting_up or scope.inlined.live or scope.inlined.behavior is not c.part_behavior:
         hint = "only the setup of a scenario may, and not in a branch"
         raise ScenicError("unsupported", f"no match can change {target.id} here", hint=hint)
     TRACKED[target.id](scope, target, value)
@@ -160,7 +160,8 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
         own = {key[2] for key in c.types.types if key[0] == "simulation"}  # assigned, as an earlier walk saw
         known = [each for each in c.simulation.names if each not in own]
         if hint := near(name, known) if name not in known else "":
-            c.doubts.append(scope.error("warning", f"simulation() has no attribute '{name}' until now", target, hint))
+            warning = scope.error("warning", f"simulation() has no attribute '{name}' until now", target, hint)
+            c.output.doubts.append(warning)
         c.keep(("simulation", "", name), value)
     elif isinstance(owner, Instance) and owner.label:
         c.refuse_live(owner, name)

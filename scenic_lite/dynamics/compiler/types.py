@@ -99,7 +99,7 @@ class RegisterList:
         return RegisterValue(self.registers[0], whole=True)
 
     def at(self, index: int) -> Value:
-        """The element in a place that is known."""
+        """Return the element in a place that is known."""
         element = self.type.element
         return None if element is None else loaded(element, iter(self.registers[1 + index :: self.type.capacity]))
 

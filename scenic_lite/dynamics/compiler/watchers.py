@@ -35,22 +35,21 @@ MOST_ATOMS = 8  # expressions that one state asks for
 
 
 def start(c: Compilation, main: ScenarioInstance, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
-    """Before all else: the guards of the program's scenario, its time limit, the guards of behaviors and monitors."""
+    """Check before all else the guards of the main scenario, of behaviors and of monitors; note the time limit."""
     if main.scope is not None:
         check_guards(c, main.scope)
     limit_of(c, main)
     for agent, call in calls:
-        c.agent = agent
-        with c.round(call.behavior.node, len(c.broken)), c.entered(call.behavior, call.behavior.node):
+        node, number = call.behavior.node, len(c.output.rejections)
+        with c.acting(agent), c.round(node, number), c.entered(call.behavior, node):
             c.code.place = call.place
             check_guards(c, frame_of(c, call))
-    c.agent = None
 
 
 def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
-    """The names that a statement outside of behaviors sees."""
+    """Return the names that a statement outside of behaviors sees."""
     c.code.place = watched.place
-    inlined = InlinedBody((*c.path, id(watched.tree)), Label())
+    inlined = InlinedBody((*c.site.path, id(watched.tree)), Label())
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
 
 
@@ -58,7 +57,7 @@ def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
 
 
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
-    """`terminate after`: how long it is is decided when the scenario begins; the last one counts."""
+    """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
     code = c.code
     limits = [each for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
     if not limits:
@@ -81,7 +80,7 @@ def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[Non
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
-    """`terminate when`, `terminate simulation when`: rows that end something with the label of the first that holds."""
+    """Compile `terminate [simulation] when`: end something with the label of the first that holds."""
     for each in part.terminations:
         tree = each.watched.tree
         if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
@@ -91,7 +90,7 @@ def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callabl
 
 
 def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
-    """`terminate simulation when` of all scenarios that run."""
+    """Compile `terminate simulation when` of all scenarios that run."""
     done = Label()
 
     def end(label: str) -> None:
@@ -108,7 +107,7 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterator[None]:
     """Rows written inside are for a scenario while it runs."""
     running = nullcontext() if part.parent is None else c.code.when(part.running)
-    with running, c.within(part), c.rounds(number):
+    with running, c.within(part), c.numbered(number):
         yield
 
 
@@ -134,11 +133,11 @@ def take_record(c: Compilation, item: WatchedItem) -> None:
         code.begin_with(taken, -1)
         code.notes[taken] = f"{label}.taken"
         register_of(code, c.time(), taken)
-        c.records.append(Record(label, tree.when, taken, value))
+        c.output.records.append(Record(label, tree.when, taken, value))
 
 
 def in_registers(c: Compilation, value: Value) -> Value:
-    """A value whose random parts all stand in registers, also those of the scene; a list of varying length in full."""
+    """Return a value whose random parts all stand in registers, also those of the scene; a list in full."""
     if isinstance(value, RegisterList):
         capacity = 0 if value.type.element is None else value.type.capacity
         return Listed(value.length, [in_registers(c, value.at(i)) for i in range(capacity)])
@@ -153,8 +152,8 @@ def in_registers(c: Compilation, value: Value) -> Value:
 
 
 def forget_records(c: Compilation) -> None:
-    """What has been recorded in the last step is no more of this one."""
-    for each in c.records:
+    """Forget what has been recorded in the last step."""
+    for each in c.output.records:
         if each.when == "each":
             register_of(c.code, -1, each.taken)
 
@@ -199,7 +198,7 @@ class Automaton:
 
 
 def see_step(c: Compilation, each: Temporal) -> None:
-    """Rows that let a temporal requirement see the step."""
+    """Write rows that let a temporal requirement see the step."""
     scope = each.scope or frame_for(c, each.watched)
     with each.watched.bindings.restored(c.state) if each.watched.bindings is not None else nullcontext():
         progress(c, each, scope)
@@ -228,7 +227,7 @@ def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
 
 
 def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
-    """At the end of a scenario: what was required and has not come."""
+    """Reject the match at the end of a scenario for what was required and has not come."""
     for each in part.temporal:
         c.code.place = each.watched.place
         states = each.automaton.states
