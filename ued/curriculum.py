@@ -47,7 +47,7 @@ class Curriculum(Protocol):
 
 
 class LevelSpace(Protocol):
-    """What a curriculum needs to know of levels; every `UPOMDP` is one, and so is `ThetaSpace`."""
+    """What a curriculum needs to know of levels: see `ThetaSpace`, which is one; so is every `UPOMDP`."""
 
     @property
     def theta_dim(self) -> int: ...

@@ -30,7 +30,7 @@ class LinearParameter(NamedTuple):
 
 
 class ThetaProgram(Protocol):
-    """What a `scenic_lite.Program` offers here: columns, validity, and values in its own units."""
+    """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
 
     @property
     def draws(self) -> tuple[Parameter, ...]: ...

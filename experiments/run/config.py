@@ -60,7 +60,7 @@ class RunConfig:
     """What a training run depends on whatever its method."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
-    method: str = setting("paired", "how levels are chosen: dr, paired, plr, accel ... (see ued/methods)")
+    method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run")
     total_env_steps: int = setting(3_000_000, "stop when training has simulated this many steps, the antagonist's too")
     num_envs: int = setting(128, "environments that each student plays at a time")
@@ -84,7 +84,11 @@ class RunConfig:
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
     """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
     return [
-        (row.name, type(row.settings()), group(row.settings, row.title, prefix=f"{row.name}.".replace("_", "-")))
+        (
+            row.name,
+            type(row.settings()),
+            group(row.settings, f"{row.title}: {row.help}", prefix=f"{row.name}.".replace("_", "-")),
+        )
         for row in METHODS.values()
         if row.group == row.name
     ]

@@ -18,7 +18,11 @@ LOG_2_PI = math.log(2 * math.pi)
 
 
 class Policy(Protocol):
-    """A distribution over actions for each row of a batch."""
+    """A distribution over actions for each row of a batch.
+
+    `sample` and `mode` return actions `[B]` or `[B, K]`; `log_prob` of such, `entropy` in nats and the divergence
+    `kl` from this to another distribution are `[B]`.
+    """
 
     def sample(self, generator: torch.Generator) -> Tensor: ...
     def mode(self) -> Tensor: ...
@@ -167,6 +171,7 @@ class PolicyHead(nn.Module):
             raise ValueError(f"actions must be Discrete or a flat Box, got {space}")
 
     def forward(self, features: Tensor) -> Policy:
+        """Return the policy for features `[B, inputs]`."""
         if self.log_std is None:
             return Categorical(self.layer(features))
         return Gaussian(self.layer(features), self.log_std)

@@ -32,6 +32,7 @@ class Normaliser(nn.Module):
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
 
     def forward(self, observation: Tensor) -> Tensor:
+        """Return observations `[B, size]` in standard deviations from the mean, at most CLIP of them."""
         return ((observation - self.mean) / (self.variance + 1e-8).sqrt()).clamp(-CLIP, CLIP)
 
     def track(self, observation: Tensor) -> None:

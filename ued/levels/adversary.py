@@ -9,7 +9,7 @@ corners. Read next: `levels.teacher`.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -36,14 +36,6 @@ class Proposals(NamedTuple):
     z: np.ndarray
     raw: np.ndarray
     log_prob: np.ndarray
-
-
-class ThetaPolicy(Protocol):
-    """A distribution over θ for each row of a batch, drawn as `raw` `[B, D]`."""
-
-    def sample(self, generator: torch.Generator) -> Tensor: ...
-    def log_prob(self, raw: Tensor) -> Tensor: ...
-    def theta_entropy(self, generator: torch.Generator) -> Tensor: ...
 
 
 class Squashed(Gaussian):
@@ -94,6 +86,7 @@ class Beta:
         return raw.astype(np.float64)
 
 
+ThetaPolicy = Squashed | Beta  # a distribution over θ for each row of a batch, drawn as `raw` [B, D]
 DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "beta": Beta}
 
 
@@ -108,6 +101,7 @@ class AdversaryNetwork(nn.Module):
         self.value = linear(config.hidden_size, 1, 1.0, generator)
 
     def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
+        """Return the distributions and the regret to expect `[B]` for contexts `[B, Z]`."""
         features = self.torso(z)
         return self.distribution(*(head(features) for head in self.heads)), self.value(features)[:, 0]
 

@@ -11,18 +11,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from ued.config import (
-    ACCELConfig,
-    ALPGMMConfig,
-    DRConfig,
-    MinimaxConfig,
-    PairedConfig,
-    PairedLiteralConfig,
-    PLRConfig,
-    RepairedConfig,
-    SelfRegretConfig,
-    SFLConfig,
-)
+from ued import config
 
 
 @dataclass(frozen=True)
@@ -65,49 +54,49 @@ class MethodRow:
 # fmt: off
 METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
     MethodRow(
-        "dr", "ued.methods.dr", "DR", DRConfig, "domain randomisation", "#4a6fa5", "Tobin et al. 2017",
+        "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomisation", "#4a6fa5", "Tobin et al. 2017",
         "a uniform level for every episode", "1",
     ),
     MethodRow(
-        "minimax", "ued.methods.minimax", "Minimax", MinimaxConfig, "minimax", "#7a5c48", "Dennis et al. 2020",
+        "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#7a5c48", "Dennis et al. 2020",
         "an adversary is paid what the student loses", "1",
     ),
     MethodRow(
-        "paired", "ued.methods.paired", "Paired", PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
+        "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
         "an adversary is paid the regret of a protagonist against an antagonist; with options for what stabilises it",
         "2, for the student that counts",
     ),
     MethodRow(
-        "paired_literal", "ued.methods.paired_literal", "PairedLiteral", PairedLiteralConfig, "literal PAIRED",
+        "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
         "#f0a202", "the same, to the letter",
         "the students are paid in regret, too; no entropy bonus, no random levels", "2, and episodes that are cut off",
     ),
     MethodRow(
-        "self_regret", "ued.methods.self_regret", "SelfRegret", SelfRegretConfig, "self-regret", "#d81e8c", "–",
+        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#d81e8c", "–",
         "the student's own later episodes are the antagonist", "1",
     ),
     MethodRow(
-        "repaired", "ued.methods.repaired", "Repaired", RepairedConfig, "REPAIRED", "#8c1c2e", "Jiang et al. 2021a",
-        "PAIRED's levels in a buffer; students learn from replayed ones alone", "4",
+        "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#8c1c2e",
+        "Jiang et al. 2021a", "PAIRED's levels in a buffer; students learn from replayed ones alone", "4",
     ),
     MethodRow(
-        "plr", "ued.methods.plr", "PLR", PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
+        "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
         "new levels, and by turns those again that were worth it", "1",
     ),
     MethodRow(
-        "robust_plr", "ued.methods.plr", "RobustPLR", PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
+        "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
         "the same, learning from replayed levels alone (PLR⊥)", "2", settings_of="plr",
     ),
     MethodRow(
-        "accel", "ued.methods.accel", "ACCEL", ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",
+        "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",
         "replayed levels are edited, and their copies enter the buffer", "2.25",
     ),
     MethodRow(
-        "sfl", "ued.methods.sfl", "SFL", SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
+        "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
         "random levels that are solved about half of the time", "1 / (1 − share of looking around)",
     ),
     MethodRow(
-        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
+        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
         "levels where returns have been changing, by Gaussian mixtures", "1",
     ),
 )}

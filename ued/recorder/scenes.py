@@ -62,7 +62,8 @@ def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[Sce
     stream.disconnect()
 
 
-def log_ground(stream: Any, stage: SceneStage) -> None:
+def log_ground(stream: rerun.RecordingStream, stage: SceneStage) -> None:
+    """Write the lines that never change."""
     infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
     stream.log("scene", rerun.AnnotationContext(infos), static=True)
     # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
@@ -74,7 +75,8 @@ def log_ground(stream: Any, stage: SceneStage) -> None:
     stream.log("scene/ground/lines", ground, static=True)
 
 
-def log_scene(stream: Any, stage: SceneStage, scene: SceneRecord) -> None:
+def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneRecord) -> None:
+    """Write one scene at the time that the stream is at; objects without a place are left out."""
     known = np.isfinite(scene.outlines).all((1, 2))
     kinds = stage.kinds[known]
     colours = np.array(stage.colours, np.uint8).reshape(-1, 3)[kinds]
