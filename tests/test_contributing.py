@@ -69,10 +69,6 @@ def carry_out(page, folder):
         elif "at the end of the file" in where:
             path = folder / names[0]
             path.write_text(path.read_text() + "\n\n" + block)
-        elif ", after `" in where:
-            before, line, after = (folder / names[0]).read_text().partition(f"    {names[1]}\n")
-            assert line, f"{names[0]} has no line {names[1]}"
-            (folder / names[0]).write_text(before + line + block + after)
         else:
             write(folder / names[0], block)
     return len(steps)
