@@ -15,7 +15,7 @@ manual of the language. The rooms, from the ground up:
 Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.interpreter`.
 """
 
-from scenic_lite.core.domain import Domain
+from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.loader import load
 from scenic_lite.scene.constraints import Constraint

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from scenic_lite.core.domain import Domain
 from scenic_lite.core.environment import Source, near
 from scenic_lite.core.state import LOAD, Handlers, LoadState, Mode
 from scenic_lite.core.types import Behavior, BehaviorCall, Namespace
+from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.assignments import unpack
 from scenic_lite.evaluation.calls import CALLS, bind, call, scenario_frame

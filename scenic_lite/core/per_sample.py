@@ -17,7 +17,17 @@ from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FallibleOperation
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Function, Instance, RandomChoice, randoms_in
+from scenic_lite.core.types import (
+    Behavior,
+    BehaviorCall,
+    Bound,
+    Function,
+    Instance,
+    Namespace,
+    RandomChoice,
+    ScenicClass,
+    randoms_in,
+)
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
@@ -105,11 +115,12 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
     seen: set[int] = set()
     while pending:
         scope, tree = pending.pop()
-        for name in names_in(tree):
-            value = visible(scope, name)
+        for path in names_in(tree):
+            value = value_at(scope, path)
             if id(value) not in seen:
                 seen.add(id(value))
                 found.append(value)
+                found += attributes_of_class(value)
                 for part in definitions_in(value):
                     found += [*part.defaults, *part.keyword_defaults.values()]
                     pending += [(part.scope, each) for each in body_of(part)]
@@ -117,8 +128,33 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
 
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
-def names_in(tree: ast.AST) -> frozenset[str]:
-    return frozenset(each.id for each in ast.walk(tree) if isinstance(each, ast.Name))
+def names_in(tree: ast.AST) -> frozenset[tuple[str, ...]]:
+    """The names in a tree, and the paths that begin with one: `lib`, `lib.far`."""
+    return frozenset(path for node in ast.walk(tree) if (path := path_of(node)))
+
+
+def path_of(node: ast.AST) -> tuple[str, ...]:
+    """A name, or the attributes that are read of one; () for any other node."""
+    if isinstance(node, ast.Attribute):
+        path = path_of(node.value)
+        return (*path, node.attr) if path else ()
+    return (node.id,) if isinstance(node, ast.Name) else ()
+
+
+def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
+    """What a path of modules and classes leads to; None if it leaves them."""
+    value = visible(scope, path[0])
+    for name in path[1:]:
+        if isinstance(value, Namespace):
+            value = value.names.get(name)
+        else:
+            value = value.member(name) if isinstance(value, ScenicClass) else None
+    return value
+
+
+def attributes_of_class(value: Value) -> list[Value]:
+    """What an object reads of its class."""
+    return [each for cls in value.cls.lineage() for each in cls.members.values()] if isinstance(value, Instance) else []
 
 
 def visible(scope: Environment, name: str) -> Value:

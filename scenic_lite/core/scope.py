@@ -203,7 +203,10 @@ class Scope(Environment):
             return self.module_names[name]
         if name in self.handlers.builtins:
             return self.handlers.builtins[name]
-        raise ScenicError("name", f"name '{name}' is not defined", hint=near(name, self.visible_names()))
+        domain = self.state.domain
+        home = domain.home_of(name) if domain is not None else None
+        hint = f"it lives in {home}: from {home} import {name}" if home else near(name, self.visible_names())
+        raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
 
     def visible_names(self) -> list[str]:
         names = [*self.handlers.builtins, "ego", "workspace"]

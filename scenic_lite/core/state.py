@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 from scenic_lite.core.budget import Budget, exceeded
 from scenic_lite.core.checks import RuntimeChecks
-from scenic_lite.core.domain import Domain
 from scenic_lite.core.environment import Environment, Source
 from scenic_lite.core.paths import Path as RandomPath
 from scenic_lite.core.types import Behavior, BehaviorCall, Instance, Namespace
+from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value

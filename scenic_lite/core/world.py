@@ -8,8 +8,10 @@ the smallest world; `dynamics.reference.interpreter`, which runs programs in one
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
 
 from scenic_lite.core.types import Instance, Namespace
@@ -50,6 +52,29 @@ class World:
         """What is said of a number that is none of the actions."""
         assert self.actions is not None
         return f"there is no action {number}; actions are 0 to {self.actions - 1}"
+
+
+@dataclass(frozen=True)
+class Domain:
+    """A world that programs can be about.
+
+    `library` maps a dotted module name, aliases included, to the `.scenic` file that it means. `default_model` is
+    imported by a program file that has no `model` line of its own and imports none of the library. `params` are those
+    parameters of a program that mean something to this world: one that is almost spelt like them is warned of. `world`
+    is how its simulator shows itself to behaviors; None if it has none.
+    """
+
+    name: str
+    library: Mapping[str, Path] = field(default_factory=dict)
+    default_model: str | None = None
+    params: frozenset[str] = frozenset()
+    world: World | None = None
+
+    def home_of(self, name: str) -> str | None:
+        """Return the module of the library that defines a name."""
+        word = re.compile(rf"^((behavior|monitor|scenario|class|def) +{re.escape(name)}\b|{re.escape(name)} *=)", re.M)
+        homes = (module for module, path in self.library.items() if word.search(path.read_text(encoding="utf-8")))
+        return next(homes, None)
 
 
 MOST_AT_ONCE = 8  # actions of one `take`, where they are numbers

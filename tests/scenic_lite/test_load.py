@@ -145,3 +145,26 @@ for i in range(3000):
     assert program.printed[:3] == ("lanes: 3 [1, 2.5]", "(random)-x", "")
     assert len(program.printed) == 1000 and program.printed[-1] == "996"
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_name_of_the_library_says_where_it_lives(tmp_path):
+    (tmp_path / "moves.scenic").write_text("speed = 3\nbehavior Dribble():\n    wait\n")
+    domain = Domain("toy", {"toy.moves": tmp_path / "moves.scenic"})
+    with pytest.raises(ScenicError) as caught:
+        load("ego = Object at 0 @ 0, with behavior Dribble()", domain)
+    assert caught.value.hint == "it lives in toy.moves: from toy.moves import Dribble"
+    with pytest.raises(ScenicError) as caught:
+        load("ego = Object at 0 @ sped", domain)
+    assert caught.value.hint == ""
+
+
+def test_a_module_that_lists_its_public_names_gives_no_others(tmp_path):
+    (tmp_path / "lib.scenic").write_text('__all__ = ["a", "_b"]\na = 1\n_b = 2\nc = 3\n')
+    (tmp_path / "main.scenic").write_text("from lib import *\nego = Object at a @ _b\n")
+    load(tmp_path / "main.scenic")
+    (tmp_path / "main.scenic").write_text("from lib import *\nego = Object at a @ c\n")
+    with pytest.raises(ScenicError, match="name 'c' is not defined"):
+        load(tmp_path / "main.scenic")
+    (tmp_path / "lib.scenic").write_text('__all__ = ["a"]\n')
+    with pytest.raises(ScenicError, match="lib has no 'a', which its `__all__` lists"):
+        load(tmp_path / "main.scenic")

@@ -7,7 +7,7 @@ Read next: `library/model.scenic`.
 from pathlib import Path
 
 from envs.football.scenic.world import FOOTBALL_WORLD
-from scenic_lite.core.domain import Domain
+from scenic_lite.core.world import Domain
 
 LIBRARY = Path(__file__).parent / "library"
 MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator", "constants")}

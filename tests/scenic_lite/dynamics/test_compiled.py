@@ -51,6 +51,21 @@ def test_a_mixture_gives_the_same_commands():
     assert found == []
 
 
+def test_random_values_of_modules_and_classes_are_those_of_the_scene(tmp_path):
+    (tmp_path / "lib.scenic").write_text("far = Range(3, 5)\ndef reach():\n    return far + 1\n")
+    path = tmp_path / "program.scenic"
+    path.write_text(
+        "import lib\nclass Zone:\n    size = Range(1, 2)\n    kind: Range(6, 7)\n"
+        "behavior B():\n    while True:\n        take lib.far\n        take Zone.size + lib.reach()\n"
+        "        take self.size + self.kind\n"
+        "monitor M():\n    while True:\n        if lib.far + Zone.size > 6.2:\n            terminate\n        wait\n"
+        "ego = new Zone at 0 @ 0, with behavior B()\nrequire monitor M()\nterminate when lib.far > 4.6\n"
+    )
+    assert load(path, dialect=3).dim == 3
+    found, _ = differences(str(path), range(12), steps=9)
+    assert found == []
+
+
 def test_watchers_give_the_same_verdicts():
     found, _ = differences(feature_programs.watched_program(), range(40), steps=34)
     assert found == []
