@@ -7,6 +7,8 @@ fitted to whole matches of Google Research Football. Read next: `ai.marking`, fo
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LM, RB, RM, STEP
@@ -14,21 +16,31 @@ from envs.football.physics.pitch import forward
 from envs.football.physics.vectors import squared_apart
 from scenic_lite.kernels.jit import kernel
 
+
+class Block(NamedTuple):
+    """The block of slots, and how it follows the ball."""
+
+    memory: float = 2.5  # s over which the ball is averaged
+    follow_slow: float = 0.36  # share of the averaged ball's x at which the block stands,
+    follow_fast: float = 0.22  # and of the ball's
+    set_back: float = 1.2  # m towards the own goal
+    follow_across: float = 0.4  # share of the averaged ball's y
+    depth: float = 11.0  # m, half of the block
+    width: float = 24.0  # m, half of it
+    focus: float = 0.4  # in defence slots close up to the ball by this share,
+    focus_range: float = 30.0  # fading out over m
+    edge: float = 3.0  # m from the lines
+    exchange: float = 0.9  # two players exchange slots when that shortens their ways to less than this share
+
+
+# Fitted to whole matches of Google Research Football: `regista benchmark --suite grf`, family matches.
+BLOCK = Block()
+
 # Slots
 ROLE_DEPTH = {GK: -1.0, CB: -1.0, LB: -0.8, RB: -0.8, DM: -0.4, CM: 0.0, LM: 0.4, RM: 0.4, AM: 0.5, CF: 1.0}
 LINED_UP = 4.0  # m; a line-up that is less deep tells nothing, and the roles decide
 LINE_UP_SHARE = 0.7  # of the line-up in a slot's depth, the rest is the role
 LINE_UP_WIDTH = 18.0  # m from the middle of the pitch that are as wide as the block
-
-# The block
-BALL_MEMORY = 2.5  # s over which the ball is averaged
-FOLLOW_SLOW, FOLLOW_FAST = 0.36, 0.22  # share of the averaged ball's and of the ball's x at which the block stands
-SET_BACK = 1.2  # m towards the own goal
-FOLLOW_ACROSS = 0.4
-DEPTH, WIDTH = 11.0, 24.0  # m, half of the block
-FOCUS, FOCUS_RANGE = 0.4, 30.0  # in defence slots close up to the ball by this share, fading out over m
-EDGE = 3.0  # m from the lines
-EXCHANGE = 0.9  # of the way: two players exchange slots when that shortens their ways to less than this
 
 
 def formation_slots(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarray:
@@ -46,28 +58,28 @@ def formation_slots(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarr
 @kernel
 def remember_ball(match):
     """Move the averaged ball on."""
-    match.mean_ball_x += (match.ball.x - match.mean_ball_x) * (STEP / BALL_MEMORY)
-    match.mean_ball_y += (match.ball.y - match.mean_ball_y) * (STEP / BALL_MEMORY)
+    match.mean_ball_x += (match.ball.x - match.mean_ball_x) * (STEP / BLOCK.memory)
+    match.mean_ball_y += (match.ball.y - match.mean_ball_y) * (STEP / BLOCK.memory)
 
 
 @kernel
 def block_x(match, team):
     """Return x of the middle of a team's block, in m."""
-    return FOLLOW_SLOW * match.mean_ball_x + FOLLOW_FAST * match.ball.x - forward(team) * SET_BACK
+    return BLOCK.follow_slow * match.mean_ball_x + BLOCK.follow_fast * match.ball.x - forward(team) * BLOCK.set_back
 
 
 @kernel
 def formation_place(match, player):
     """Return the place in m of a player's slot."""
-    x = block_x(match, player.team) + forward(player.team) * DEPTH * player.slot_x
-    y = FOLLOW_ACROSS * match.mean_ball_y + WIDTH * player.slot_y
+    x = block_x(match, player.team) + forward(player.team) * BLOCK.depth * player.slot_x
+    y = BLOCK.follow_across * match.mean_ball_y + BLOCK.width * player.slot_y
     return on_pitch(x, y)
 
 
 @kernel
 def on_pitch(x, y):
     """Return the nearest place that is not close to a line."""
-    limit_x, limit_y = HALF_LENGTH - EDGE, HALF_WIDTH - EDGE
+    limit_x, limit_y = HALF_LENGTH - BLOCK.edge, HALF_WIDTH - BLOCK.edge
     return min(max(x, -limit_x), limit_x), min(max(y, -limit_y), limit_y)
 
 
@@ -91,6 +103,6 @@ def exchange(match, a, b):
     bx, by = formation_place(match, b)
     stay = squared_apart(a, ax, ay) + squared_apart(b, bx, by)
     change = squared_apart(a, bx, by) + squared_apart(b, ax, ay)
-    if change < EXCHANGE * stay:
+    if change < BLOCK.exchange * stay:
         a.slot_x, b.slot_x = b.slot_x, a.slot_x
         a.slot_y, b.slot_y = b.slot_y, a.slot_y

@@ -6,6 +6,7 @@ As documented of Google Research Football. Read next: `skills.saves`.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.ai.marking import man_on_ball
 from envs.football.constants import (
@@ -22,41 +23,57 @@ from envs.football.skills.saves import dive
 from envs.football.skills.steering import chase, go_for_ball, run_to
 from scenic_lite.kernels.jit import kernel
 
-# Standing
-HIGH_LINE = 10.0  # m before the goal line while the ball is in the other half
-LINE_LEAST = 0.7  # m
-ASTRAY = 3.0  # m from where he should be: he sprints
-ADVANCE = 0.3  # share of the way to the ball while his team has it
 
-# Loose balls
-CLAIM_MARGIN = 0.15  # s by which he must be first at a loose ball
-CLAIM_RANGE = 30.0  # m from the goal line
+class Stand(NamedTuple):
+    """Where a keeper waits."""
 
-# Coming out
-SHOT_FROM, SECOND_SHOT_FROM = 20.0, 24.0  # m to the goal: from where an opponent on the ball shoots, and another
-RIVAL_LEAD, MATE_RUN, BALL_LEAD = 0.32, 0.24, 0.6  # s by which runs and the ball are led
-COMMITTED = 5.0  # m to a led ball, from where on he goes through with it
-TOO_LATE = 1.0  # m by which a mate is further from there: too late
-SECOND_SHARE = 0.7  # of the way out that another free attacker as near takes away
-ON_BALL, OFF_BALL = 0.6, 0.4  # weight of the ball against the opponent who has it, or will
-STOPS_SHORT, RUSH_NEAR = 0.5, 2.5  # m
+    high_line: float = 10.0  # m before the goal line while the ball is in the other half
+    least: float = 0.7  # m before it
+    astray: float = 3.0  # m from where he should be: he sprints
+    advance: float = 0.3  # share of the way to the ball while his team has it
 
-GIVEN_UP = -0.4  # s, `save_wait` of a shot that is no longer expected
 
-# Distribution
-THROW_FREE = 10.0  # m from the nearest opponent: a mate to whom the ball may go
-THROW_LEAST, THROW_MOST = 8.0, 40.0  # m to a free mate
-HOLD_LONGEST = 40  # steps, then it goes to the nearest mate all the same
-HURRY_AFTER = 30  # steps beyond which a commanded keeper kicks out by himself
-MATE_LEAD = 0.4  # s by which a mate's run is led
-KICK_OUT = 30.0  # m upfield when there is no mate
+class ComeOut(NamedTuple):
+    """When he leaves his goal, and how far."""
+
+    claim_margin: float = 0.15  # s by which he must be first at a loose ball
+    claim_range: float = 30.0  # m from the goal line to it
+    shot_from: float = 20.0  # m to the goal: from where an opponent on the ball shoots,
+    second_shot_from: float = 24.0  # m, and another
+    rival_lead: float = 0.32  # s by which opponents' runs are led,
+    mate_lead: float = 0.24  # s, mates',
+    ball_lead: float = 0.6  # s, and the ball
+    committed: float = 5.0  # m to a led ball, from where on he goes through with it
+    too_late: float = 1.0  # m by which a mate is further from there: too late
+    second_share: float = 0.7  # of the way out that another free attacker as near takes away
+    on_ball: float = 0.6  # weight of the ball against the opponent who has it,
+    off_ball: float = 0.4  # or will
+    stops_short: float = 0.5  # m
+    rush_near: float = 2.5  # m
+    given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
+
+
+class KickOut(NamedTuple):
+    """To whom he sends the ball, and when."""
+
+    free: float = 10.0  # m from the nearest opponent: a mate to whom the ball may go
+    least: float = 8.0  # m to a free mate
+    most: float = 40.0  # m
+    longest: float = 40.0  # steps, then it goes to the nearest mate all the same
+    overdue: float = 30.0  # steps beyond which a commanded keeper kicks out by himself
+    lead: float = 0.4  # s by which a mate's run is led
+    upfield: float = 30.0  # m when there is no mate
+
+
+# Documented of Google Research Football; leads are fitted: `regista benchmark --suite grf`, family keeper.
+STAND, OUT, KICK_OUT = Stand(), ComeOut(), KickOut()
 
 
 @kernel
 def choose_keeper_command(match, i):
     """Decide for keeper i."""
     player = match.players[i]
-    if match.saver == i and match.save_wait < GIVEN_UP:
+    if match.saver == i and match.save_wait < OUT.given_up:
         match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
     if match.keeper_holding == i:
         player.desired_vx, player.desired_vy = 0.0, 0.0
@@ -82,7 +99,7 @@ def kick_out_if_overdue(match, i):
     """Make a commanded keeper kick the ball out when he has held it for too long."""
     if match.keeper_holding == i:
         match.hold_wait -= 1
-        if match.hold_wait < -HURRY_AFTER and match.players[i].kick == 0:
+        if match.hold_wait < -KICK_OUT.overdue and match.players[i].kick == 0:
             kick_out(match, i)
 
 
@@ -90,7 +107,7 @@ def kick_out_if_overdue(match, i):
 def distribute(match, i):
     """Kick the ball out once the nearest mate has no opponent near him, or the ball has been held for too long."""
     mate = nearest_mate(match, i, 0.0)
-    if mate == NOBODY or not opposed(match, mate, THROW_FREE) or match.hold_wait < HOLD_STEPS - HOLD_LONGEST:
+    if mate == NOBODY or not opposed(match, mate, KICK_OUT.free) or match.hold_wait < HOLD_STEPS - KICK_OUT.longest:
         kick_out(match, i)
 
 
@@ -99,13 +116,13 @@ def kick_out(match, i):
     """Kick or throw the ball high to the nearest free mate some way off, else to the nearest, or simply upfield."""
     player = match.players[i]
     ahead = forward(player.team)
-    player.aim_x, player.aim_y = player.x + ahead * KICK_OUT, player.y
-    j = nearest_mate(match, i, THROW_FREE)
-    if j == NOBODY or apart(match.players[j], player) > THROW_MOST:
+    player.aim_x, player.aim_y = player.x + ahead * KICK_OUT.upfield, player.y
+    j = nearest_mate(match, i, KICK_OUT.free)
+    if j == NOBODY or apart(match.players[j], player) > KICK_OUT.most:
         j = nearest_mate(match, i, 0.0)
     if j != NOBODY:
         mate = match.players[j]
-        player.aim_x, player.aim_y = mate.x + MATE_LEAD * mate.vx, mate.y + MATE_LEAD * mate.vy
+        player.aim_x, player.aim_y = mate.x + KICK_OUT.lead * mate.vx, mate.y + KICK_OUT.lead * mate.vy
     player.kick, player.kick_held, player.kick_ready, player.is_aimed = HIGH_PASS, 1, True, True
     player.kick_mate = j
 
@@ -120,7 +137,7 @@ def nearest_mate(match, i, free):
         distance = apart(mate, player)
         if j == i or mate.team != player.team or mate.has_left:
             continue
-        if THROW_LEAST < distance < nearest and not opposed(match, j, free):
+        if KICK_OUT.least < distance < nearest and not opposed(match, j, free):
             best, nearest = j, distance
     return best
 
@@ -143,13 +160,13 @@ def goes_for_loose_ball(match, i):
     goal_x = own_goal_x(player.team)
     if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
         return False
-    if abs(goal_x - ball.x) > CLAIM_RANGE or match.chaser[player.team] != i:
+    if abs(goal_x - ball.x) > OUT.claim_range or match.chaser[player.team] != i:
         return lone(match, i)
     rival = match.chaser[1 - player.team]
     if rival == NOBODY:
         return True
     speed = ball_speed(ball)
-    return meeting_time(match, player, speed) + CLAIM_MARGIN < meeting_time(match, match.players[rival], speed)
+    return meeting_time(match, player, speed) + OUT.claim_margin < meeting_time(match, match.players[rival], speed)
 
 
 @kernel
@@ -173,18 +190,18 @@ def boldness(match, i):
     first = man_on_ball(match, 1 - team)
     if match.ball.x * goal_x <= 0.0 or match.team_in_possession == team or first == NOBODY:
         return 0.0
-    if match.carrier != NOBODY and apart(match.ball, match.players[i]) < COMMITTED:
+    if match.carrier != NOBODY and apart(match.ball, match.players[i]) < OUT.committed:
         return 1.0
-    way, mate_way = ways_to_shot(match, i, first, SHOT_FROM)
-    if mate_way <= way + TOO_LATE:
+    way, mate_way = ways_to_shot(match, i, first, OUT.shot_from)
+    if mate_way <= way + OUT.too_late:
         return 0.0
     second = nearest_to_goal(match, 1 - team, first)
     if second == NOBODY:
         return 1.0
-    second_way, second_mate_way = ways_to_shot(match, i, second, SECOND_SHOT_FROM)
+    second_way, second_mate_way = ways_to_shot(match, i, second, OUT.second_shot_from)
     free = min(max(0.5 * (second_mate_way - second_way), 0.0), 1.0)
     close = 1.0 - min(max(2.0 * (second_way / (way + 1e-4) - 1.0), 0.0), 1.0)
-    return 1.0 - free * SECOND_SHARE * close
+    return 1.0 - free * OUT.second_share * close
 
 
 @kernel
@@ -194,7 +211,7 @@ def ways_to_shot(match, i, j, range_of_shot):
     """
     rival = match.players[j]
     goal_x = own_goal_x(match.players[i].team)
-    x, y = rival.x + RIVAL_LEAD * rival.vx, rival.y + RIVAL_LEAD * rival.vy
+    x, y = rival.x + OUT.rival_lead * rival.vx, rival.y + OUT.rival_lead * rival.vy
     to_goal = length(goal_x - x, y) + 1e-9
     way = max(to_goal - range_of_shot * min(to_goal / (2.0 * range_of_shot), 1.0), 0.0)
     x, y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
@@ -202,7 +219,7 @@ def ways_to_shot(match, i, j, range_of_shot):
     for k in range(match.num_players):
         mate = match.players[k]
         if k != i and mate.team != rival.team and not mate.has_left:
-            nearest = min(nearest, length(mate.x + MATE_RUN * mate.vx - x, mate.y + MATE_RUN * mate.vy - y))
+            nearest = min(nearest, length(mate.x + OUT.mate_lead * mate.vx - x, mate.y + OUT.mate_lead * mate.vy - y))
     return way, nearest
 
 
@@ -225,19 +242,19 @@ def nearest_to_goal(match, team, but):
 def come_out(match, i, share):
     """Run this share of the way from the goal to where the opponent on the ball will soon be; near him, at the ball."""
     player, ball = match.players[i], match.ball
-    if match.carrier != NOBODY and apart(ball, player) < RUSH_NEAR:
+    if match.carrier != NOBODY and apart(ball, player) < OUT.rush_near:
         go_for_ball(match, i, player.top_speed)
         return
     rival = match.players[man_on_ball(match, 1 - player.team)]
-    weight = ON_BALL if match.carrier != NOBODY else OFF_BALL
-    ball_x, ball_y = ball.x + BALL_LEAD * ball.vx, ball.y + BALL_LEAD * ball.vy
-    to_x = weight * ball_x + (1.0 - weight) * (rival.x + RIVAL_LEAD * rival.vx)
-    to_y = weight * ball_y + (1.0 - weight) * (rival.y + RIVAL_LEAD * rival.vy)
+    weight = OUT.on_ball if match.carrier != NOBODY else OUT.off_ball
+    ball_x, ball_y = ball.x + OUT.ball_lead * ball.vx, ball.y + OUT.ball_lead * ball.vy
+    to_x = weight * ball_x + (1.0 - weight) * (rival.x + OUT.rival_lead * rival.vx)
+    to_y = weight * ball_y + (1.0 - weight) * (rival.y + OUT.rival_lead * rival.vy)
     goal_x = own_goal_x(player.team)
-    foot_x = goal_x - math.copysign(LINE_LEAST, goal_x)
+    foot_x = goal_x - math.copysign(STAND.least, goal_x)
     foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
     way = length(to_x - foot_x, to_y - foot_y) + 1e-9
-    out = max(share * (way - STOPS_SHORT), LINE_LEAST) / way
+    out = max(share * (way - OUT.stops_short), STAND.least) / way
     x, y = foot_x + out * (to_x - foot_x), foot_y + out * (to_y - foot_y)
     run_to(player, x, y, player.top_speed)
 
@@ -249,16 +266,16 @@ def stand(match, i):
     goal_x = own_goal_x(player.team)
     inward = -1.0 if goal_x > 0.0 else 1.0
     if ball.x * goal_x <= 0.0:
-        run_to(player, goal_x + inward * HIGH_LINE, 0.0, RUN_SPEED)
+        run_to(player, goal_x + inward * STAND.high_line, 0.0, RUN_SPEED)
         return
     foot_y = bisector_foot(ball.x - goal_x, ball.y)
     dx, dy = ball.x - goal_x, ball.y - foot_y
     distance = math.sqrt(dx * dx + dy * dy) + 1e-9
     ours = match.last_touch != NOBODY and match.players[match.last_touch].team == player.team
-    out = max(ADVANCE * distance, LINE_LEAST) if ours else LINE_LEAST
-    out = min(out, HIGH_LINE)
+    out = max(STAND.advance * distance, STAND.least) if ours else STAND.least
+    out = min(out, STAND.high_line)
     x, y = goal_x + out * dx / distance, foot_y + out * dy / distance
-    astray = length(x - player.x, y - player.y) > ASTRAY
+    astray = length(x - player.x, y - player.y) > STAND.astray
     run_to(player, x, y, player.top_speed if astray else RUN_SPEED)
 
 

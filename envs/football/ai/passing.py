@@ -6,6 +6,8 @@ shorter he has had the ball. Read next: `skills.kicks`, which carries passes out
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from envs.football.ai.interception import danger
 from envs.football.ai.position_value import nearest_opponent, position_value
 from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
@@ -14,21 +16,40 @@ from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
 
-DECIDED_EVERY = 2  # steps
-GROUND_LEAST, GROUND_MOST, HIGH_LEAST, HIGH_MOST = 4.0, 32.0, 12.0, 36.0  # m
-BETTER = 0.1  # by how much a mate's situation must be better
-GAIN_MOST = 4.0  # more is not worth more
-EAGER, PATIENT, PATIENCE = 0.035, 0.25, 50  # least gain times odds after PATIENCE steps on the ball, and at once
-FIRST_TIME = 0.2  # the same for a ball that he would not stop
-KEEPER_SHARE = 0.7  # of its worth that a pass to the own keeper has
-HIGH_LOSS = 0.55  # of the odds
-LEAD_TIME, LONG_LEAD = 0.4, 0.2  # s; of the distance, towards the goal
-OVERHEAD = 0.6  # share of its way that a high pass is out of reach
-ONSIDE = -1.8  # m: he misjudges by this much who is offside
 
-# Clearances
-PANIC_SLOT, PANIC_RANGE, PANIC_NEAR = -0.4, 30.0, 2.5  # slots further back; m to the own goal; m to an opponent
-CLEARED = 38.0  # m
+class Worth(NamedTuple):
+    """What a pass is worth, and from when it is played."""
+
+    ground_least: float = 4.0  # m to the mate of a pass along the ground
+    ground_most: float = 32.0  # m
+    high_least: float = 12.0  # m, of a high one
+    high_most: float = 36.0  # m
+    better: float = 0.1  # by how much a mate's situation must be better
+    gain_most: float = 4.0  # more is not worth more
+    at_once: float = 0.25  # least gain times odds just after he got the ball,
+    in_time: float = 0.035  # the same from some time on:
+    patience: float = 50.0  # steps
+    first_time: float = 0.2  # the same for a ball that he would not stop
+    keeper_share: float = 0.7  # of its worth that a pass to the own keeper has
+    high_loss: float = 0.55  # of the odds
+    lead: float = 0.4  # s by which a mate's run is led
+    long_lead: float = 0.2  # of the distance, towards the goal
+    overhead: float = 0.6  # share of its way that a high pass is out of reach
+    onside: float = -1.8  # m: he misjudges by this much who is offside
+
+
+class Panic(NamedTuple):
+    """Clearances."""
+
+    slot: float = -0.4  # slots further back clear
+    range: float = 30.0  # m to the own goal
+    near: float = 2.5  # m to an opponent
+    cleared: float = 38.0  # m
+
+
+# Documented of Google Research Football; odds and patience are fitted: `regista benchmark --suite grf`, family matches.
+WORTH, PANIC = Worth(), Panic()
+DECIDED_EVERY = 2  # steps
 
 
 @kernel
@@ -37,8 +58,8 @@ def consider_pass(match, i):
     player = match.players[i]
     if (match.step + player.shirt) % DECIDED_EVERY != 0:
         return False
-    waited = min(match.carry_age / PATIENCE, 1.0)
-    if best_pass(match, i, PATIENT + (EAGER - PATIENT) * waited):
+    waited = min(match.carry_age / WORTH.patience, 1.0)
+    if best_pass(match, i, WORTH.at_once + (WORTH.in_time - WORTH.at_once) * waited):
         return True
     return clear_in_panic(match, i)
 
@@ -46,7 +67,7 @@ def consider_pass(match, i):
 @kernel
 def consider_first_time_pass(match, i):
     """Ask for the best pass of a ball that has yet to come, if it is a good one."""
-    best_pass(match, i, FIRST_TIME)
+    best_pass(match, i, WORTH.first_time)
 
 
 @kernel
@@ -59,14 +80,19 @@ def best_pass(match, i, threshold):
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
-        if j == i or mate.team != player.team or not GROUND_LEAST < distance < HIGH_MOST or mate.down_wait > 0.0:
+        if (
+            j == i
+            or mate.team != player.team
+            or not WORTH.ground_least < distance < WORTH.high_most
+            or mate.down_wait > 0.0
+        ):
             continue
-        if match.offsides and forward(player.team) * mate.x > line - ONSIDE:
+        if match.offsides and forward(player.team) * mate.x > line - WORTH.onside:
             continue
-        x, y = mate.x + LEAD_TIME * mate.vx, mate.y + LEAD_TIME * mate.vy
-        gain = min(position_value(match, player, x, y) - own, GAIN_MOST)
-        gain *= KEEPER_SHARE if mate.role == GK else 1.0
-        if gain < max(BETTER, best):
+        x, y = mate.x + WORTH.lead * mate.vx, mate.y + WORTH.lead * mate.vy
+        gain = min(position_value(match, player, x, y) - own, WORTH.gain_most)
+        gain *= WORTH.keeper_share if mate.role == GK else 1.0
+        if gain < max(WORTH.better, best):
             continue
         kind, worth, x, y = best_kind(match, player, mate, own, gain)
         if worth > best:
@@ -83,17 +109,17 @@ def best_kind(match, player, mate, own, gain):
     `own` is the player's own situation, `gain` what the mate's is better.
     """
     distance = apart(mate, player)
-    x, y = mate.x + LEAD_TIME * mate.vx, mate.y + LEAD_TIME * mate.vy
+    x, y = mate.x + WORTH.lead * mate.vx, mate.y + WORTH.lead * mate.vy
     kind, worth, aim_x, aim_y = SHORT_PASS, -1.0, x, y
-    if distance < GROUND_MOST:
+    if distance < WORTH.ground_most:
         worth = gain * ground_odds(match, player, x, y)
         through_x, through_y = into_run(player, mate, distance)
         if forward(player.team) * mate.vx > 2.0:
-            through = min(position_value(match, player, through_x, through_y) - own, GAIN_MOST)
+            through = min(position_value(match, player, through_x, through_y) - own, WORTH.gain_most)
             through *= ground_odds(match, player, through_x, through_y)
             if through > worth:
                 kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
-    if distance > HIGH_LEAST:
+    if distance > WORTH.high_least:
         high = gain * high_odds(match, player, x, y)
         if high > worth:
             kind, worth, aim_x, aim_y = HIGH_PASS, high, x, y
@@ -104,8 +130,8 @@ def best_kind(match, player, mate, own, gain):
 def into_run(player, mate, distance):
     """Return the place ahead of a mate to which a through ball goes."""
     to_x, to_y = attacked_goal_x(player.team) - mate.x, -mate.y
-    share = LONG_LEAD * distance / max(length(to_x, to_y), 1.0)
-    return mate.x + LEAD_TIME * mate.vx + share * to_x, mate.y + LEAD_TIME * mate.vy + share * to_y
+    share = WORTH.long_lead * distance / max(length(to_x, to_y), 1.0)
+    return mate.x + WORTH.lead * mate.vx + share * to_x, mate.y + WORTH.lead * mate.vy + share * to_y
 
 
 @kernel
@@ -117,8 +143,8 @@ def ground_odds(match, player, x, y):
 @kernel
 def high_odds(match, player, x, y):
     """Return the odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
-    found = danger(match, player.team, match.ball.x, match.ball.y, x, y, OVERHEAD, 1.0)
-    return max(1.0 - HIGH_LOSS - found, 0.0)
+    found = danger(match, player.team, match.ball.x, match.ball.y, x, y, WORTH.overhead, 1.0)
+    return max(1.0 - WORTH.high_loss - found, 0.0)
 
 
 @kernel
@@ -126,9 +152,9 @@ def clear_in_panic(match, i):
     """Under pressure near the own goal, as a defender: kick the ball high and far; return whether."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
-    if player.slot_x > PANIC_SLOT or to_own_goal > PANIC_RANGE or nearest_opponent(match, player) > PANIC_NEAR:
+    if player.slot_x > PANIC.slot or to_own_goal > PANIC.range or nearest_opponent(match, player) > PANIC.near:
         return False
-    x = player.x + forward(player.team) * CLEARED
+    x = player.x + forward(player.team) * PANIC.cleared
     y = player.y * 1.3 + 4.0 * player.vy / (1.0 + abs(player.vy))
     limit_x, limit_y = HALF_LENGTH - 5.0, HALF_WIDTH - 5.0
     ask_kick(player, HIGH_PASS, min(max(x, -limit_x), limit_x), min(max(y, -limit_y), limit_y))

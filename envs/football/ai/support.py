@@ -7,6 +7,7 @@ and then a run behind the defence. Read next: `ai.attack`, for the player on the
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.ai.formation import formation_place, on_pitch
 from envs.football.ai.run_speed import head_for
@@ -16,17 +17,39 @@ from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
 
+
+class Support(NamedTuple):
+    """A place for who has not the ball, between his slot and where a field of forces leads."""
+
+    least: float = 0.1  # share of the forces, far from the ball
+    most: float = 0.9  # and near it
+    near: float = 12.0  # m
+    far: float = 40.0  # m
+    mates_apart: float = 10.0  # m
+    mates_push: float = 0.5  # m per m
+    shadow: float = 5.0  # m to either side of the line behind an opponent
+    shadow_push: float = 0.8  # m per m
+    come_within: float = 7.0  # m to the ball
+    come: float = 0.6  # m per m
+    keep_off: float = 2.0  # m to the ball
+    forward_slot: float = 0.2  # slots from here on push forward,
+    lane_run: float = 6.0  # m
+    onside: float = -1.8  # m: he misjudges the line by this much
+
+
+class Run(NamedTuple):
+    """Runs behind the defence."""
+
+    ahead: float = 16.0  # m
+    within: float = 40.0  # m ahead of the ball at most
+    clear: float = 3.0  # m between a runner and any opponent
+    slot: float = -0.2  # slots further back do not run
+
+
+# Documented of Google Research Football; forces and runs are fitted: `regista benchmark --suite grf`, family matches.
+SUPPORT, RUN = Support(), Run()
 DECIDED_EVERY = 3  # steps; who decides when is staggered by shirts
-SUPPORT_LEAST, SUPPORT_MOST = 0.1, 0.9  # share of the forces, far from the ball and near it
-SUPPORT_NEAR, SUPPORT_FAR = 12.0, 40.0  # m
-MATES_APART, MATES_PUSH = 10.0, 0.5  # m; m per m
-SHADOW, SHADOW_PUSH = 5.0, 0.8  # m to either side of the line behind an opponent
-COME_WITHIN, COME, KEEP_OFF = 7.0, 0.6, 2.0  # m to the ball; m per m
-FORWARD_SLOT, LANE_RUN = 0.2, 6.0  # slots from here on push forward, by m
-ONSIDE = -1.8  # m: he misjudges the line by this much
-RUN_STEPS, RUN_AHEAD, RUN_WITHIN = 40, 16.0, 40.0  # steps, m, m ahead of the ball at most
-RUN_CLEAR = 3.0  # m between a runner and any opponent
-RUN_SLOT = -0.2
+RUN_STEPS = 40  # steps of a run
 RUNS_EVERY = 5  # steps between two calls of `start_runs`
 
 
@@ -44,16 +67,16 @@ def choose_place(match, i):
     """Set where player i supports the player on the ball."""
     player = match.players[i]
     if match.runner[player.team] == i:
-        x, y = player.x + forward(player.team) * RUN_AHEAD, 0.9 * player.y
+        x, y = player.x + forward(player.team) * RUN.ahead, 0.9 * player.y
     else:
         x, y = formation_place(match, player)
-        near = (length(match.ball.x - x, match.ball.y - y) - SUPPORT_NEAR) / (SUPPORT_FAR - SUPPORT_NEAR)
-        weight = SUPPORT_MOST + (SUPPORT_LEAST - SUPPORT_MOST) * min(max(near, 0.0), 1.0)
+        near = (length(match.ball.x - x, match.ball.y - y) - SUPPORT.near) / (SUPPORT.far - SUPPORT.near)
+        weight = SUPPORT.most + (SUPPORT.least - SUPPORT.most) * min(max(near, 0.0), 1.0)
         force_x, force_y = support_force(match, i, x, y)
         x, y = x + weight * force_x, y + weight * force_y
     x, y = on_pitch(x, y)
     ahead = forward(player.team)
-    player.support_x, player.support_y = ahead * min(ahead * x, onside_line(match, player.team) - ONSIDE), y
+    player.support_x, player.support_y = ahead * min(ahead * x, onside_line(match, player.team) - SUPPORT.onside), y
 
 
 @kernel
@@ -63,9 +86,9 @@ def support_force(match, i, x, y):
     to_x, to_y = x - ball.x, y - ball.y
     distance = math.sqrt(to_x * to_x + to_y * to_y) + 1e-9
     ux, uy = to_x / distance, to_y / distance
-    force_x = forward(player.team) * LANE_RUN if player.slot_x > FORWARD_SLOT else 0.0
+    force_x = forward(player.team) * SUPPORT.lane_run if player.slot_x > SUPPORT.forward_slot else 0.0
     force_y = 0.0
-    reach = max(KEEP_OFF - distance, 0.0) - COME * max(distance - COME_WITHIN, 0.0)
+    reach = max(SUPPORT.keep_off - distance, 0.0) - SUPPORT.come * max(distance - SUPPORT.come_within, 0.0)
     force_x += reach * ux
     force_y += reach * uy
     for j in range(match.num_players):
@@ -75,16 +98,16 @@ def support_force(match, i, x, y):
         if other.team == player.team:
             dx, dy = x - other.x, y - other.y
             squared = dx * dx + dy * dy
-            if 0.0 < squared < MATES_APART * MATES_APART:
+            if 0.0 < squared < SUPPORT.mates_apart * SUPPORT.mates_apart:
                 away = math.sqrt(squared)
-                push = MATES_PUSH * (MATES_APART - away) / away
+                push = SUPPORT.mates_push * (SUPPORT.mates_apart - away) / away
                 force_x += push * dx
                 force_y += push * dy
             continue
         dx, dy = other.x - ball.x, other.y - ball.y
         along, across = dx * ux + dy * uy, dx * uy - dy * ux
-        if 0.0 < along < distance + SHADOW and 0.0 < abs(across) < SHADOW:
-            push = math.copysign(SHADOW_PUSH * (SHADOW - abs(across)), across)
+        if 0.0 < along < distance + SUPPORT.shadow and 0.0 < abs(across) < SUPPORT.shadow:
+            push = math.copysign(SUPPORT.shadow_push * (SUPPORT.shadow - abs(across)), across)
             force_x -= push * uy
             force_y += push * ux
     return force_x, force_y
@@ -117,12 +140,12 @@ def free_runner(match, team):
     best, most = NOBODY, 0.0
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.role == GK or i == match.carrier or player.slot_x < RUN_SLOT:
+        if player.team != team or player.role == GK or i == match.carrier or player.slot_x < RUN.slot:
             continue
         lead = ahead * (player.x - match.ball.x)
-        if not most < lead < RUN_WITHIN or ahead * player.x > line or ahead * player.x > HALF_LENGTH - RUN_AHEAD:
+        if not most < lead < RUN.within or ahead * player.x > line or ahead * player.x > HALF_LENGTH - RUN.ahead:
             continue
-        if clear_of_opponents(match, player, RUN_CLEAR):
+        if clear_of_opponents(match, player, RUN.clear):
             best, most = i, lead
     return best
 
