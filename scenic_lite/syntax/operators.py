@@ -157,8 +157,8 @@ def signed(c: Cursor, token: Token, level: int) -> ast.expr:
 
 def negation(c: Cursor, token: Token, level: int) -> ast.expr | None:
     """`not operation`, `not visible region`."""
-    if c.peek().text == "visible" and begins_operand(c, 2, "("):
-        return visible_part(c, token, level)
+    if (region := measure(c, token, level)) is not None:
+        return region
     if level > Level.NOT:
         c.fail('"not" needs brackets here', 'write "(not ...)"')
     c.advance()
@@ -189,54 +189,31 @@ def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
     return token.text not in INFIX
 
 
-def visible_part(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """`visible region`, `not visible region`."""
-    name = "visible" if token.text == "visible" else "not visible"
-    if name == "visible" and not begins_operand(c, 1, "("):
-        return None
-    check_level(c, token, level)
-    c.skip(len(name.split()))
-    return c.at(token, Operator(name, [last_operand(c)]))
-
-
-def follow(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """`follow field from vector for distance`."""
-    if not c.is_name(c.peek()) or not begins_operand(c, 1):
-        return None
-    check_level(c, token, level)
-    form = 'write "follow F from V for D"'
-    c.advance()
-    field = expression(c)
-    c.expect("from", 'after "follow" and its field', form)
-    start = expression(c)
-    c.expect("for", 'after "follow F from V"', form)
-    return c.at(token, Operator("follow", [field, start, last_operand(c)]))
-
-
-def initial(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """`initial scenario`."""
-    return c.at(token, Operator("initial scenario", [])) if c.accept("initial", "scenario") else None
-
-
 def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """A word operator of `MEASURES` with its one or two operands."""
+    """A word operator of `MEASURES` with its operands."""
     form = next((form for form in MEASURES[token.text] if c.sees(*form.words)), None)
     if form is None:
         return None
-    check_level(c, token, level)
+    signs = NAMES.get(form.words[-1])
+    if signs is not None and not begins_operand(c, len(form.words), signs):
+        return None
+    if c.dialect == 3 and level > Level.PREFIX:  # there it is not itself an operand of a sum or product
+        text = f"{token.text} {c.peek().text}"
+        c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
     c.skip(len(form.words))
-    start = c.token
-    first = last_operand(c)
-    if not form.parts:
-        return c.at(token, Operator(" ".join(form.words), [first]))
-    partner = form.parts[0][0]
-    first = up_to(c, partner, first, start)
-    operands: list[ast.expr | None] = [first, last_operand(c) if c.accept(partner) else None]
+    operands: list[ast.expr | None] = []
+    start, value = c.token, last_operand(c) if form.value else None
+    for partner, needed in form.parts:
+        operands.append(up_to(c, partner, value, start))  # type: ignore[arg-type]  # partners stand behind values
+        if needed and c.token.text != partner:
+            c.missing(f'"{partner}" in "{form.words[0]}"', f'write "{form.text}"')
+        found = c.accept(partner)
+        start, value = c.token, last_operand(c) if found else None
     name = " ".join(form.words)
-    if form.words[1] in ("from", "to"):
-        name = form.words[0]
-        operands = operands[::-1] if form.words[1] == "to" else operands
-    return c.at(token, Operator(name, operands))
+    operands += [value] if form.value else []
+    if name in ("distance to", "angle to"):
+        operands.reverse()
+    return c.at(token, Operator(name.removesuffix(" from").removesuffix(" to"), operands))
 
 
 def last_operand(c: Cursor) -> ast.expr:
@@ -261,13 +238,6 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
     c.go_back(index)
     c.no_partner.add(c.token)
     return first
-
-
-def check_level(c: Cursor, token: Token, level: int) -> None:
-    """In dialect 3 a word operator is not itself an operand of a sum or product."""
-    if c.dialect == 3 and level > Level.PREFIX:
-        text = f"{token.text} {c.peek().text}"
-        c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
 
 
 def primary(c: Cursor, start: Token) -> ast.expr:
@@ -429,14 +399,17 @@ front of X
 back of X
 left of X
 right of X
+visible R
+not visible R
+follow F from V for D
+initial scenario
 """)
+# Those that may be names: by their last word, which signs may begin the operand.
+NAMES = {"visible": "(", "follow": ""}
 # What a word or sign before a value begins; None from it if the word is a name there.
 PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
     **dict.fromkeys(SIGNS, signed),
     **dict.fromkeys(MEASURES, measure),
     **dict.fromkeys(("always", "eventually", "next"), always),
     "not": negation,
-    "visible": visible_part,
-    "follow": follow,
-    "initial": initial,
 }

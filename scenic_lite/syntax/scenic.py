@@ -16,6 +16,7 @@ from scenic_lite.syntax.hints import COMPARES, nearest
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.operators import INFIX, SIGNS, begins_operand, condition, expression, primary
 from scenic_lite.syntax.specifiers import begins_specifier, more_specifiers, specifier
+from scenic_lite.syntax.statements import Row
 
 UNITS = ("seconds", "steps")
 ATTRIBUTES = ("additive", "dynamic", "final")  # of a property
@@ -29,24 +30,34 @@ def begins_value(c: Cursor, following: Token) -> bool:
     return begins_operand(c, 1)
 
 
-def stands_alone(following: Token) -> bool:
+def begins_action(c: Cursor, following: Token) -> bool:
+    """As `begins_value`, after `take` and `do`, which do not stand alone."""
+    if following.kind in ("newline", "end") and c.token.text == "take":
+        c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
+    if following.kind in ("newline", "end"):
+        c.fail('expected a behavior after "do"', 'write "do Behavior()"', at=following)
+    return begins_value(c, following)
+
+
+def stands_alone(c: Cursor, following: Token) -> bool:
     """Return whether nothing follows the word."""
     return following.kind in ("newline", "end") or following.text == ";"
 
 
-def model(c: Cursor, following: Token) -> ast.stmt | None:
-    """`model a.b.c`."""
-    if following.kind != "name":
-        return None
-    c.advance()
-    return nodes.Model(statements.dotted_name(c, "a model"))
+def begins_definition(c: Cursor, following: Token) -> bool:
+    """Return whether a name follows `behavior`, `monitor` or `scenario`."""
+    return following.kind == "name" and following.text not in INFIX
 
 
-def param(c: Cursor, following: Token) -> ast.stmt | None:
+def begins_interrupt(c: Cursor, following: Token) -> bool:
+    """Refuse an `interrupt when` that belongs to no `try`."""
+    if following.text == "when":
+        c.fail('"interrupt when" without "try" before it', 'indent it like the "try" to which it belongs')
+    return False
+
+
+def param(c: Cursor, start: Token) -> ast.stmt:
     """`param name = value, 'quoted name' = value`."""
-    if following.kind not in ("name", "string"):
-        return None
-    c.advance()
     names: list[str] = []
     places: list[ast.expr] = []
     values: list[ast.expr] = []
@@ -73,15 +84,12 @@ def param_name(c: Cursor) -> tuple[ast.expr, str]:
     return value, value.value
 
 
-def require(c: Cursor, following: Token) -> ast.stmt | None:
+def require(c: Cursor, start: Token) -> ast.stmt:
     """`require[p] condition [as name]`, `require monitor M(...)`."""
-    if not begins_value(c, following) and following.kind not in ("newline", "end"):
-        return None
-    c.advance()
-    if following.text == "monitor" and c.is_name(c.peek()):
+    if c.token.text == "monitor" and c.is_name(c.peek()):
         c.advance()
         return nodes.RequireMonitor(expression(c))
-    probability = soft(c) if following.text == "[" else None
+    probability = soft(c) if c.token.text == "[" else None
     if c.ends_statement:
         c.fail('expected a condition after "require"')
     c.temporal = c.asks_truth = True
@@ -114,11 +122,8 @@ def as_name(c: Cursor) -> str | None:
     return param_name(c)[1] if c.token.kind == "string" else c.name("the name of a requirement or record").text
 
 
-def mutate(c: Cursor, following: Token) -> ast.stmt | None:
+def mutate(c: Cursor, start: Token) -> ast.stmt:
     """`mutate [objects] [by scale]`."""
-    if not c.is_name(following) and following.text != "by" and following.kind not in ("newline", "end"):
-        return None
-    c.advance()
     targets = [] if c.ends_statement or c.token.text == "by" else listed(c)
     return nodes.Mutate(targets, expression(c) if c.accept("by") else None)
 
@@ -131,11 +136,8 @@ def listed(c: Cursor, read: Callable[[Cursor], ast.expr] = expression) -> list[a
     return found
 
 
-def record(c: Cursor, following: Token) -> ast.stmt | None:
+def record(c: Cursor, start: Token) -> ast.stmt:
     """`record [initial | final] value [every ...] [after ...] [as name] [to file]`."""
-    if not begins_value(c, following):
-        return None
-    c.advance()
     when = "each"
     if c.token.text in ("initial", "final") and begins_value(c, c.peek()) and c.peek().text != "scenario":
         when = c.advance().text
@@ -147,19 +149,8 @@ def record(c: Cursor, following: Token) -> ast.stmt | None:
     return nodes.Record(value, when, name, every, every_unit, delay, delay_unit, file)
 
 
-def simulator(c: Cursor, following: Token) -> ast.stmt | None:
-    """`simulator value`."""
-    if not begins_value(c, following):
-        return None
-    c.advance()
-    return nodes.Simulator(expression(c))
-
-
-def override(c: Cursor, following: Token) -> ast.stmt | None:
+def override(c: Cursor, start: Token) -> ast.stmt:
     """`override object specifier, ...`."""
-    if not c.is_name(following):
-        return None
-    c.advance()
     c.in_target = True
     target = primary(c, c.token)
     c.in_target = False
@@ -169,35 +160,21 @@ def override(c: Cursor, following: Token) -> ast.stmt | None:
     return nodes.Override(target, more_specifiers(c, [specifier(c)]))
 
 
-def take(c: Cursor, following: Token) -> ast.stmt | None:
+def take(c: Cursor, start: Token) -> ast.stmt:
     """`take action, action, ...`; a starred one stands for several."""
-    if following.kind in ("newline", "end"):
-        c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
-    if not begins_value(c, following):
-        return None
-    c.advance()
     return nodes.Take(listed(c, element))
 
 
-def wait(c: Cursor, following: Token) -> ast.stmt | None:
+def wait(c: Cursor, start: Token) -> ast.stmt:
     """`wait`, `wait for n steps`, `wait until condition`."""
-    if c.accept("wait", "for"):
-        return nodes.Wait(*duration(c, "for"), None)
-    if c.accept("wait", "until"):
+    if c.accept("until"):
         return nodes.Wait(None, None, condition(c))
-    if not stands_alone(following):
-        return None
-    c.advance()
-    return nodes.Wait(None, None, None)
+    length, unit = optional_duration(c, "for")
+    return nodes.Wait(length, unit, None)
 
 
-def do(c: Cursor, following: Token) -> ast.stmt | None:
+def do(c: Cursor, start: Token) -> ast.stmt:
     """`do B(), C() [for n steps | until condition]`, `do choose ...`, `do shuffle ...`."""
-    if following.kind in ("newline", "end"):
-        c.fail('expected a behavior after "do"', 'write "do Behavior()"', at=following)
-    if not begins_value(c, following):
-        return None
-    c.advance()
     how = "all"
     if c.token.text in ("choose", "shuffle") and begins_value(c, c.peek()):
         called = c.peek().text == "(" and c.dialect == 2
@@ -235,19 +212,8 @@ def duration(c: Cursor, word: str) -> tuple[ast.expr, str]:
     return value, "seconds"
 
 
-def abort(c: Cursor, following: Token) -> ast.stmt | None:
-    """`abort`."""
-    if not stands_alone(following):
-        return None
-    c.advance()
-    return nodes.Abort()
-
-
-def terminate(c: Cursor, following: Token) -> ast.stmt | None:
+def terminate(c: Cursor, start: Token) -> ast.stmt:
     """`terminate`, `terminate simulation`, `terminate [simulation] when condition`, `terminate after n steps`."""
-    if following.kind == "operator" and following.text != ";":
-        return None
-    c.advance()
     scope = "simulation" if c.accept("simulation") else "scenario"
     if c.accept("when"):
         return nodes.TerminateWhen(condition(c), scope, as_name(c))
@@ -259,18 +225,9 @@ def terminate(c: Cursor, following: Token) -> ast.stmt | None:
     return nodes.Terminate(scope)
 
 
-def interrupt_alone(c: Cursor, following: Token) -> ast.stmt | None:
-    """`interrupt when` that belongs to no `try`."""
-    if following.text == "when":
-        c.fail('"interrupt when" without "try" before it', 'indent it like the "try" to which it belongs')
-    return None
-
-
-def behavior(c: Cursor, start: Token) -> ast.stmt | None:
+def behavior(c: Cursor, start: Token) -> ast.stmt:
     """`behavior B(args):`, `monitor M[(args)]:`."""
-    if not begins_definition(c):
-        return None
-    kind = c.advance().text
+    kind = start.text
     name = c.name(f"the name of a {kind}").text
     bare = c.token.text != "(" and kind == "monitor"
     arguments = NONE if bare else bracketed_parameters(c, f'the name of the {kind} "{name}"')
@@ -281,11 +238,8 @@ def behavior(c: Cursor, start: Token) -> ast.stmt | None:
     return at_last_line(c, start, node)
 
 
-def scenario(c: Cursor, start: Token) -> ast.stmt | None:
+def scenario(c: Cursor, start: Token) -> ast.stmt:
     """`scenario S[(args)]:` with `setup:` and `compose:` blocks, or statements that are its setup."""
-    if not begins_definition(c):
-        return None
-    c.advance()
     name = c.name("the name of a scenario").text
     owner = f'the scenario "{name}"'
     arguments = bracketed_parameters(c, owner) if c.token.text == "(" else NONE
@@ -304,11 +258,6 @@ def scenario(c: Cursor, start: Token) -> ast.stmt | None:
 
 
 NONE = ast.arguments([], [], None, [], [], None, [])
-
-
-def begins_definition(c: Cursor) -> bool:
-    """Return whether a name follows the word, so that it is no name itself."""
-    return c.peek().kind == "name" and c.peek().text not in INFIX
 
 
 def head(c: Cursor, owner: str) -> tuple[str | None, list[ast.expr], list[ast.expr]]:
@@ -343,7 +292,6 @@ def at_last_line(c: Cursor, start: Token, node: ast.stmt) -> ast.stmt:
 
 def class_statement(c: Cursor, start: Token) -> ast.stmt:
     """`class Name(bases): ...`."""
-    c.advance()
     name = c.name("the name of a class").text
     bases, keywords = arguments(c) if c.token.text == "(" else ([], [])
     body = statements.block(c, f'the head of the class "{name}"', of_class=True)
@@ -352,9 +300,8 @@ def class_statement(c: Cursor, start: Token) -> ast.stmt:
     return statements.spanning(start, node, body)
 
 
-def property_default(c: Cursor, following: Token) -> ast.stmt:
+def property_default(c: Cursor, start: Token) -> ast.stmt:
     """`property[attributes]: default`; with a further `= value` it is Python's annotation."""
-    start = c.advance()
     attributes: list[str] = []
     if c.accept("["):
         while not c.accept("]"):
@@ -377,26 +324,26 @@ def property_default(c: Cursor, following: Token) -> ast.stmt:
 
 # ---------------------------------------------------------------- the tables
 
-STATEMENTS: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
+STATEMENTS = {
     **statements.SIMPLE,
-    ":": property_default,  # in the body of a class
-    "model": model,
-    "param": param,
-    "require": require,
-    "mutate": mutate,
-    "record": record,
-    "simulator": simulator,
-    "override": override,
-    "take": take,
-    "wait": wait,
-    "do": do,
-    "abort": abort,
-    "terminate": terminate,
-    "interrupt": interrupt_alone,
+    ":": Row(property_default),  # in the body of a class
+    "model": Row(lambda c, _: nodes.Model(statements.dotted_name(c, "a model")), lambda c, after: after.kind == "name"),
+    "param": Row(param, lambda c, after: after.kind in ("name", "string")),
+    "require": Row(require, lambda c, after: begins_value(c, after) or stands_alone(c, after)),
+    "mutate": Row(mutate, lambda c, after: c.is_name(after) or after.text == "by" or stands_alone(c, after)),
+    "record": Row(record, begins_value),
+    "simulator": Row(lambda c, _: nodes.Simulator(expression(c)), begins_value),
+    "override": Row(override, Cursor.is_name),
+    "take": Row(take, begins_action),
+    "wait": Row(wait, lambda c, after: after.text in ("for", "until") or stands_alone(c, after)),
+    "do": Row(do, begins_action),
+    "abort": Row(lambda c, _: nodes.Abort(), stands_alone),
+    "terminate": Row(terminate, lambda c, after: after.kind != "operator" or after.text == ";"),
+    "interrupt": Row(statements.refused, begins_interrupt),
 }
-BLOCKS: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
+BLOCKS = {
     **statements.BLOCKS,
-    "class": class_statement,
-    **dict.fromkeys(("behavior", "monitor"), behavior),
-    "scenario": scenario,
+    "class": Row(class_statement),
+    **dict.fromkeys(("behavior", "monitor"), Row(behavior, begins_definition)),
+    "scenario": Row(scenario, begins_definition),
 }

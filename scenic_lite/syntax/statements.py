@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Sequence
-from typing import NoReturn, TypeVar
+from typing import NamedTuple, NoReturn, TypeVar
 
 from scenic_lite.syntax import expressions
-from scenic_lite.syntax.cursor import DELETE, PYTHON_KEYWORDS, Cursor, Level, describe
+from scenic_lite.syntax.cursor import DELETE, Cursor, Level, describe
 from scenic_lite.syntax.hints import COMPARES, FOREIGN, STATEMENT_WORDS, nearest, statement_hint
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
@@ -18,9 +18,6 @@ from scenic_lite.syntax.operators import AUGMENTED, condition
 from scenic_lite.syntax.specifiers import SPECIFIER_WORDS, specifier_hint
 
 Block = TypeVar("Block", bound=ast.stmt)
-
-# Before one of these signs a word of Scenic is a name that is assigned to, read or called.
-NAME_SIGNS = frozenset({"=", ".", ",", ")", "]", "}", ":", "->", ":=", *AUGMENTED})
 
 
 def module(c: Cursor) -> ast.Module:
@@ -41,29 +38,11 @@ def statement(c: Cursor) -> list[ast.stmt]:
         c.fail("the line is indented deeper than the one before", hint, at=c.peek())
     if start.text == "@":
         c.refuse("decorator")
-    read = c.blocks.get(start.text)
-    if read is not None:
-        if start.text in PYTHON_KEYWORDS and c.peek().text == "=":
-            no_variable(c)
-        node = read(c, start)
-        if node is not None:
-            return [node]
+    row = c.blocks.get(start.text)
+    if row is not None and c.peek().text != "=" and row.begins(c, c.peek()):
+        c.advance()
+        return [row.read(c, start)]
     return simple_line(c)
-
-
-def begins_property(c: Cursor, following: Token) -> bool:
-    """Return whether `name: default` or `name[attributes]: default` comes next."""
-    if following.text == ":":
-        return c.is_name(c.token) or c.token.text == "behavior"
-    ahead = 2
-    while c.peek(ahead).kind == "name" or (ahead > 2 and c.peek(ahead).text == ","):
-        ahead += 1
-    return following.text == "[" and ahead > 2 and c.peek(ahead).text == "]" and c.peek(ahead + 1).text == ":"
-
-
-def no_variable(c: Cursor) -> NoReturn:
-    """Report an assignment to a word of the language."""
-    c.fail(f'"{c.token.text}" is a word of the language and cannot be the name of a variable')
 
 
 def simple_line(c: Cursor) -> list[ast.stmt]:
@@ -90,16 +69,24 @@ def simple_statement(c: Cursor) -> ast.stmt:
     start = c.token
     if start.kind == "name":
         following = c.tokens[c.index + 1]
-        if c.class_body and begins_property(c, following):
-            return c.at(start, c.statements[":"](c, following))
-        read = c.statements.get(start.text)
-        if read is not None and (start.text in PYTHON_KEYWORDS or following.text not in NAME_SIGNS):
-            node = read(c, following)
-            if node is not None:
-                return c.at(start, node)
-        elif start.text in c.keywords and (following.text == "=" or following.text in AUGMENTED):
-            no_variable(c)
+        assigned = following.text == "=" or following.text in AUGMENTED
+        if assigned and start.text in c.keywords and start.text != "return":
+            c.fail(f'"{start.text}" is a word of the language and cannot be the name of a variable')
+        row = c.statements.get(":" if c.class_body and begins_property(c, following) else start.text)
+        if row is not None and row.begins(c, following):
+            c.advance()
+            return c.at(start, row.read(c, start))
     return expression_statement(c)
+
+
+def begins_property(c: Cursor, following: Token) -> bool:
+    """Return whether `name: default` or `name[attributes]: default` comes next."""
+    if following.text == ":":
+        return c.is_name(c.token) or c.token.text == "behavior"
+    ahead = 2
+    while c.peek(ahead).kind == "name" or (ahead > 2 and c.peek(ahead).text == ","):
+        ahead += 1
+    return following.text == "[" and ahead > 2 and c.peek(ahead).text == "]" and c.peek(ahead + 1).text == ":"
 
 
 def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
@@ -186,55 +173,45 @@ def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
     return node
 
 
-def lone_word(c: Cursor, following: Token) -> ast.stmt:
-    """`pass`, `break`, `continue`."""
-    return {"pass": ast.Pass, "break": ast.Break, "continue": ast.Continue}[c.advance().text]()
-
-
-def return_statement(c: Cursor, following: Token) -> ast.stmt:
+def return_statement(c: Cursor, start: Token) -> ast.stmt:
     """`return [values]`."""
-    c.advance()
     return ast.Return(None if c.ends_statement else expressions.row(c))
 
 
-def assert_statement(c: Cursor, following: Token) -> ast.stmt:
+def assert_statement(c: Cursor, start: Token) -> ast.stmt:
     """`assert condition [, message]`."""
-    c.advance()
     c.asks_truth = True
     return ast.Assert(c.expression(), c.expression() if c.accept(",") else None)
 
 
-def delete_statement(c: Cursor, following: Token) -> ast.stmt:
+def delete_statement(c: Cursor, start: Token) -> ast.stmt:
     """`del targets`."""
-    c.advance()
     found: list[ast.expr] = []
     while not found or (c.accept(",") and not c.ends_statement):
         found.append(c.stored(c.operation(Level.UNTIL), DELETE))
     return ast.Delete(found)
 
 
-def scope_statement(c: Cursor, following: Token) -> ast.stmt:
+def scope_statement(c: Cursor, start: Token) -> ast.stmt:
     """`global names`, `nonlocal names`."""
-    make = ast.Global if c.advance().text == "global" else ast.Nonlocal
+    make = ast.Global if start.text == "global" else ast.Nonlocal
     names = [c.name("a variable").text]
     while c.accept(","):
         names.append(c.name("a variable").text)
     return make(names)
 
 
-def import_statement(c: Cursor, following: Token) -> ast.stmt:
+def import_statement(c: Cursor, start: Token) -> ast.stmt:
     """`import a.b [as c], ...`."""
-    c.advance()
     found: list[ast.alias] = []
     while not found or c.accept(","):
-        start = c.token
-        found.append(alias(c, start, dotted_name(c, "a module")))
+        name = c.token
+        found.append(alias(c, name, dotted_name(c, "a module")))
     return ast.Import(found)
 
 
-def import_from_statement(c: Cursor, following: Token) -> ast.stmt:
+def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
     """`from module import names`."""
-    c.advance()
     level = 0
     while c.token.text in (".", "..."):
         level += len(c.advance().text)
@@ -246,8 +223,8 @@ def import_from_statement(c: Cursor, following: Token) -> ast.stmt:
     outer = expressions.opened(c) if bracket.text == "(" else None
     found: list[ast.alias] = []
     while not found or (c.accept(",") and c.token.text != ")"):
-        start = c.name("a name to import")
-        found.append(alias(c, start, start.text))
+        name = c.name("a name to import")
+        found.append(alias(c, name, name.text))
     if outer is not None:
         expressions.close(c, ")", bracket, outer)
     return ast.ImportFrom(module, found, level)
@@ -266,20 +243,17 @@ def dotted_name(c: Cursor, what: str) -> str:
     return ".".join(parts)
 
 
-def refused(c: Cursor, following: Token) -> NoReturn:
+def refused(c: Cursor, start: Token) -> NoReturn:
     """A statement of Python that the language leaves out."""
-    if following.text == "=":
-        no_variable(c)
-    c.refuse(c.token.text)
+    c.refuse(start.text, start)
 
 
-def misplaced(c: Cursor, following: Token) -> NoReturn:
+def misplaced(c: Cursor, start: Token) -> NoReturn:
     """A word that only continues a statement which is not there."""
-    word = c.token.text
-    owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(word, "")
-    if following.text == "=":
-        no_variable(c)
-    c.fail(f'"{word}" without "{owner}" before it' if owner else f'a statement cannot begin with "{word}"')
+    owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(start.text)
+    if owner:
+        c.fail(f'"{start.text}" without "{owner}" before it', at=start)
+    c.fail(f'a statement cannot begin with "{start.text}"', at=start)
 
 
 # ---------------------------------------------------------------- blocks
@@ -348,7 +322,7 @@ def if_statement(c: Cursor, start: Token) -> ast.stmt:
     """`if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
     parts: list[tuple[Token, ast.expr, list[ast.stmt]]] = []
     while not parts or c.token.text == "elif":
-        word = c.advance()
+        word = c.advance() if parts else start
         parts.append((word, condition(c), block(c, f'the condition of "{word.text}"')))
         c.check_chain(len(parts), "conditions")
     rest = else_block(c)
@@ -359,7 +333,6 @@ def if_statement(c: Cursor, start: Token) -> ast.stmt:
 
 def while_statement(c: Cursor, start: Token) -> ast.stmt:
     """`while condition: ... else: ...`."""
-    c.advance()
     test = condition(c)
     body = block(c, 'the condition of "while"')
     rest = else_block(c)
@@ -368,7 +341,6 @@ def while_statement(c: Cursor, start: Token) -> ast.stmt:
 
 def for_statement(c: Cursor, start: Token) -> ast.stmt:
     """`for targets in values: ... else: ...`."""
-    c.advance()
     target = expressions.targets(c)
     c.expect("in", 'after the variable of "for"', 'write "for x in values:"')
     values = expressions.row(c)
@@ -379,7 +351,6 @@ def for_statement(c: Cursor, start: Token) -> ast.stmt:
 
 def try_statement(c: Cursor, start: Token) -> ast.stmt:
     """`try: ... interrupt when condition: ...`."""
-    c.advance()
     body = block(c, '"try"')
     interrupts: list[Interrupt] = []
     while c.token.text == "interrupt":
@@ -397,7 +368,6 @@ def try_statement(c: Cursor, start: Token) -> ast.stmt:
 
 def function(c: Cursor, start: Token) -> ast.stmt:
     """`def name(parameters) [-> annotation]: ...`."""
-    c.advance()
     name = c.name("the name of a function").text
     parameters = expressions.bracketed_parameters(c, f'the name of the function "{name}"')
     returns = c.expression() if c.accept("->") else None
@@ -407,40 +377,48 @@ def function(c: Cursor, start: Token) -> ast.stmt:
     return spanning(start, node, body)
 
 
-def refused_block(c: Cursor, start: Token) -> None:
-    """Python's `match` and `with`, each by what follows: `match` may also be a name, `with` a specifier astray."""
+def begins_refused(c: Cursor, following: Token) -> bool:
+    """Refuse Python's `match` and `with`, by what follows: `match` may also be a name, `with` a specifier astray."""
     ahead = 1
     while c.peek(ahead).kind not in ("newline", "end"):
         ahead += 1
-    if start.text == "match":
+    if c.token.text == "match":
         found = c.peek(ahead + 1).kind == "indent" and c.peek(ahead + 2).text == "case"
     else:
         found = ":" in [c.peek(k).text for k in range(ahead)]
     if found:
-        c.refuse(start.text)
-    if start.text == "with":
+        c.refuse(c.token.text)
+    if c.token.text == "with":
         hint = "a specifier follows a class, or a comma after another specifier"
         c.fail('expected a value, found the word "with"', hint)
+    return False
 
 
-# ---------------------------------------------------------------- the tables
+class Row(NamedTuple):
+    """A statement by its first word: what reads on behind it, and whether what follows makes it one and no name."""
 
-SIMPLE: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
-    **dict.fromkeys(("pass", "break", "continue"), lone_word),
-    **dict.fromkeys(("global", "nonlocal"), scope_statement),
-    **dict.fromkeys(("raise", "yield", "async"), refused),
-    **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), misplaced),
-    "return": return_statement,
-    "assert": assert_statement,
-    "del": delete_statement,
-    "import": import_statement,
-    "from": import_from_statement,
+    read: Callable[[Cursor, Token], ast.stmt]
+    begins: Callable[[Cursor, Token], bool] = lambda c, following: True
+
+
+SIMPLE = {
+    "pass": Row(lambda c, start: ast.Pass()),
+    "break": Row(lambda c, start: ast.Break()),
+    "continue": Row(lambda c, start: ast.Continue()),
+    "return": Row(return_statement),
+    "assert": Row(assert_statement),
+    "del": Row(delete_statement),
+    "import": Row(import_statement),
+    "from": Row(import_from_statement),
+    **dict.fromkeys(("global", "nonlocal"), Row(scope_statement)),
+    **dict.fromkeys(("raise", "yield", "async"), Row(refused)),
+    **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Row(misplaced)),
 }
-BLOCKS: dict[str, Callable[[Cursor, Token], ast.stmt | None]] = {
-    **dict.fromkeys(("match", "with"), refused_block),
-    "if": if_statement,
-    "while": while_statement,
-    "for": for_statement,
-    "try": try_statement,
-    "def": function,
+BLOCKS = {
+    "if": Row(if_statement),
+    "while": Row(while_statement),
+    "for": Row(for_statement),
+    "try": Row(try_statement),
+    "def": Row(function),
+    **dict.fromkeys(("match", "with"), Row(refused, begins_refused)),
 }
