@@ -225,8 +225,11 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
     if scope.state.dialect == 3 and name in ("orientation", "pitch", "roll") and not flat:
         hint = "write facing H, or with yaw H"
         raise scope.error("specifier", f"in two dimensions no specifier sets the {name}", node, hint)
-    if name == "behavior":
-        value = scope.call(value, [], {}, node) if isinstance(value, Behavior) else one_behavior(scope, node, value)
+    if name == "behavior" and isinstance(value, Behavior):
+        scope.warn(f"the behavior {value.name} stands without brackets", node, f"write with behavior {value.name}()")
+        value = scope.call(value, [], {}, node)
+    elif name == "behavior":
+        value = one_behavior(scope, node, value)
     if isinstance(value, LazyValue):
         delayed = value
         return ResolvedSpecifier(

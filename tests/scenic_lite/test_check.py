@@ -146,10 +146,41 @@ DOUBTFUL = [
 ]
 
 
+DOUBTFUL += [
+    (
+        "ego = new Ball at 1 @ 2\nBall ahead of ego by 3",
+        "this is written as in Scenic 2, and the program is read as Scenic 3",
+        'write "new" before the class',
+    ),
+    (
+        "monitor M:\n  wait\nego = new Ball at 1 @ 2",
+        "this is written as in Scenic 2, and the program is read as Scenic 3",
+        'write "monitor M():" and "require monitor M()"',
+    ),
+    (
+        "monitor M():\n  wait\nego = new Ball at 1 @ 2",
+        'the monitor "M" is never required',
+        'write "require monitor M()"',
+    ),
+]
+
+
 @pytest.mark.parametrize(("text", "message", "hint"), DOUBTFUL)
 def test_doubtful_specifiers_are_warnings(text, message, hint):
     (warning,) = check(parse(text), text, "p")
     assert (warning.kind, warning.message, warning.hint) == ("warning", message, hint)
+
+
+def test_new_is_of_the_other_dialect_in_a_program_of_scenic_2():
+    text = "ego = Ball on pitch\nb = new Ball at 3 @ 4\n"
+    (warning,) = check(parse(text), text, "p", 2)
+    assert (warning.line, warning.hint) == (2, 'leave out the "new"')
+
+
+def test_a_library_may_leave_its_monitors_to_others():
+    assert findings("monitor M():\n  wait\nbehavior B():\n  wait\n") == []
+    assert findings("monitor M():\n  wait\nego = new Ball\nrequire monitor M()\n") == []
+    assert findings("monitor M:\n  wait\nego = Ball on pitch\n") == []
 
 
 def test_other_properties_are_nobodys_business():
