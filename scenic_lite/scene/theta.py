@@ -232,11 +232,12 @@ class System:
 
     def gaps(self, unit: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Return by how much unit [M, C] misses what is asked in some rows [M]: [M, W]."""
-        values = self.values(unit)
-        parts = [
-            gap(value, target.asked[rows], target.part) for value, target in zip(values, self.targets, strict=True)
-        ]
-        return np.stack([np.broadcast_to(part, len(unit)) for part in parts], axis=1)
+        return self._misses(self.values(unit), rows)
+
+    def _misses(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
+        pairs = zip(values, self.targets, strict=True)
+        parts = [gap(value, target.asked[rows], target.part) for value, target in pairs]
+        return np.stack([np.broadcast_to(part, len(rows)) for part in parts], axis=1)
 
     def solve(self, start: np.ndarray) -> np.ndarray:
         """Return unit [N, C] that gives what is asked, near the start if possible; else raise ScenicError."""
@@ -280,7 +281,7 @@ class System:
             moved = unit.copy()
             moved[:, c] += nudge[:, c]
             slope[:, :, c] = (self.gaps(moved, rows) - value) / nudge[:, c, None]
-        slope, value = np.nan_to_num(slope), np.nan_to_num(value)
+        slope, value = (np.nan_to_num(part, posinf=0.0, neginf=0.0) for part in (slope, value))
         step = (np.linalg.pinv(slope, rcond=1e-9) @ value[:, :, None])[:, :, 0]
         blocked = ((unit <= 0) & (step > 0)) | ((unit >= 1) & (step < 0))
         if blocked.any():
@@ -290,18 +291,11 @@ class System:
 
     def _nearest(self, rows: np.ndarray) -> np.ndarray:
         """Return the points of a coarse scan that come nearest to what is asked in some rows: [M, STARTS, C]."""
-        count = len(self.offset)
-        root = 1.5
-        for _ in range(50):  # of x ** (C + 1) = x + 1, whose powers fill the cube evenly
-            root = (1 + root) ** (1 / (count + 1))
-        scan = (0.5 + np.arange(SCAN)[:, None] * root ** -np.arange(1.0, count + 1)) % 1.0  # [SCAN, C]
+        scan = np.random.default_rng(0).uniform(size=(SCAN, len(self.offset)))
         values = self.values(scan)
         best = []
         for row in rows:
-            parts = [
-                gap(value, target.asked[[row]], target.part) for value, target in zip(values, self.targets, strict=True)
-            ]
-            far = np.abs(np.stack([np.broadcast_to(part, SCAN) for part in parts], axis=1)).max(axis=1)
+            far = np.abs(self._misses(values, np.full(SCAN, row))).max(axis=1)  # [SCAN]
             best.append(scan[np.argsort(np.nan_to_num(far, nan=np.inf), kind="stable")[:STARTS]])
         return np.stack(best)
 
