@@ -26,7 +26,7 @@ PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeE
 
 
 def from_python(fault: BaseException) -> ScenicError:
-    """Our error for a fault of Python's own operators and methods."""
+    """Return our error for a fault of Python's own operators and methods."""
     if isinstance(fault, RecursionError):
         return exceeded("expressions and functions are nested too deeply")
     if isinstance(fault, MemoryError):
@@ -43,7 +43,7 @@ class FallibleOperation:
         raise NotImplementedError
 
     def error(self, row: int) -> ScenicError:
-        """What is wrong in a row that fails."""
+        """Return what is wrong in a row that fails."""
         raise NotImplementedError
 
 
@@ -66,7 +66,7 @@ class Check:
 class RuntimeChecks:
     """What a load has noted so far, and where it stands."""
 
-    watches: dict[int, Check] = field(default_factory=dict)
+    checks: dict[int, Check] = field(default_factory=dict)
     unplaced: list[Check] = field(default_factory=list)  # until the expression that made them is left
     guards: list[tuple[Value, bool]] = field(default_factory=list)
     requirement: int | None = None
@@ -97,15 +97,15 @@ class RuntimeChecks:
             pair = (result.x, result.y) if hasattr(result, "rotated") else result
             nodes = list(pair[:PARTS]) if isinstance(pair, tuple) else []
         for node in nodes:
-            if isinstance(node, RandomExpr) and can_fail(node.operation) and id(node) not in self.watches:
-                watch = Check(node, (*self.guards, *ways), self.requirement)
-                self.watches[id(node)] = watch
-                self.unplaced.append(watch)
+            if isinstance(node, RandomExpr) and can_fail(node.operation) and id(node) not in self.checks:
+                check = Check(node, (*self.guards, *ways), self.requirement)
+                self.checks[id(node)] = check
+                self.unplaced.append(check)
 
     def place(self, place: SourceSpan, line: str) -> None:
         """Give what was noted since its place."""
-        for watch in self.unplaced:
-            watch.place, watch.line = place, line
+        for check in self.unplaced:
+            check.place, check.line = place, line
         self.unplaced.clear()
 
 
@@ -115,76 +115,76 @@ def can_fail(operation: Callable[..., Any] | None) -> bool:
 
 
 class SceneChecks:
-    """The watches of one program that its scenes depend on, over the registers of its tape."""
+    """The checks of one program that its scenes depend on, over the registers of its tape."""
 
-    def __init__(self, watches: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
+    def __init__(self, checks: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
         """`rules` gives the rule of each requirement, None for one that always holds."""
-        self.watches = [watch for watch in watches if watch.place is not None and reaches(tape, watch)]
-        for watch in self.watches:
-            tape.keep(watch.node, *watch.node.inputs, *(condition for condition, _ in watch.guards))
+        self.of_program = [check for check in checks if check.place is not None and reaches(tape, check)]
+        for check in self.of_program:
+            tape.keep(check.node, *check.node.inputs, *(condition for condition, _ in check.guards))
         self._tape = tape
         self._rules = rules
 
     def results(self, registers: list[Any], failed: np.ndarray) -> CheckResults:
-        """What fails in the scenes of a batch; a rule [R, N] whose condition does counts as failed there."""
+        """Return what fails in the scenes of a batch; a rule [R, N] whose condition does counts as failed there."""
         masks = []
-        for watch in self.watches:
-            mask = np.broadcast_to(self._mask(watch, registers), failed.shape[1:])
-            rule = self.rule(watch)
+        for check in self.of_program:
+            mask = np.broadcast_to(self._mask(check, registers), failed.shape[1:])
+            rule = self.rule(check)
             if rule is not None and mask.any():
                 failed[rule] |= mask
             masks.append(mask)
         return CheckResults(self, registers, masks)
 
-    def rule(self, watch: Check) -> int | None:
-        return None if watch.requirement is None else self._rules[watch.requirement]
+    def rule(self, check: Check) -> int | None:
+        return None if check.requirement is None else self._rules[check.requirement]
 
-    def _inputs(self, watch: Check, registers: list[Any]) -> list[Any]:
-        return [self._of(each, registers) for each in watch.node.inputs]
+    def _inputs(self, check: Check, registers: list[Any]) -> list[Any]:
+        return [self._of(operand, registers) for operand in check.node.inputs]
 
     def _of(self, value: Value, registers: list[Any]) -> Any:
         slot = self._tape.find(value) if isinstance(value, RandomExpr) else None
         return value if slot is None else registers[slot]
 
-    def _mask(self, watch: Check, registers: list[Any]) -> Any:
-        inputs = self._inputs(watch, registers)
-        operation = watch.node.operation
+    def _mask(self, check: Check, registers: list[Any]) -> Any:
+        inputs = self._inputs(check, registers)
+        operation = check.node.operation
         row = row_of(operation)
         if isinstance(operation, FallibleOperation):
             mask = operation.fails(*inputs)
         else:
             assert row is not None and row.fails is not None
-            mask = row.fails(self._of(watch.node, registers), *inputs)
-        for condition, wanted in watch.guards if np.any(mask) else ():
-            mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == wanted)
+            mask = row.fails(self._of(check.node, registers), *inputs)
+        for condition, truth in check.guards if np.any(mask) else ():
+            mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == truth)
         return mask
 
-    def error(self, watch: Check, registers: list[Any], row: int) -> ScenicError:
-        operation = watch.node.operation
+    def error(self, check: Check, registers: list[Any], row: int) -> ScenicError:
+        operation = check.node.operation
         if isinstance(operation, FallibleOperation):
             error = operation.error(row)
         else:
             table_row = row_of(operation)
             assert table_row is not None
-            inputs = [np.atleast_1d(each) for each in self._inputs(watch, registers)]
-            error = error_of(table_row, [each[min(row, len(each) - 1)].item() for each in inputs])
+            inputs = [np.atleast_1d(column) for column in self._inputs(check, registers)]
+            error = error_of(table_row, [column[min(row, len(column) - 1)].item() for column in inputs])
         if error.place is None:
-            error.place, error.source_line = watch.place, watch.line
+            error.place, error.source_line = check.place, check.line
         return error
 
 
 class CheckResults:
     """What fails in one batch of scenes."""
 
-    def __init__(self, faults: SceneChecks, registers: list[Any], masks: list[np.ndarray]) -> None:
-        self.faults, self.registers, self.masks = faults, registers, masks
+    def __init__(self, checks: SceneChecks, registers: list[Any], masks: list[np.ndarray]) -> None:
+        self.checks, self.registers, self.masks = checks, registers, masks
         self.any = any(mask.any() for mask in masks)
 
     @property
     def in_values(self) -> np.ndarray | np.bool_:
         """[N]: the scenes with a value that cannot be computed."""
-        pairs = zip(self.faults.watches, self.masks, strict=True)
-        own = [mask for watch, mask in pairs if watch.requirement is None]
+        pairs = zip(self.checks.of_program, self.masks, strict=True)
+        own = [mask for check, mask in pairs if check.requirement is None]
         return np.logical_or.reduce(own) if own else np.False_
 
     def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:
@@ -193,19 +193,19 @@ class CheckResults:
         `broken` [N, R] are the rules in force that the scenes break. As in Scenic, all values are computed first; a
         requirement is evaluated where every rule before it holds.
         """
-        for watch, mask in zip(self.faults.watches, self.masks, strict=True):
+        for check, mask in zip(self.checks.of_program, self.masks, strict=True):
             rows = mask & drawn
-            rule = self.faults.rule(watch)
+            rule = self.checks.rule(check)
             if rule is not None:
                 rows &= broken[:, rule] & ~broken[:, :rule].any(axis=1)
             if rows.any():
-                raise self.faults.error(watch, self.registers, int(rows.argmax()))
+                raise self.checks.error(check, self.registers, int(rows.argmax()))
 
 
-def reaches(tape: Tape, watch: Check) -> bool:
-    """Whether the tape computes the value, and what decides whether the program gets there."""
-    needed = [watch.node, *(condition for condition, _ in watch.guards if isinstance(condition, RandomExpr))]
-    return all(tape.find(each) is not None for each in needed)
+def reaches(tape: Tape, check: Check) -> bool:
+    """Return whether the tape computes the value, and what decides whether the program gets there."""
+    needed = [check.node, *(condition for condition, _ in check.guards if isinstance(condition, RandomExpr))]
+    return all(tape.find(value) is not None for value in needed)
 
 
 def error_of(operation: Operation, numbers: list[Any]) -> ScenicError:
@@ -217,6 +217,6 @@ def error_of(operation: Operation, numbers: list[Any]) -> ScenicError:
     else:
         what = "no real number" if isinstance(result, complex) or math.isnan(result) else "infinite"
         error = ScenicError("value", f"the result is {what}")
-    given = " and ".join(f"{number:g}" for number in numbers)
-    error.hint = f"the random values allow scenes in which this is computed of {given}"
+    operands = " and ".join(f"{number:g}" for number in numbers)
+    error.hint = f"the random values allow scenes in which this is computed of {operands}"
     return error

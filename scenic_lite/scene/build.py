@@ -34,7 +34,7 @@ def build_program(mode: Mode, source: Source, text: str, warnings: tuple[ScenicE
     layout = lay_out_theta(state, objects, roots, source.file)
     tape = Tape(roots, layout.columns, state.budget.limits.operations)
     constraints.read_from(tape)
-    checks = state.watching.watches.values()
+    checks = state.watching.checks.values()
     runtime_checks = SceneChecks(checks, tape, constraint_of_requirement(state, constraints))
     plan = ScenePlan(tape, objects, state.params)
     program = Program(

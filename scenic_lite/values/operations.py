@@ -76,7 +76,7 @@ def is_infinite(values: Any) -> Any:
 
 
 def array_power(base: Any, exponent: Any) -> Any:
-    """Powers of integers with a fixed exponent stay integers; all others are fractions, whatever the row."""
+    """Return powers: those of integers with a fixed exponent are integers, all others fractions, whatever the row."""
     if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
         return np.power(base, exponent)
     return np.float_power(base, exponent)

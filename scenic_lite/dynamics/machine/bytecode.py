@@ -71,7 +71,7 @@ class Listing(NamedTuple):
 
 
 def disassemble(code: Code, listing: Listing) -> str:
-    """The code as text: each line of the program above the rows that it became."""
+    """Return the code as text: each line of the program above the rows that it became."""
     targets = {int(row[3]) for row in code.rows if "t" in OPCODES[row[0]].operands}
     lines: list[str] = []
     shown = None
@@ -89,7 +89,7 @@ def disassemble(code: Code, listing: Listing) -> str:
 
 
 def written(code: Code, listing: Listing, row: np.ndarray) -> str:
-    """One row in words."""
+    """Return one row in words."""
     opcode = OPCODES[row[0]]
     parts = []
     for kind, operand in zip(opcode.operands, map(int, row[1:]), strict=True):
@@ -97,7 +97,7 @@ def written(code: Code, listing: Listing, row: np.ndarray) -> str:
             parts.append(f"-> {operand}")
         elif kind == "l":
             items = code.lists[operand : operand + code.lists[operand - 1]]
-            parts.append("[" + ", ".join(name_of(listing, int(each)) for each in items) + "]")
+            parts.append("[" + ", ".join(name_of(listing, int(register)) for register in items) + "]")
         elif kind == "k":
             parts.append(str(operand))
         elif kind != ".":

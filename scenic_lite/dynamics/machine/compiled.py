@@ -84,33 +84,33 @@ class Compiled:
         return self.code.world_base
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
-        """The registers at the start of matches with theta [N, D]: [N, R] float64."""
+        """Return the registers at the start of matches with theta [N, D]: [N, R] float64."""
         theta = self.program.layout.checked(theta)
         rows = np.tile(self.start, (len(theta), 1))
         if self.inputs:
             with np.errstate(all="ignore"):
-                found = self.tape.run(self.program.layout.scaled(theta))
+                values_of = self.tape.run(self.program.layout.scaled(theta))
             for register, slot, text in self.inputs:
-                values = found[slot]
-                rows[:, register] = [self.text(each) for each in values] if text else values
+                values = values_of[slot]
+                rows[:, register] = [self.text(value) for value in values] if text else values
         return rows
 
     def text(self, value: str) -> int:
-        """The number of a text; a new one if the program does not mention it."""
+        """Return the number of a text; a new one if the program does not mention it."""
         return self.texts.setdefault(str(value), len(self.texts))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What `doubts` means to whoever wrote the program, with places."""
+        """Return what `doubts` means to whoever wrote the program, with places."""
         stops = "a match that comes to this line stops: "
         return tuple(f"{'' if doubt.kind == 'warning' else stops}{doubt}" for doubt in self.doubts)
 
     def disassembly(self) -> str:
-        """The code in words, with the lines of the program."""
+        """Return the code in words, with the lines of the program."""
         return disassemble(self.code, self.listing)
 
     def fault(self, registers: np.ndarray) -> ScenicError | None:
-        """What went wrong in a match [R], at its place in the program; None if nothing did."""
+        """Return what went wrong in a match [R], at its place in the program; None if nothing did."""
         if registers[FAULT] == 0:
             return None
         row = min(int(registers[FAULT_ROW]), len(self.places) - 1)
@@ -125,13 +125,13 @@ class Compiled:
         return self.program.error("value", message, self.places[row])
 
     def rendered(self, number: float, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> tuple[Value, ...]:
-        """The actions of a command in a match [R] whose scene gives the draws these values."""
+        """Return the actions of a command in a match [R] whose scene gives the draws these values."""
         if number == NO_COMMAND:
             return ()
-        return tuple(self.plain(each, registers, scene) for each in self.commands[int(number)])
+        return tuple(self.plain(action, registers, scene) for action in self.commands[int(number)])
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
-        """A value with registers as it is in a match [R] whose scene gives the draws these values."""
+        """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""
         names = {number: text for text, number in self.texts.items()}
         return plain(value, registers, dict(scene), names)
 
@@ -163,8 +163,8 @@ class CompiledController:
         return Commands(actions, self._agents(), self._terminated(), self._rejected())
 
     def _agents(self) -> tuple[int, ...]:
-        """The objects that have a behavior now."""
-        having = {each for each in self.compiled.threads if each >= 0}
+        """Return the objects that have a behavior now."""
+        having = {moved for moved in self.compiled.threads if moved >= 0}
         for number, register, at_first in self.compiled.drivers:
             now = self.registers[register]
             if now < 0 or (now == 0 and not at_first):
@@ -188,7 +188,7 @@ class CompiledController:
         return Verdict(float(reward), self._terminated(), self._rejected())
 
     def finish(self) -> str | None:
-        """The match ends because its time is over; which requirement it leaves unsatisfied, if any."""
+        """End the match because its time is over; return which requirement that leaves unsatisfied, if any."""
         if not over(self.registers):
             end(self.compiled.code, self.registers, self.commands, self.rng)
             self._note("final")
@@ -197,15 +197,15 @@ class CompiledController:
     def _note(self, *kinds: str) -> None:
         """Take over what has just been recorded."""
         time = int(self.registers[self.compiled.code.clock]) if self.compiled.records else 0
-        for each in self.compiled.records:
-            taken = int(self.registers[each.taken])
-            if each.when not in kinds or taken < 0 or (each.when == "each" and taken != time):
+        for record in self.compiled.records:
+            taken = int(self.registers[record.taken])
+            if record.when not in kinds or taken < 0 or (record.when == "each" and taken != time):
                 continue
-            value = self.compiled.plain(each.value, self.registers, self._scene)
-            if each.when == "each":
-                self.records.setdefault(each.name, []).append((time, value))
+            value = self.compiled.plain(record.value, self.registers, self._scene)
+            if record.when == "each":
+                self.records.setdefault(record.name, []).append((time, value))
             else:
-                self.records[each.name] = value
+                self.records[record.name] = value
 
     def _see(self, world: np.ndarray, facts: np.ndarray) -> None:
         code = self.compiled.code

@@ -14,28 +14,28 @@ from scenic_lite.values.geometry import Vector
 
 
 def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]:
-    """The values by name, after a step that left registers [N, R].
+    """Return the values by name, after a step that left registers [N, R].
 
     Numbers and truth values are float64 [N], vectors [N, 2], NaN where a match has recorded nothing in this step; all
     else is an array of Python values, None where there is none. `record initial` counts to the first step, `record
     final` to the last.
     """
-    found: dict[str, np.ndarray] = {}
+    by_name: dict[str, np.ndarray] = {}
     for record in compiled.records:
         taken = registers[:, record.taken] >= 0
         if record.when == "initial":
             taken &= registers[:, compiled.code.clock] <= 1
         values = values_of(compiled, record, registers, taken)
-        before = found.get(record.name)
+        before = by_name.get(record.name)
         if before is None:
-            found[record.name] = values
+            by_name[record.name] = values
         elif before.shape == values.shape and before.dtype == values.dtype:
             before[taken] = values[taken]  # scenarios with records of one name: the last that runs counts
-    return found
+    return by_name
 
 
 def values_of(compiled: Compiled, record: Record, registers: np.ndarray, taken: np.ndarray) -> np.ndarray:
-    """One record of all matches."""
+    """Return one record of all matches."""
     value = record.value
     if is_number(value):
         return np.where(taken, numbers(value, registers), np.nan)

@@ -36,10 +36,10 @@ class Listed(NamedTuple):
 
 
 def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], names: dict[int, str]) -> Value:
-    """A value with everything in it that stands in registers."""
+    """Return a value with everything in it that stands in registers."""
     if isinstance(value, Listed):
         count = int(registers[value.length.register])
-        return [plain(each, registers, row, names) for each in value.elements[:count]]
+        return [plain(element, registers, row, names) for element in value.elements[:count]]
     for leaf in leaves(value):
         number = float(registers[leaf.register])
         if leaf.kind == "text":
@@ -48,27 +48,27 @@ def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], nam
             row[leaf] = bool(number)
         else:
             row[leaf] = int(number) if leaf.whole else number
-    found = in_row(value, row)
-    if isinstance(found, Listed):
-        return plain(found, registers, row, names)
-    if isinstance(found, dict):
-        return {key: plain(each, registers, row, names) for key, each in found.items()}
-    if isinstance(found, list | tuple):
-        return type(found)(plain(each, registers, row, names) for each in found)
-    return found
+    value = in_row(value, row)
+    if isinstance(value, Listed):
+        return plain(value, registers, row, names)
+    if isinstance(value, dict):
+        return {key: plain(part, registers, row, names) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)(plain(part, registers, row, names) for part in value)
+    return value
 
 
 def leaves(value: Value) -> list[RegisterValue]:
-    """The registers in a value."""
+    """Return the registers in a value."""
     if isinstance(value, RegisterValue):
         return [value]
     if isinstance(value, RandomExpr):
-        return [leaf for each in value.inputs for leaf in leaves(each)]
+        return [leaf for operand in value.inputs for leaf in leaves(operand)]
     if isinstance(value, RandomChoice):
-        return [leaf for each in (value.index, *value.options) for leaf in leaves(each)]
+        return [leaf for part in (value.index, *value.options) for leaf in leaves(part)]
     if isinstance(value, Listed):
         value = [value.length, *value.elements]
     if isinstance(value, dict):
         value = list(value.values())
     parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
-    return [leaf for each in parts for leaf in leaves(each)]
+    return [leaf for part in parts for leaf in leaves(part)]

@@ -221,7 +221,7 @@ def run_thread(code, registers, commands, thread, rng):
 
 @kernel
 def divided(opcode, x, y):
-    """The divisions that round, of which none is by 0."""
+    """Return the quotient or rest of the divisions that round, of which none is by 0."""
     if opcode == op.REMAINDER:
         return np.fmod(x, y)
     rest = np.fmod(x, y)
@@ -238,7 +238,7 @@ def divided(opcode, x, y):
 
 @kernel
 def computed(code, registers, opcode, b, c):
-    """The rarer functions: the result, and whether there is one. Integers have no -0, hence `+ 0.0`."""
+    """Compute the rarer functions: return the result, and whether there is one. Integers have no -0, hence `+ 0.0`."""
     x = registers[b]
     if opcode == op.POWER:
         return power(x, registers[c])
@@ -295,7 +295,7 @@ def run_threads(code, registers, commands, first, count, rng):
 
 @kernel
 def step_scenario(code, registers, commands, rng):
-    """The scenario takes one step at each time, by whatever it is asked for first."""
+    """Let the scenario take one step at each time, by whatever it is asked for first."""
     if registers[SEEN] < registers[code.clock]:
         registers[SEEN] = registers[code.clock]
         run_threads(code, registers, commands, 0, code.scenarios, rng)
@@ -303,19 +303,19 @@ def step_scenario(code, registers, commands, rng):
 
 @kernel
 def end(code, registers, commands, rng):
-    """The match ends: it is rejected if that leaves a requirement unsatisfied."""
+    """End the match: it is rejected if that leaves a requirement unsatisfied."""
     run_threads(code, registers, commands, code.threads.shape[0] - 1, 1, rng)
 
 
 @kernel
 def over(registers):
-    """Whether a match has ended, is broken or has failed."""
+    """Return whether a match has ended, is broken or has failed."""
     return registers[TERMINATED] != 0 or registers[REJECTED] != 0 or registers[FAULT] != 0
 
 
 @kernel
 def run_behaviors(code, registers, commands, rng):
-    """One step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND where there is none.
+    """Run one step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND for none.
 
     The registers hold the world and the facts of now. Afterwards they say in `TERMINATED`, `REJECTED` and `FAULT`
     whether the match goes on; if not, nobody has a command.
@@ -338,7 +338,7 @@ def run_behaviors(code, registers, commands, rng):
 
 @kernel
 def run_watchers(code, registers, rng):
-    """One step of all that watches a match; returns the reward and clears it.
+    """Run one step of all that watches a match; return the reward and clear it.
 
     First what is recorded, then the monitors, then the conditions that end the match.
     """
