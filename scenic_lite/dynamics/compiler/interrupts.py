@@ -119,7 +119,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
 
 def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
     """Go to a handler if its condition holds, which cannot be a behavior that somebody forgot to `do`."""
-    if not isinstance(condition, ast.Call):
+    if not isinstance(condition, ast.Call) or not c.code.reachable:
         jump_on(c, scope, condition, start, when=True)
         return
     value = scope.value(condition)
@@ -127,7 +127,7 @@ def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, star
         error = scope.error("type", "a behavior cannot be called in a condition", condition)
         c.output.doubts.append(error)
         c.stop_with(error)
-    elif c.code.reachable:
+    else:
         jump(c.code, truth(value), start, when=True)
 
 
