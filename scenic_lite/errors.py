@@ -87,5 +87,5 @@ class UnsetVariable(ScenicError):
 
 
 def harmless(text: str) -> str:
-    """A text that commands no terminal, whatever the program contains."""
+    """Return a text that commands no terminal, whatever the program contains."""
     return "".join(each if each.isprintable() or each in "\n\t" else "\ufffd" for each in text)

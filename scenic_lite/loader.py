@@ -83,8 +83,8 @@ def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
 
 
 def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | None:
-    """The scenario that the program is, among those of its own file."""
-    known = {each.name: each for each in state.scenarios if each.scope.source is source}
+    """Return the scenario that the program is, among those of its own file."""
+    known = {scenario.name: scenario for scenario in state.scenarios if scenario.scope.source is source}
     if name is not None:
         if name not in known:
             raise ScenicError("name", f"{source.file} has no scenario '{name}'", hint=near(name, known))
@@ -135,16 +135,16 @@ def doubt_overrides(state: LoadState, own: Source) -> None:
 
 
 def is_plain(value: object) -> bool:
-    """Whether a value is one that the text of a program could hold too."""
+    """Return whether a value is one that the text of a program could hold too."""
     if isinstance(value, list | tuple):
-        return all(is_plain(each) for each in value)
+        return all(is_plain(part) for part in value)
     if isinstance(value, dict):
-        return all(is_plain(each) for pair in value.items() for each in pair)
+        return all(is_plain(part) for pair in value.items() for part in pair)
     return value is None or type(value) in (bool, int, float, str)
 
 
 def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
-    """What the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
+    """Return what the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
     warnings = {(warning.place, warning.message): warning for warning in state.warnings}
     warned = {place for place, _ in warnings}
     for doubt in state.doubts:
@@ -155,15 +155,15 @@ def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
 
 
 def no_ego(state: LoadState, source: Source) -> ScenicError:
-    """The error for a program without an ego, at its first object."""
-    own = (each.place for each in state.objects if each.place.file == source.file)
+    """Return the error for a program without an ego, at its first object."""
+    own = (instance.place for instance in state.objects if instance.place.file == source.file)
     where = next(own, SourceSpan(source.file, 1, 0, 1, 1))
     hint = "write ego = ... before one of its objects"
     return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
 
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:
-    """Text, name to print, and folder of a source."""
+    """Return text, name to print, and folder of a source."""
     if not isinstance(source, str | Path):
         raise TypeError(f"load takes the path or the text of a program, not {type(source).__name__}")
     if isinstance(source, Path) or source.endswith(".scenic") or is_file(source):
@@ -182,7 +182,7 @@ def is_file(source: str) -> bool:
 
 
 def load_mode(domain: Domain | None, dialect: int) -> Mode:
-    """The mode of a load that knows all of the language and nothing yet of a program."""
+    """Return the mode of a load that knows all of the language and nothing yet of a program."""
     state = LoadState(domain, dialect)
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
     handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
@@ -193,4 +193,4 @@ def needs_ego(state: LoadState) -> bool:
     """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
     if state.dialect == 2:
         return state.main is None or not state.main.behavior.scenario.compose
-    return any(each.properties["requireVisible"] is True for each in state.objects)
+    return any(instance.properties["requireVisible"] is True for instance in state.objects)

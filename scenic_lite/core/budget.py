@@ -48,12 +48,12 @@ class Budget:
         """A loop that may go on for ever goes round."""
         self.step()
 
-    def new_call(self, wanted: int = 0) -> None:
+    def new_call(self, scenes: int = 0) -> None:
         """Scenes are asked for, some of them to be found among many: what is decided scene by scene starts anew."""
-        self.scenes = -wanted * self.limits.scene // 4
+        self.scenes = -scenes * self.limits.scene // 4
 
     def scene(self) -> Budget:
-        """The budget of what is decided in one scene."""
+        """Return the budget of what is decided in one scene."""
         return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
 
     def charge(self, scene: Budget) -> None:
@@ -90,11 +90,11 @@ class Budget:
             return
         count, pending = 0, [value]
         while pending:
-            each = pending.pop()
-            count += len(each)
+            container = pending.pop()
+            count += len(container)
             if count > self.limits.elements:
                 raise exceeded(f"a collection whose parts hold more than {self.limits.elements:,} elements in all")
-            parts = each.values() if isinstance(each, dict) else each
+            parts = container.values() if isinstance(container, dict) else container
             pending += [part for part in parts if isinstance(part, list | tuple | dict)]
         self.spend(count)
 
@@ -122,5 +122,5 @@ class Budget:
 
 
 def exceeded(what: str) -> ScenicError:
-    """The error for a limit that was passed; whoever knows the place adds it."""
+    """Return the error for a limit that was passed; whoever knows the place adds it."""
     return ScenicError("budget", f"evaluation budget exceeded: {what}")

@@ -81,7 +81,7 @@ class RuntimeChecks:
             self.requirement = before
 
     @contextmanager
-    def given(self, *guards: tuple[Value, bool]) -> Iterator[None]:
+    def under(self, *guards: tuple[Value, bool]) -> Iterator[None]:
         """Inside, what is noted counts only where these conditions are as said."""
         self.guards += guards
         try:

@@ -56,7 +56,7 @@ class Environment:
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def names_of(self, name: str) -> dict[str, Value]:
-        """Where an assignment to the name goes."""
+        """Return where an assignment to the name goes."""
         if name in self.globals:
             return self.module_names
         scope: Environment | None = self.outer if name in self.nonlocals else None
@@ -73,7 +73,7 @@ class Environment:
         return SourceSpan(self.source.file, node.lineno, node.col_offset, end_line, end_column)
 
     def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
-        """An error at `node`."""
+        """Return an error at `node`."""
         return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
 
     def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
@@ -85,8 +85,10 @@ class Environment:
 
 
 def near(name: str, names: Iterable[str]) -> str:
-    """A hint with the nearest spelling, or nothing."""
-    public = [each for each in names if not each.startswith("_")]
-    same = [each for each in public if sorted(each.lower()) == sorted(name.lower())]  # or two letters swapped
+    """Return a hint with the nearest spelling, or nothing."""
+    public = [candidate for candidate in names if not candidate.startswith("_")]
+    same = [
+        candidate for candidate in public if sorted(candidate.lower()) == sorted(name.lower())
+    ]  # or two letters swapped
     close = same or difflib.get_close_matches(name, public, 1, 0.7)
     return f"did you mean '{close[0]}'?" if close else ""

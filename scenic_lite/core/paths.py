@@ -24,7 +24,7 @@ class Path:
         self.conditions: list[Value] = []
 
     def branch(self, condition: Value) -> bool:
-        """Which way to go at the next branch."""
+        """Return which way to go at the next branch."""
         at = len(self.conditions)
         if at >= MOST_BRANCHES:
             raise too_many()
@@ -51,7 +51,7 @@ class PathEnumerator:
         return value
 
     def _from(self, decisions: list[bool]) -> Value:
-        """The value of all paths that begin with some decisions."""
+        """Return the value of all paths that begin with some decisions."""
         self.count += 1
         if self.count > MOST_WALKS:
             raise too_many()

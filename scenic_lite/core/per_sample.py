@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.bindings import Bindings
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FallibleOperation
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
+from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -31,9 +32,12 @@ from scenic_lite.core.types import (
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
+Names = dict[str, Any]
+COST = 4  # elements of memory that one kept name counts for
+
 
 def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
-    """The truth of a condition for each sample, evaluated one after the other."""
+    """Return the truth of a condition for each sample, evaluated one after the other."""
     columns = tuple(columns_of(*(random for value in mentioned(scope, node) for random in randoms_in(value))))
     return RandomExpr(PerSampleCondition(scope, node, columns), columns, "truth")
 
@@ -50,11 +54,11 @@ class PerSampleOperation(FallibleOperation):
         self._faults: list[ScenicError | None] = []  # one for each scene of the last call
 
     def __call__(self, *arrays: Any) -> Any:
-        """The operation on arrays [N]."""
+        """Return the operation on arrays [N]."""
         raise NotImplementedError
 
     def scenes(self, arrays: Iterable[Iterable[Value]]) -> Iterator[tuple[Value, ...]]:
-        """The rows of some arrays [N], one scene after the other."""
+        """Return the rows of some arrays [N], one scene after the other."""
         self._faults = []
         for row in zip(*arrays, strict=True):
             self._faults.append(None)
@@ -69,7 +73,7 @@ class PerSampleOperation(FallibleOperation):
         return fault
 
     def per_sample(self, draws: Iterable[Value], decide: Callable[[Scope], Value], otherwise: Value) -> Value:
-        """The outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
+        """Return the outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
         budget = self.scope.mode.budget.scene()
         mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
         try:
@@ -103,15 +107,63 @@ class PerSampleCondition(PerSampleOperation):
         return bool(scope.value(self.node))
 
 
+# ------------------------------------------------------------ names, as they were at a statement
+
+
+class Bindings:
+    """All names in sight of `scope`, also for the functions of its module that a condition may call.
+
+    A requirement means the values that its names had where it is written, whatever is assigned to them later.
+    """
+
+    def __init__(self, scope: Scope) -> None:
+        self.state = scope.state
+        self.kept = [(scope, dict(scope)) for scope in scopes_of(scope)]
+        self.ego, self.workspace = scope.state.ego, scope.state.workspace
+        scope.mode.budget.spend(COST * sum(len(names) for _, names in self.kept))
+
+    @contextmanager
+    def restored(self, state: LoadState) -> Iterator[None]:
+        """Inside, every name has the value it had when this was made."""
+        now = [(scope, dict(scope)) for scope, _ in self.kept]
+        tracked = state.ego, state.workspace
+        state.ego, state.workspace = self.ego, self.workspace
+        put_back(self.kept)
+        try:
+            yield
+        finally:
+            state.ego, state.workspace = tracked
+            put_back(now)
+
+
+def scopes_of(scope: Scope) -> list[Names]:
+    """Return the dictionaries that names are looked up in, innermost first."""
+    scopes: list[Names] = []
+    at: Environment | None = scope
+    while at is not None:
+        scopes.append(at.locals)
+        at = at.outer
+    return scopes if scopes[-1] is scope.module_names else [*scopes, scope.module_names]
+
+
+def put_back(kept: list[tuple[Names, Names]]) -> None:
+    for scope, names in kept:
+        scope.clear()
+        scope.update(names)
+
+
+# ------------------------------------------------------------ what a condition depends on
+
+
 def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
-    """The values that an expression may read: of its names, of what its functions name, and of the ego."""
-    found = [scope.state.ego] if scope.state.ego is not None else []
-    return found + reached([(scope, node)])
+    """Return the values that an expression may read: of its names, of what its functions name, and of the ego."""
+    values = [scope.state.ego] if scope.state.ego is not None else []
+    return values + reached([(scope, node)])
 
 
 def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
-    """The values of all names in some trees, and in the functions and behaviors that they name."""
-    found: list[Value] = []
+    """Return the values of all names in some trees, and in the functions and behaviors that they name."""
+    values: list[Value] = []
     seen: set[int] = set()
     while pending:
         scope, tree = pending.pop()
@@ -119,22 +171,22 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
             value = value_at(scope, path)
             if id(value) not in seen:
                 seen.add(id(value))
-                found.append(value)
-                found += attributes_of_class(value)
+                values.append(value)
+                values += attributes_of_class(value)
                 for part in definitions_in(value):
-                    found += [*part.defaults, *part.keyword_defaults.values()]
-                    pending += [(part.scope, each) for each in body_of(part)]
-    return found
+                    values += [*part.defaults, *part.keyword_defaults.values()]
+                    pending += [(part.scope, statement) for statement in body_of(part)]
+    return values
 
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
 def names_in(tree: ast.AST) -> frozenset[tuple[str, ...]]:
-    """The names in a tree, and the paths that begin with one: `lib`, `lib.far`."""
+    """Return the names in a tree, and the paths that begin with one: `lib`, `lib.far`."""
     return frozenset(path for node in ast.walk(tree) if (path := path_of(node)))
 
 
 def path_of(node: ast.AST) -> tuple[str, ...]:
-    """A name, or the attributes that are read of one; () for any other node."""
+    """Return a name, or the attributes that are read of one; () for any other node."""
     if isinstance(node, ast.Attribute):
         path = path_of(node.value)
         return (*path, node.attr) if path else ()
@@ -142,7 +194,7 @@ def path_of(node: ast.AST) -> tuple[str, ...]:
 
 
 def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
-    """What a path of modules and classes leads to; None if it leaves them."""
+    """Return what a path of modules and classes leads to; None if it leaves them."""
     value = visible(scope, path[0])
     for name in path[1:]:
         if isinstance(value, Namespace):
@@ -153,12 +205,16 @@ def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
 
 
 def attributes_of_class(value: Value) -> list[Value]:
-    """What an object reads of its class."""
-    return [each for cls in value.cls.lineage() for each in cls.members.values()] if isinstance(value, Instance) else []
+    """Return what an object reads of its class."""
+    return (
+        [member for cls in value.cls.lineage() for member in cls.members.values()]
+        if isinstance(value, Instance)
+        else []
+    )
 
 
 def visible(scope: Environment, name: str) -> Value:
-    """The value of a name, or None: it may be a local of a function not yet called."""
+    """Return the value of a name, or None: it may be a local of a function not yet called."""
     at: Environment | None = scope
     while at is not None:
         if name in at.locals:
@@ -168,7 +224,7 @@ def visible(scope: Environment, name: str) -> Value:
 
 
 def definitions_in(value: Value) -> Iterator[Function | Behavior]:
-    """The functions and behaviors that a value is or carries: methods of objects are among them."""
+    """Return the functions and behaviors that a value is or carries: methods of objects are among them."""
     if isinstance(value, Function | Behavior):
         yield value
     elif isinstance(value, Bound):
@@ -179,11 +235,11 @@ def definitions_in(value: Value) -> Iterator[Function | Behavior]:
         for cls in value.cls.lineage():
             yield from (member for member in cls.members.values() if isinstance(member, Function))
     elif isinstance(value, list | tuple):
-        for each in value:
-            yield from definitions_in(each)
+        for option in value:
+            yield from definitions_in(option)
     elif isinstance(value, RandomChoice):
-        for each in value.options:
-            yield from definitions_in(each)
+        for option in value.options:
+            yield from definitions_in(option)
 
 
 def body_of(definition: Function | Behavior) -> list[ast.AST]:

@@ -39,17 +39,17 @@ class Scope(Environment):
         self.mode, self.state, self.handlers = mode, mode.state, mode.handlers
 
     def inner(self, names: dict[str, Value]) -> Scope:
-        """A scope for a comprehension or class body inside this one."""
+        """Return a scope for a comprehension or class body inside this one."""
         return Scope(self.mode, self.source, names, self)
 
     @staticmethod
     def inside(mode: Mode, around: Environment, names: dict[str, Value]) -> Scope:
-        """A scope for the body of what was defined in the environment `around`."""
+        """Return a scope for the body of what was defined in the environment `around`."""
         return Scope(mode, around.source, names, around)
 
     @staticmethod
     def at(mode: Mode, environment: Environment) -> Scope:
-        """The same names in a mode."""
+        """Return the same names in a mode."""
         scope = Scope(mode, environment.source, environment.locals, environment.outer)
         scope.globals, scope.nonlocals, scope.assigned = (
             environment.globals, environment.nonlocals, environment.assigned,
@@ -58,19 +58,19 @@ class Scope(Environment):
         return scope
 
     def requiring(self) -> Scope:
-        """The same names, inside a requirement."""
+        """Return the same names, inside a requirement."""
         return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
 
     def along(self, path: Path) -> Scope:
-        """The same names, where branches on random values follow a path."""
+        """Return the same names, where branches on random values follow a path."""
         return Scope.at(replace(self.mode.requiring(), path=path), self)
 
     def owning(self, instance: Instance, name: str) -> Scope:
-        """The same names; values drawn inside belong to `instance.name`."""
+        """Return the same names; values drawn inside belong to `instance.name`."""
         return Scope.at(self.mode.owned_by(instance, name), self) if self.mode.phase == LOAD else self
 
     def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
-        """A new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
+        """Return a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
         column = self.mode.draw(kind, place, offset, span)
         if self.mode.owner is not None:
             column.owner = self.mode.owner
@@ -112,7 +112,7 @@ class Scope(Environment):
                 raise self.placed(from_python(fault), node) from None
 
     def truth(self, node: ast.expr) -> bool:
-        """The truth of a condition that decides what is evaluated next; it must not be random."""
+        """Return the truth of a condition that decides what is evaluated next; it must not be random."""
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
@@ -142,7 +142,7 @@ class Scope(Environment):
         return self.handlers.call(self, function, arguments, keywords, node)
 
     def elements(self, value: Value, node: ast.AST) -> list:
-        """The elements of a container that is not random."""
+        """Return the elements of a container that is not random."""
         self.refuse_random(value, node, "cannot iterate through a random value")
         if isinstance(value, Vector):
             return [value.x, value.y]
@@ -152,10 +152,10 @@ class Scope(Environment):
             raise self.error("type", f"{describe_kind(value)} has no elements", node)
         self.mode.budget.container(len(value))
         row = self.mode.row
-        return list(value) if row is None else [in_row(each, row) for each in value]
+        return list(value) if row is None else [in_row(element, row) for element in value]
 
     def bindings(self, generators: list[ast.comprehension]) -> Iterator[Scope]:
-        """A frame for each round of a comprehension."""
+        """Yield a scope for each round of a comprehension."""
         first, *rest = generators
         for element in self.elements(self.value(first.iter), first.iter):
             inner = self.inner({})
@@ -189,7 +189,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ names
 
     def lookup(self, name: str) -> Value:
-        """The value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
+        """Return the value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
         scope: Environment | None = self
         while scope is not None:
             if name in scope.globals:
@@ -222,7 +222,7 @@ class Scope(Environment):
 
 
 def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
-    """What a value is in one sample."""
+    """Return what a value is in one sample."""
     if isinstance(value, Vector) and not value.fixed:
         return Vector(in_row(value.x, row), in_row(value.y, row))
     if isinstance(value, RandomChoice):
@@ -231,15 +231,15 @@ def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
         return value
     if value not in row:
         assert value.operation is not None, "a draw that the condition was not known to depend on"
-        inputs = [in_row(each, row) for each in value.inputs]
-        result = value.operation(*(one_row(each) for each in inputs))
+        inputs = [in_row(operand, row) for operand in value.inputs]
+        result = value.operation(*(one_row(operand) for operand in inputs))
         row[value] = tuple(part[0] for part in result) if isinstance(result, tuple) else result[0]
-    found = row[value]
-    return found.item() if isinstance(found, np.generic) else found
+    result = row[value]
+    return result.item() if isinstance(result, np.generic) else result
 
 
 def one_row(value: Value) -> Any:
-    """A value of one sample as an operation wants it: an array of one, or several where it has parts."""
+    """Return a value of one sample as an operation wants it: an array of one, or several where it has parts."""
     if isinstance(value, tuple):
         return tuple(np.array([part]) for part in value)
     return np.array([value], dtype=object if isinstance(value, str) else None)
@@ -250,23 +250,23 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
     if isinstance(value, RandomChoice):
         value = value.index
     if isinstance(value, RandomExpr):
-        for column in [each for each in (value, *near_inputs(value)) if isinstance(each, ThetaColumn)]:
+        for column in [node for node in (value, *near_inputs(value)) if isinstance(node, ThetaColumn)]:
             if column.shown is value and not (inside and column.owner):  # of `Range(0, 1)`, `Uniform(1, 2)` ...
                 column.name = column.name or name
     elif isinstance(value, Instance):
         value.name = value.name or ("" if inside else name)
     elif not inside or isinstance(value, Vector):  # a container may hold itself
-        for part, each in parts_by_name(name, value):
-            name_draws(part, each, inside=True)
+        for part, element in parts_by_name(name, value):
+            name_draws(part, element, inside=True)
 
 
 def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
-    """The parts of a vector or container, named as a program would; not all of a large one."""
+    """Return the parts of a vector or container, named as a program would; not all of a large one."""
     if isinstance(value, Vector):
         return [(f"{name}.x", value.x), (f"{name}.y", value.y)]
     if isinstance(value, dict):
         return [(f"{name}[{key!r}]", value[key]) for key in list(value)[:LARGEST_NAMED] if isinstance(key, str | int)]
-    return [(f"{name}[{i}]", each) for i, each in enumerate(value[:LARGEST_NAMED])] if is_sequence(value) else []
+    return [(f"{name}[{i}]", element) for i, element in enumerate(value[:LARGEST_NAMED])] if is_sequence(value) else []
 
 
 def is_sequence(value: Value) -> bool:
@@ -274,10 +274,10 @@ def is_sequence(value: Value) -> bool:
 
 
 def near_inputs(value: RandomExpr) -> list[RandomExpr]:
-    """The inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
-    found: list[RandomExpr] = []
+    """Return the inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
+    inputs: list[RandomExpr] = []
     level = [value]
     for _ in range(4):
-        level = [each for node in level for each in node.inputs if isinstance(each, RandomExpr)][:16]
-        found += level
-    return found
+        level = [operand for node in level for operand in node.inputs if isinstance(operand, RandomExpr)][:16]
+        inputs += level
+    return inputs

@@ -164,17 +164,17 @@ class Mode:
     in_model: bool = False
 
     def requiring(self) -> Mode:
-        """The mode inside a requirement, where comparisons are symbolic and nothing can be drawn."""
+        """Return the mode inside a requirement, where comparisons are symbolic and nothing can be drawn."""
         return self if self.symbolic else replace(self, symbolic=True, draw=refuse_draw)
 
     def owned_by(self, instance: Instance, name: str) -> Mode:
-        """The mode in which the values that are drawn belong to `instance.name`."""
+        """Return the mode in which the values that are drawn belong to `instance.name`."""
         mode = object.__new__(Mode)  # `replace` is ten times slower, and this is done for every property
         vars(mode).update(vars(self), owner=(instance, name))
         return mode
 
     def in_sample(self, row: dict[RandomExpr, Value], budget: Budget) -> Mode:
-        """The mode inside a requirement in one sample."""
+        """Return the mode inside a requirement in one sample."""
         return replace(self.requiring(), phase=SAMPLE, row=row, budget=budget)
 
 

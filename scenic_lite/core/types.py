@@ -41,30 +41,30 @@ class ScenicClass:
     members: dict[str, Value] = field(default_factory=dict)
 
     def lineage(self) -> Iterator[ScenicClass]:
-        """The class and its bases, most derived first."""
+        """Return the class and its bases, most derived first."""
         at: ScenicClass | None = self
         while at is not None:
             yield at
             at = at.base
 
     def derives_from(self, other: ScenicClass) -> bool:
-        return any(each is other for each in self.lineage())
+        return any(cls is other for cls in self.lineage())
 
     def property_names(self) -> list[str]:
-        """Every property with a default, the base's first."""
+        """Return every property with a default, the base's first."""
         names: dict[str, None] = {}
-        for each in reversed(list(self.lineage())):
-            names.update(dict.fromkeys(each.defaults))
+        for cls in reversed(list(self.lineage())):
+            names.update(dict.fromkeys(cls.defaults))
         return list(names)
 
     def defaults_of(self, name: str) -> list[Default]:
-        """The defaults for one property, most derived first."""
-        return [each.defaults[name] for each in self.lineage() if name in each.defaults]
+        """Return the defaults for one property, most derived first."""
+        return [cls.defaults[name] for cls in self.lineage() if name in cls.defaults]
 
     def member(self, name: str) -> Value:
-        for each in self.lineage():
-            if name in each.members:
-                return each.members[name]
+        for cls in self.lineage():
+            if name in cls.members:
+                return cls.members[name]
         return None
 
 
@@ -85,7 +85,7 @@ class Instance(Located):
         return as_vector(self.properties["position"]) if "position" in self.properties else None
 
     def title(self) -> str:
-        """How a report names it: its variable, or its class."""
+        """Return how a report names it: its variable, or its class."""
         return self.label or self.name or self.cls.name
 
 
@@ -97,7 +97,7 @@ class RandomChoice(Located):
     options: tuple
 
     def map_options(self, results: list[Value]) -> Value:
-        """The same choice among `results`, one per option."""
+        """Return the same choice among `results`, one per option."""
         return choose(self.index, results)
 
     def position_vector(self) -> Vector | None:
@@ -119,7 +119,7 @@ def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
 
 
 def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
-    """A function that is mapped over the options of a random choice which it gets at one of these positions."""
+    """Return a function that is mapped over the options of a random choice which it gets at one of these positions."""
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
         @wraps(function)
@@ -178,12 +178,12 @@ class Builtin:
 
 
 def of_values(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Functions of values alone, mapped over a random choice of them."""
+    """Return functions of values alone, mapped over a random choice of them."""
     return {name: Builtin(name, function) for name, function in functions.items()}
 
 
 def needs_context(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Functions that also receive the scope and the call."""
+    """Return functions that also receive the scope and the call."""
     return {
         name: Builtin(name, function, needs_context=True, over_choices=False) for name, function in functions.items()
     }
@@ -211,12 +211,12 @@ class Behavior:
 
     @property
     def kind(self) -> str:
-        """One of "behavior", "monitor" and "scenario"."""
+        """Return one of "behavior", "monitor" and "scenario"."""
         return "scenario" if isinstance(self.node, nodes.Scenario) else self.node.kind
 
     @property
     def scenario(self) -> nodes.Scenario:
-        """The tree of a scenario."""
+        """Return the tree of a scenario."""
         assert isinstance(self.node, nodes.Scenario)
         return self.node
 
@@ -235,7 +235,7 @@ class BehaviorCall:
 
 
 def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
-    """The random nodes that a value is made of, in order."""
+    """Return the random nodes that a value is made of, in order."""
     seen = set() if seen is None else seen
     if isinstance(value, RandomExpr):
         yield value
@@ -250,7 +250,7 @@ def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExp
 
 
 def parts_of(value: Value) -> tuple[Value, ...]:
-    """What a structured value is made of."""
+    """Return what a structured value is made of."""
     if isinstance(value, Vector):
         return (value.x, value.y)
     if isinstance(value, list | tuple | set):
@@ -269,7 +269,7 @@ def parts_of(value: Value) -> tuple[Value, ...]:
 
 
 def describe_kind(value: Value) -> str:
-    """What a value is, for a message: "a number", "a region", ..."""
+    """Return what a value is, for a message: "a number", "a region", ..."""
     if isinstance(value, RandomExpr):
         return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
     if isinstance(value, Instance):

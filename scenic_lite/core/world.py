@@ -49,7 +49,7 @@ class World:
     actions: int | None = None
 
     def no_action(self, number: str) -> str:
-        """What is said of a number that is none of the actions."""
+        """Return what is said of a number that is none of the actions."""
         assert self.actions is not None
         return f"there is no action {number}; actions are 0 to {self.actions - 1}"
 
@@ -81,7 +81,7 @@ MOST_AT_ONCE = 8  # actions of one `take`, where they are numbers
 
 
 def packed(actions: Sequence[Value], base: int) -> Value:
-    """Several actions of one `take` as one number, the first its highest digit in this base; one action is itself."""
+    """Return several actions of one `take` as one number, the first its highest digit in this base."""
     if len(actions) > MOST_AT_ONCE:
         raise ScenicError("value", f"{len(actions)} actions at once; at most {MOST_AT_ONCE} are possible")
     number = actions[0]

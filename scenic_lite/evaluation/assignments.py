@@ -47,7 +47,7 @@ def augmented(scope: Scope, node: ast.AugAssign) -> None:
 
 
 def changed(scope: Scope, node: ast.AugAssign, old: Value) -> Value:
-    """The new value; a list that is added to stays the same one."""
+    """Return the new value; a list that is added to stays the same one."""
     more = scope.value(node.value)
     new = combine(scope, node.op, list_of(scope, node.op, old), list_of(scope, node.op, more, like=old))
     if isinstance(old, list) and isinstance(new, list):
@@ -57,7 +57,7 @@ def changed(scope: Scope, node: ast.AugAssign, old: Value) -> Value:
 
 
 def list_of(scope: Scope, sign: ast.operator, value: Value, like: Value = None) -> Value:
-    """What a list is extended by may be any collection."""
+    """Return the elements of what a list is extended by, which may be any collection."""
     if isinstance(sign, ast.Add) and isinstance(like, list) and not isinstance(value, list):
         return scope.elements(value, sign)
     return value
@@ -124,7 +124,7 @@ def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
         bind_target(scope, target, value)
         return
     items = scope.elements(value, target)
-    stars = [i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)]
+    stars = [i for i, part in enumerate(target.elts) if isinstance(part, ast.Starred)]
     if stars:
         after = len(target.elts) - stars[0] - 1
         if len(items) < len(target.elts) - 1:
@@ -133,8 +133,8 @@ def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
         items = [*items[: stars[0]], middle, *items[len(items) - after :]]
     if len(items) != len(target.elts):
         raise scope.error("value", f"{len(items)} values for {len(target.elts)} names", target)
-    for each, item in zip(target.elts, items, strict=True):
-        bind_target(scope, each.value if isinstance(each, ast.Starred) else each, item)
+    for part, item in zip(target.elts, items, strict=True):
+        bind_target(scope, part.value if isinstance(part, ast.Starred) else part, item)
 
 
 # ------------------------------------------------------------ names that the language tracks
@@ -175,8 +175,8 @@ def delete_target(scope: Scope, target: ast.expr) -> None:
             raise scope.error("name", f"name '{target.id}' is not defined", target)
         del names[target.id]
     elif isinstance(target, ast.Tuple | ast.List):
-        for each in target.elts:
-            delete_target(scope, each)
+        for part in target.elts:
+            delete_target(scope, part)
     elif isinstance(target, ast.Subscript):
         container, index = scope.value(target.value), scope.value(target.slice)
         if not isinstance(container, list | dict):

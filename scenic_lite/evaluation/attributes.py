@@ -63,10 +63,10 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
     if name in fields:
         return fields[name](value)
     methods = methods_of(value)
-    return found(bound(methods.get(name), value), value, name, [*fields, *methods])
+    return or_unknown(bound(methods.get(name), value), value, name, [*fields, *methods])
 
 
-def found(result: Value, value: Value, name: str, known: Any) -> Value:
+def or_unknown(result: Value, value: Value, name: str, known: Any) -> Value:
     if result is None:
         raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=near(name, known))
     return result
@@ -86,7 +86,7 @@ def of_namespace(module: Namespace, name: str) -> Value:
 def of_class(cls: ScenicClass, name: str) -> Value:
     if name == "__name__":
         return cls.name
-    return found(cls.member(name), cls, name, cls.members)
+    return or_unknown(cls.member(name), cls, name, cls.members)
 
 
 def of_type(cls: Builtin, name: str) -> Value:
@@ -95,11 +95,11 @@ def of_type(cls: Builtin, name: str) -> Value:
         raise no_method(name)
     known = next((table for kind, table in METHODS if kind in cls.types), {})
     known = known | CLASS_METHODS.get(cls.name, {}) | CLASS_FUNCTIONS.get(cls.name, {})
-    return found(known.get(name), cls, name, known)
+    return or_unknown(known.get(name), cls, name, known)
 
 
 def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
-    """A property, an attribute set later, a method, a side, or an attribute of the position."""
+    """Return a property, an attribute set later, a method, a side, or an attribute of the position."""
     if name in instance.properties:
         return instance.properties[name]
     if name in instance.attributes:

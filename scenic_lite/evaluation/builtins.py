@@ -33,12 +33,12 @@ MOST_PRINTED = 1000  # lines that are kept
 
 
 def plain(*names: str, of: type) -> dict[str, Builtin]:
-    """Methods of a Python container that cannot grow it and run no code of the program's."""
+    """Return methods of a Python container that cannot grow it and run no code of the program's."""
     return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
 
 
 def typed(name: str, function: Callable[..., Value], *types: type) -> Builtin:
-    """A function that is also a type: `isinstance(x, int)`."""
+    """Return a function that is also a type: `isinstance(x, int)`."""
     return Builtin(name, function, needs_context=True, types=types, over_choices=False)
 
 
@@ -214,7 +214,7 @@ def is_of(value: Value, cls: Value) -> bool:
 
 
 def left_out(name: str, hint: str) -> Builtin:
-    """A function of Python's that a program may expect here: its call says what to write instead."""
+    """Return a function of Python's that a program may expect here: its call says what to write instead."""
 
     def refuse(scope: Scope, node: ast.AST, *_: Any, **__: Any) -> None:
         raise ScenicError("unsupported", f"there is no {name}() here", hint=hint)

@@ -55,7 +55,7 @@ def call_node(scope: Scope, node: ast.Call) -> Value:
 
 
 def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
-    """What a call gives by place and by name."""
+    """Return what a call gives by place and by name."""
     arguments: list[Value] = []
     for argument in node.args:
         if isinstance(argument, ast.Starred):
@@ -65,15 +65,15 @@ def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Va
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
         value = scope.value(keyword.value)
-        for name, each in mapping(scope, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
+        for name, spread in mapping(scope, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
             if name in keywords:
                 raise scope.error("type", f"the argument '{name}' is given twice", keyword.value)
-            keywords[name] = each
+            keywords[name] = spread
     return arguments, keywords
 
 
 def mapping(scope: Scope, keyword: ast.keyword, value: Value) -> dict[str, Value]:
-    """What `**` spreads in a call."""
+    """Return what `**` spreads in a call."""
     if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
         message = f"`**` needs a dictionary with names as keys, not {describe_kind(value)}"
         raise scope.error("type", message, keyword.value)
@@ -115,13 +115,16 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
         if isinstance(argument, RandomChoice) and function.over_choices:
             before, after = arguments[:i], arguments[i + 1 :]
             return argument.map_options(
-                [call_builtin(scope, function, [*before, each, *after], keywords, node) for each in argument.options]
+                [
+                    call_builtin(scope, function, [*before, option, *after], keywords, node)
+                    for option in argument.options
+                ]
             )
     if not function.needs_context:
         scope.mode.budget.whole(arguments)
-    given = [scope, node, *arguments] if function.needs_context else arguments
-    check_signature(function, given, keywords)
-    result = function.function(*given, **keywords)
+    inputs = [scope, node, *arguments] if function.needs_context else arguments
+    check_signature(function, inputs, keywords)
+    result = function.function(*inputs, **keywords)
     scope.mode.budget.keep(result)
     scope.watch(result)
     return result
@@ -130,18 +133,18 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
 signature_of = lru_cache(maxsize=512)(inspect.signature)
 
 
-def check_signature(function: Builtin, given: list, keywords: dict[str, Value]) -> None:
+def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value]) -> None:
     """Raise ScenicError in the program's words if the arguments do not fit."""
     try:
         signature = signature_of(function.function)
     except ValueError:  # some methods of Python's containers have none
         return
     try:
-        signature.bind(*given, **keywords)
+        signature.bind(*inputs, **keywords)
     except TypeError:
-        names = [str(each).split(":")[0].split("=")[0] for each in signature.parameters.values()]
+        names = [str(parameter).split(":")[0].split("=")[0] for parameter in signature.parameters.values()]
         names = names[2:] if function.needs_context else names
-        count = len(given) - (2 if function.needs_context else 0) + len(keywords)
+        count = len(inputs) - (2 if function.needs_context else 0) + len(keywords)
         usage = f"write {function.name}({', '.join(names)})"
         number = "1 argument" if count == 1 else f"{count} arguments"
         raise ScenicError("type", f"{function.name} does not take {number}", hint=usage) from None
@@ -170,7 +173,7 @@ def call_function(
 
 
 def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
-    """An error of a library function, moved to the call in the user's program."""
+    """Return an error of a library function, moved to the call in the user's program."""
     if not function.scope.source.library or scope.source.library or error.place is None:
         return error
     where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
@@ -181,14 +184,14 @@ def bind(
     name: str, parameters: ast.arguments, function: Function | Behavior, arguments: list, keywords: dict[str, Value]
 ) -> dict[str, Value]:
     """Arguments by the names of the parameters. Raises ScenicError if they do not fit."""
-    names = [each.arg for each in (*parameters.posonlyargs, *parameters.args)]
+    names = [parameter.arg for parameter in (*parameters.posonlyargs, *parameters.args)]
     bound: dict[str, Value] = dict(zip(names, arguments, strict=False))
     extra = arguments[len(names) :]
     if extra and parameters.vararg is None:
         raise arity_error(name, parameters, f"{len(arguments)} arguments were given")
     if parameters.vararg is not None:
         bound[parameters.vararg.arg] = tuple(extra)
-    allowed = {*names, *(each.arg for each in parameters.kwonlyargs)}
+    allowed = {*names, *(parameter.arg for parameter in parameters.kwonlyargs)}
     spare = {key: value for key, value in keywords.items() if key not in allowed}
     if spare and parameters.kwarg is None:
         raise ScenicError(
@@ -203,14 +206,14 @@ def bind(
             bound[key] = value
     defaults = dict(zip(names[len(names) - len(function.defaults) :], function.defaults, strict=True))
     bound = defaults | function.keyword_defaults | bound
-    missing = [each for each in (*names, *sorted(allowed)) if each not in bound]
+    missing = [argument for argument in (*names, *sorted(allowed)) if argument not in bound]
     if missing:
         raise arity_error(name, parameters, f"'{missing[0]}' is missing")
     return bound
 
 
 def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
-    """A frame for the names of one run of a scenario, shared by its setup and its compose block."""
+    """Return a scope for the names of one run of a scenario, shared by its setup and its compose block."""
     call.names.clear()
     call.names.update(call.arguments)
     scope = Scope.inside(mode, call.behavior.scope, call.names)
@@ -219,7 +222,9 @@ def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
 
 
 def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
-    names = ", ".join(each.arg for each in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs))
+    names = ", ".join(
+        parameter.arg for parameter in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs)
+    )
     return ScenicError("type", f"{name}({names}): {message}")
 
 
@@ -228,7 +233,7 @@ def lambda_of(scope: Scope, node: ast.Lambda) -> Function:
 
 
 def function_of(scope: Scope, name: str, arguments: ast.arguments, body: Any, is_method: bool = False) -> Function:
-    """A function whose defaults are evaluated now. A method does not see the names of its class."""
+    """Return a function whose defaults are evaluated now. A method does not see the names of its class."""
     defaults, keyword_defaults = defaults_of(scope, arguments)
     assigned = names_of(tuple(body)) if isinstance(body, list) else frozenset[str]()
     around = scope.outer if is_method and scope.outer is not None else scope
@@ -237,7 +242,7 @@ def function_of(scope: Scope, name: str, arguments: ast.arguments, body: Any, is
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
 def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
-    """The names that a function makes its own by assigning them."""
+    """Return the names that a function makes its own by assigning them."""
     names: set[str] = set()
     elsewhere: set[str] = set(TRACKED_NAMES)
     pending: list[ast.AST] = list(body)
@@ -257,11 +262,11 @@ def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
 def defaults_of(scope: Scope, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
     defaults = tuple(scope.value(default) for default in arguments.defaults)
     pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    return defaults, {each.arg: scope.value(default) for each, default in pairs if default is not None}
+    return defaults, {parameter.arg: scope.value(default) for parameter, default in pairs if default is not None}
 
 
 def new(scope: Scope, node: nodes.New) -> Value:
-    """An instance; or, where the text could also be an operator or a plain name and is no class, that."""
+    """Return an instance; or, where the text could also be an operator or a plain name and is no class, that."""
     cls = scope.value(node.cls)
     if not isinstance(cls, ScenicClass):
         if not node.certain:
@@ -271,7 +276,7 @@ def new(scope: Scope, node: nodes.New) -> Value:
     if scope.mode.symbolic:
         raise ScenicError("type", "a requirement cannot make objects")
     instance = Instance(cls, scope.place(node), scope.mode.owner)
-    meanings = [meaning(scope, instance, each) for each in node.specifiers]
+    meanings = [meaning(scope, instance, specifier) for specifier in node.specifiers]
     return make(scope, cls, meanings, instance)
 
 
@@ -285,7 +290,7 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
     name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
     scope = scope.owning(instance, name or ("heading" if "facing" in node.name else "position"))
     try:
-        operands = [None if each is None else scope.value(each) for each in node.arguments]
+        operands = [None if operand is None else scope.value(operand) for operand in node.arguments]
         if name:
             value = operands[1]
             warn_of_unknown(scope, instance.cls, node, name, value)

@@ -42,7 +42,7 @@ COMPARISONS: dict[type, Operation] = {
 
 
 def each_holds(parts: Any, texts: Any) -> Any:
-    """Whether each text holds the part beside it; arrays [N] or single texts."""
+    """Return whether each text holds the part beside it; arrays [N] or single texts."""
     return np.array([part in text for part, text in np.broadcast(parts, texts)], dtype=bool)
 
 
@@ -50,11 +50,11 @@ HOLDS = Operation(lambda part, text: part in text, each_holds)
 
 
 def comparison(scope: Scope, node: ast.Compare) -> Value:
-    """A chain of comparisons; random ones are allowed in requirements only."""
+    """Return a chain of comparisons; random ones are allowed in requirements only."""
     left = scope.value(node.left)
     result: Value = True
     for sign, operand in zip(node.ops, node.comparators, strict=True):
-        with scope.state.watching.given(*(((result, True),) if isinstance(result, RandomExpr) else ())):
+        with scope.state.watching.under(*(((result, True),) if isinstance(result, RandomExpr) else ())):
             right = scope.value(operand)
         link = compared(scope, node, sign, left, right)
         if isinstance(link, RandomExpr) or isinstance(result, RandomExpr):
@@ -68,7 +68,7 @@ def comparison(scope: Scope, node: ast.Compare) -> Value:
 
 
 def compared(scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """One link of a chain of comparisons."""
+    """Return one link of a chain of comparisons."""
     if isinstance(sign, ast.Is | ast.IsNot):
         return identity(scope, left, right, isinstance(sign, ast.Is))
     if isinstance(sign, ast.In | ast.NotIn):
@@ -119,7 +119,7 @@ def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
 
 
 def alike(left: Value, right: Value) -> bool:
-    """Whether these are two lists or two tuples of one length."""
+    """Return whether these are two lists or two tuples of one length."""
     return isinstance(left, list | tuple) and type(left) is type(right) and len(left) == len(right)
 
 

@@ -83,7 +83,7 @@ def binary(scope: Scope, node: ast.BinOp) -> Value:
 
 @broadcasts_over_choices(2, 3)
 def combine(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
-    """The result of `left sign right`, within the budget."""
+    """Return the result of `left sign right`, within the budget."""
     if isinstance(sign, ast.MatMult):
         return at_sign(left, right)
     if isinstance(sign, ast.Mod) and kind_of(left) == "text":
@@ -174,7 +174,7 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
     pending: Value = None
     value: Value = None
     for operand in node.values:
-        with scope.state.watching.given(*(() if pending is None else ((pending, is_and),))):
+        with scope.state.watching.under(*(() if pending is None else ((pending, is_and),))):
             value = scope.value(operand)
         if isinstance(value, RandomExpr) and scope.mode.symbolic:
             pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
@@ -189,9 +189,9 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
 def conditional(scope: Scope, node: ast.IfExp) -> Value:
     test = scope.value(node.test)
     if isinstance(test, RandomExpr) and scope.mode.symbolic:
-        with scope.state.watching.given((test, True)):
+        with scope.state.watching.under((test, True)):
             yes = scope.value(node.body)
-        with scope.state.watching.given((test, False)):
+        with scope.state.watching.under((test, False)):
             return either(test, yes, scope.value(node.orelse))
     return scope.value(node.body if scope.certain_truth(test, node.test) else node.orelse)
 
@@ -237,7 +237,7 @@ def item_of(scope: Scope, container: Value, index: Value) -> Value:
 
 
 def item_at(scope: Scope, container: Value, index: RandomExpr) -> Value:
-    """An item of one of several random lists at a random place; scenes where it has no such place are rejected."""
+    """Return an item of a list at a random place; scenes where it has no such place are rejected."""
     items = scope.elements(container, ast.Pass())
     if isinstance(container, dict) or not items:
         raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
@@ -279,7 +279,7 @@ def sequence(scope: Scope, node: ast.List | ast.Tuple) -> Value:
 
 
 def key_of(scope: Scope, node: ast.expr) -> Value:
-    """A key of a dictionary."""
+    """Return a key of a dictionary."""
     key = scope.value(node)
     scope.mode.budget.whole(key)
     return key
@@ -297,7 +297,7 @@ def dictionary(scope: Scope, node: ast.Dict) -> dict:
 
 
 def mapping(scope: Scope, node: ast.expr) -> dict:
-    """What `**` spreads."""
+    """Return what `**` spreads."""
     value = scope.value(node)
     if not isinstance(value, dict):
         raise scope.error("type", f"`**` needs a dictionary, not {describe_kind(value)}", node)
@@ -305,7 +305,7 @@ def mapping(scope: Scope, node: ast.expr) -> dict:
 
 
 def formatted_text(scope: Scope, node: ast.JoinedStr) -> Value:
-    """An f-string; random parts are written row by row."""
+    """Return an f-string; random parts are written row by row."""
     return concatenate(scope, [scope.value(part) for part in node.values])
 
 

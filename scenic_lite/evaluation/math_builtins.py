@@ -36,7 +36,7 @@ from scenic_lite.values.operations import (
 
 
 def numeric(operation: Operation, *operands: Value) -> Value:
-    """An operation on numbers, random or not. Raises ScenicError for anything else."""
+    """Return an operation on numbers, random or not. Raises ScenicError for anything else."""
     for operand in operands:
         if kind_of(operand) not in ("number", "truth", "any"):
             raise ScenicError("type", f"a number is needed here, not {describe_kind(operand)}")
@@ -44,7 +44,7 @@ def numeric(operation: Operation, *operands: Value) -> Value:
 
 
 def of_one(operation: Operation) -> Callable[[Value], Value]:
-    """A function of one number that also takes a random one."""
+    """Return a function of one number that also takes a random one."""
     return lambda x: numeric(operation, x)
 
 
@@ -114,7 +114,9 @@ class Extreme:
     def _by_key(self, scope: Scope, node: ast.AST, items: list, key: Value) -> Value:
         keys = [scope.call(key, [item], {}, node) for item in items]
         scope.mode.budget.whole(keys)
-        if any(isinstance(each, RandomExpr) for each in keys) and all(kind_of(each) == "number" for each in keys):
+        if any(isinstance(item_key, RandomExpr) for item_key in keys) and all(
+            kind_of(item_key) == "number" for item_key in keys
+        ):
             best = np.argmin if self.operation is MINIMUM else np.argmax
             return choose(RandomExpr(BestOf(best), tuple(keys)), items)
         return items[self.operation.scalar(range(len(items)), key=keys.__getitem__)]

@@ -29,7 +29,7 @@ LONGEST_NAME = 200  # characters of a path that are shown
 
 @lru_cache(maxsize=64)
 def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
-    """The checked tree of a text and the warnings about it. Raises one ScenicError that shows everything wrong with it.
+    """Return the checked tree of a text and the warnings about it. Raises one ScenicError for everything wrong with it.
 
     Kept, since library files are the same for every program.
     """
@@ -47,7 +47,7 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
 
 
 def read(path: Path) -> str:
-    """The text of a program file. Raises ScenicError if it is no readable text."""
+    """Return the text of a program file. Raises ScenicError if it is no readable text."""
     shown = str(path) if len(str(path)) <= LONGEST_NAME else f"{str(path)[:LONGEST_NAME]}..."
     try:
         if path.is_dir():
@@ -84,7 +84,7 @@ def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
 
 
 def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
-    """The world model of a file that names none: the caller's, or the domain's default."""
+    """Return the world model of a file that names none: the caller's, or the domain's default."""
     domain = state.domain
     if state.model is not None:
         return None if state.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree)) else state.model
@@ -102,12 +102,12 @@ def take_model(scope: Scope, name: str, node: ast.AST) -> None:
 
 
 def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
-    """A text cut into the lines that the lexer counts."""
+    """Return a text cut into the lines that the lexer counts."""
     return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
 def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
-    """The module a program names, evaluated on its first import; a folder is a module of what was imported from it."""
+    """Return the module a program names, evaluated on its first import; a folder holds what was imported from it."""
     state = scope.state
     path, library = locate(scope, name, level)
     if path is None:
@@ -131,7 +131,7 @@ def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
 
 
 def shown_name(scope: Scope, name: str, path: Path, library: bool) -> str:
-    """How errors name the file of a module."""
+    """Return how errors name the file of a module."""
     domain = scope.state.domain
     if library and domain:
         return f"{domain.name}/{path.name}"
@@ -139,7 +139,7 @@ def shown_name(scope: Scope, name: str, path: Path, library: bool) -> str:
 
 
 def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
-    """The file or folder of a module and whether it is the domain's; none for the language's own modules.
+    """Return the file or folder of a module and whether it is the domain's; none for the language's own modules.
 
     A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
     file that imports; one with dots before it in the latter and those above, as far as the program's folder.
@@ -153,12 +153,12 @@ def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
     for folder in folders_of(scope, level):
         path = folder.joinpath(*name.split(".")) if name else folder
         file = path.with_name(f"{path.name}.scenic")
-        found = file if name and file.is_file() else path
-        if found is file or path.is_dir():
+        place = file if name and file.is_file() else path
+        if place is file or path.is_dir():
             root = folder if scope.source.library or state.root is None else state.root
-            if not found.resolve().is_relative_to(root.resolve()):
-                raise ScenicError("import", f"{found.name} is a link that leads out of the program's folder")
-            return found, scope.source.library
+            if not place.resolve().is_relative_to(root.resolve()):
+                raise ScenicError("import", f"{place.name} is a link that leads out of the program's folder")
+            return place, scope.source.library
     known = [*library, *MODULES, *neighbours(scope)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
     shown = [*reversed(files.values()), "math", "random", *neighbours(scope)]
@@ -167,7 +167,7 @@ def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
 
 
 def folders_of(scope: Scope, level: int) -> list[Path]:
-    """Where a module is looked for; `level` counts the dots before its name."""
+    """Return where a module is looked for; `level` counts the dots before its name."""
     own, root = scope.source.folder, scope.state.root
     if own is None:
         return []
@@ -191,8 +191,8 @@ def neighbours(scope: Scope) -> list[str]:
 
 def model(scope: Scope, node: nodes.Model) -> None:
     """`model a.b`: import all of it; its params never replace those that are set. The caller's model replaces it."""
-    wanted = None if scope.source.library or scope.mode.in_model else scope.state.model
-    take_model(scope, wanted or node.name, node)
+    replacement = None if scope.source.library or scope.mode.in_model else scope.state.model
+    take_model(scope, replacement or node.name, node)
 
 
 def import_whole(scope: Scope, node: ast.Import) -> None:
@@ -207,7 +207,7 @@ def import_whole(scope: Scope, node: ast.Import) -> None:
 
 
 def package(scope: Scope, first: str, rest: list[str], module: Namespace) -> Namespace:
-    """The module `first` with one more module inside it."""
+    """Return the module `first` with one more module inside it."""
     known = scope.locals.get(first)
     top = Namespace(first, dict(known.names)) if isinstance(known, Namespace) else Namespace(first, {})
     at = top
@@ -253,7 +253,7 @@ def take_all(scope: Scope, module: Namespace) -> None:
 
 
 def wants_default_model(tree: ast.Module, library: Any) -> bool:
-    """Whether the program itself names no part of the library."""
+    """Return whether the program itself names no part of the library."""
     for node in ast.walk(tree):
         if isinstance(node, nodes.Model) or (isinstance(node, ast.ImportFrom) and node.module in library):
             return False

@@ -118,7 +118,7 @@ def declare_nonlocal(scope: Scope, node: ast.Nonlocal) -> None:
 
 
 def has_local(scope: Environment | None, name: str) -> bool:
-    """Whether a function, from this one outwards, has a variable; those of the module do not count."""
+    """Return whether a function, from this one outwards, has a variable; those of the module do not count."""
     while scope is not None and scope.locals is not scope.module_names:
         if name in scope.locals or name in scope.assigned:
             return True
@@ -178,17 +178,17 @@ def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass:
 
 
 def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
-    """A default expression, evaluated for each instance anew, with `self` in sight."""
+    """Return a default expression, evaluated for each instance anew, with `self` in sight."""
     reads = {
-        each.attr
-        for each in ast.walk(node.value)
-        if isinstance(each, ast.Attribute) and isinstance(each.value, ast.Name) and each.value.id == "self"
+        part.attr
+        for part in ast.walk(node.value)
+        if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name) and part.value.id == "self"
     }
 
-    owners = {id(each.value) for each in ast.walk(node.value) if isinstance(each, ast.Attribute)}
-    for each in ast.walk(node.value):
-        if isinstance(each, ast.Name) and each.id == "self" and id(each) not in owners:
-            raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", each)
+    owners = {id(part.value) for part in ast.walk(node.value) if isinstance(part, ast.Attribute)}
+    for part in ast.walk(node.value):
+        if isinstance(part, ast.Name) and part.id == "self" and id(part) not in owners:
+            raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", part)
 
     def compute(maker: Scope, self: Instance) -> Value:
         value = Scope.inside(maker.mode, scope, {"self": self}).value(node.value)

@@ -23,7 +23,7 @@ DEEPEST = 50  # containers inside each other that are written out
 
 
 def represent(state: LoadState, value: Value, depth: int = 0) -> str:
-    """A value as it is written inside a container, a text in quotes."""
+    """Return a value as it is written inside a container, a text in quotes."""
     if isinstance(value, list | tuple | dict):
         if depth > DEEPEST:
             raise exceeded("a text of collections that are nested too deeply")
@@ -81,7 +81,7 @@ class FormatEach:
 
 
 def concatenate(scope: Scope, pieces: list[Value]) -> Value:
-    """One text of several; random ones row by row."""
+    """Return one text of several; random ones row by row."""
     result: Value = ""
     for piece in pieces:
         result = piece if result == "" else result + piece

@@ -2,7 +2,7 @@
 
 A condition is evaluated where it stands, so that its errors stand there too; if objects
 are given noise it is evaluated again after the last statement, since it speaks of the scene with the noise. Read next:
-`core.bindings`, `core.per_sample`, `scene.constraints`.
+`core.per_sample`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ from __future__ import annotations
 import ast
 import math
 
-from scenic_lite.core.bindings import Bindings
-from scenic_lite.core.per_sample import per_sample_condition
+from scenic_lite.core.per_sample import Bindings, per_sample_condition
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Requirement, Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind

@@ -16,7 +16,7 @@ import ast
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
-from scenic_lite.core.bindings import Bindings
+from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import describe_kind
