@@ -86,7 +86,7 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
 
 
 class _Checker:
-    """Collects errors; the methods are the rules of `RULES`."""
+    """The errors found so far; the methods are the rules of `RULES`."""
 
     def __init__(self, tree: ast.Module, source: Source, dialect: int) -> None:
         self.source, self.dialect = source, dialect
@@ -119,8 +119,6 @@ class _Checker:
     def doubt(self, node: ast.AST, message: str, hint: str = "") -> None:
         """Add a warning."""
         self.report(node, message, hint, "warning")
-
-    # ------------------------------------------------------------ what may stand where
 
     def take(self, node: nodes.Take, context: Context) -> None:
         if context.kind != "behavior":
@@ -177,8 +175,6 @@ class _Checker:
         if context.kind == "top":
             self.report(node, '"return" may only stand in a function or a behavior')
 
-    # ------------------------------------------------------------ classes, behaviors, monitors
-
     def class_body(self, node: ast.ClassDef, context: Context) -> None:
         seen: set[str] = set()
         declared = BUILT_IN | {each.name for each in node.body if isinstance(each, nodes.PropertyDefault)}
@@ -226,8 +222,6 @@ class _Checker:
                 does, hint = "waits", 'is a "wait" missing?'
             self.report(node, f'the {definition.kind} "{name}" of line {definition.lineno} never {does}', hint)
 
-    # ------------------------------------------------------------ requirements
-
     def require(self, node: nodes.Require, context: Context) -> None:
         condition = node.condition
         if isinstance(condition, ast.Call) and isinstance(condition.func, ast.Name):
@@ -248,8 +242,6 @@ class _Checker:
                     hint = "only of and, or, not, implies, until"
                     self.report(part, f'"{part.name}" cannot be an operand here', hint)
             pending.extend((child, logical and logic) for child in ast.iter_child_nodes(part))
-
-    # ------------------------------------------------------------ warnings
 
     def specifier(self, node: nodes.Specifier, context: Context) -> None:
         """Doubt a property that no class has, and a heading without `deg`."""

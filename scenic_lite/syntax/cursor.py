@@ -1,7 +1,8 @@
 """The walk over the tokens that all parts of the parser share: look, take, expect, build a node, report an error.
 
-The productions are functions of a cursor, in the files that follow. Where an earlier file has something of a later one
-inside - a bracket has expressions, a block has statements - it finds it in the cursor, into which `parse` ties it.
+The productions are functions of a cursor, in the files that follow, and their docstrings the grammar. Where an earlier
+file has something of a later one inside - a bracket has expressions, a block has statements - it finds that in the
+cursor, into which `parse` ties it.
 Read next: `syntax.specifiers`.
 """
 
@@ -69,8 +70,6 @@ class Cursor:
         # Where the longer reading of a word operator's first operand was tried in vain.
         self.no_partner: set[Token] = set()
 
-    # ------------------------------------------------------------ looking
-
     def peek(self, ahead: int = 1) -> Token:
         """Return the token that many places ahead."""
         index = self.index + ahead
@@ -98,20 +97,18 @@ class Cursor:
 
     @property
     def ends_statement(self) -> bool:
-        """Whether the statement ends before the next token."""
+        """Return whether the statement ends before the next token."""
         return self.token.kind in ("newline", "end") or self.token.text == ";"
 
     @property
     def previous(self) -> Token:
-        """The token read last."""
+        """Return the token read last."""
         return self.tokens[self.index - 1] if self.index else self.token
 
     def last_word(self) -> Token | None:
         """Return the token read last that is more than layout."""
         words = (self.tokens[k] for k in range(self.index - 1, -1, -1) if self.tokens[k].kind not in LAYOUT)
         return next(words, None)
-
-    # ------------------------------------------------------------ moving
 
     def advance(self) -> Token:
         """Read one token."""
@@ -159,8 +156,6 @@ class Cursor:
             self.missing(what)
         return self.advance().text
 
-    # ------------------------------------------------------------ building
-
     def at(self, start: Token | ast.AST, node: Node) -> Node:
         """Give the node its place: from `start` to the token read last."""
         if isinstance(start, Token):
@@ -168,6 +163,13 @@ class Cursor:
         else:
             node.lineno, node.col_offset = start.lineno, start.col_offset  # type: ignore[attr-defined]
         _, _, _, _, node.end_lineno, node.end_col_offset = self.tokens[self.index - 1]  # type: ignore[attr-defined]
+        return node
+
+    def spanning(self, start: Token, node: Node) -> Node:
+        """Give a block its place: from `start` to the last token that is more than layout."""
+        last = self.last_word() or start
+        _, _, node.lineno, node.col_offset, _, _ = start  # type: ignore[attr-defined]
+        _, _, _, _, node.end_lineno, node.end_col_offset = last  # type: ignore[attr-defined]
         return node
 
     def stored(self, target: ast.expr, context: ast.expr_context = STORE) -> ast.expr:
@@ -184,8 +186,6 @@ class Cursor:
         else:
             self.fail(f"cannot {'delete' if context is DELETE else 'assign to'} {kind_of(target)}", at=target)
         return target
-
-    # ------------------------------------------------------------ limits and errors
 
     def deeper(self) -> None:
         """Count one more level of nesting."""

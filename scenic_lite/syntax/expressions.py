@@ -26,7 +26,7 @@ _PLAIN_ESCAPED = re.compile(r"(?:\\N\{[^{}]*\}|\\.|[^{}\\])+|\{\{|\}\}", re.DOTA
 
 
 def atom(c: Cursor, token: Token) -> ast.expr:
-    """A name, a constant, or something in brackets; `token` is the next one."""
+    """Read a name, a constant, or something in brackets; `token` is the next one."""
     kind, text = token.kind, token.text
     if kind == "name":
         if text in PYTHON_KEYWORDS or text in SCENIC_KEYWORDS:
@@ -47,7 +47,7 @@ def atom(c: Cursor, token: Token) -> ast.expr:
 
 
 def number(c: Cursor, token: Token) -> int | float:
-    """The value of a number token."""
+    """Return the value of a number token."""
     text = token.text.lower()
     try:
         return float(text) if text[:2] != "0x" and ("." in text or "e" in text) else int(text, 0)
@@ -56,7 +56,7 @@ def number(c: Cursor, token: Token) -> int | float:
 
 
 def keyword_value(c: Cursor, token: Token) -> ast.expr:
-    """A value that is a keyword, or a keyword of Scenic 3 used as a name in dialect 2."""
+    """Read a value that is a keyword, or a keyword of Scenic 3 used as a name in dialect 2."""
     text, following = token.text, c.peek()
     if text == "new" and (following.kind == "name" or c.dialect == 3):
         return new_instance(c)
@@ -74,7 +74,7 @@ def keyword_value(c: Cursor, token: Token) -> ast.expr:
 
 
 def strings(c: Cursor) -> ast.expr:
-    """One or more string tokens side by side: a Constant, or a JoinedStr if one of them is an f-string."""
+    """Read one or more strings side by side: a Constant, or a JoinedStr if one of them is an f-string."""
     start = c.advance()
     pieces = [start]
     while c.token.kind == "string":
@@ -105,7 +105,7 @@ def strings(c: Cursor) -> ast.expr:
 
 
 def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
-    """The text that a part of a string stands for."""
+    """Return the text that a part of a string stands for."""
     if raw or "\\" not in text:
         return text
     try:
@@ -147,7 +147,7 @@ def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end:
 
 
 def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
-    """The value in the field of an f-string; a comma makes a tuple, as in brackets."""
+    """Read the value in the field of an f-string; a comma makes a tuple, as in brackets."""
     outer = (c.tokens, c.index, c.token, c.temporal)
     c.tokens, c.temporal = tokens, False
     c.brackets += 1
@@ -184,7 +184,7 @@ def close(c: Cursor, sign: str, opening: Token, outer: bool) -> None:
 
 
 def missing_operator_hint(c: Cursor) -> str:
-    """What might be missing before the present token."""
+    """Return what might be missing before the present token."""
     token, before = c.token, c.previous
     if token.text in FOREIGN:
         return FOREIGN[token.text]
@@ -198,7 +198,7 @@ def missing_operator_hint(c: Cursor) -> str:
 
 
 def display(c: Cursor, start: Token) -> ast.expr:
-    """`(value)`, a tuple, a list, a comprehension; a requirement goes on in round brackets."""
+    """Read `(value)`, a tuple, a list, a comprehension; a requirement goes on in round brackets."""
     closing = ")" if start.text == "(" else "]"
     outer = opened(c, c.temporal and closing == ")")
     node: ast.expr | None = None
@@ -222,7 +222,7 @@ def display(c: Cursor, start: Token) -> ast.expr:
 
 
 def dictionary(c: Cursor, start: Token) -> ast.expr:
-    """`{key: value, **more}` or a comprehension of one."""
+    """Read `{key: value, **more}` or a comprehension of one."""
     outer = opened(c)
     keys: list[ast.expr | None] = []
     values: list[ast.expr] = []
@@ -249,7 +249,7 @@ def dictionary(c: Cursor, start: Token) -> ast.expr:
 
 
 def element(c: Cursor) -> ast.expr:
-    """`*operation` or `[name :=] expression`."""
+    """Read `*operation` or `[name :=] expression`."""
     start = c.token
     if start.text == "*":
         c.advance()
@@ -263,12 +263,12 @@ def element(c: Cursor) -> ast.expr:
 
 
 def item(c: Cursor) -> ast.expr:
-    """`*operation` or `expression`."""
+    """Read `*operation` or `expression`."""
     return element(c) if c.token.text == "*" else c.expression()
 
 
 def row(c: Cursor, read: Callable[[Cursor], ast.expr] = item) -> ast.expr:
-    """`value [, value]*`, stars allowed: a tuple where there is a comma."""
+    """Read `value [, value]*`, stars allowed: a tuple where there is a comma."""
     start = c.token
     first = read(c)
     if c.token.text != ",":
@@ -283,7 +283,7 @@ def row(c: Cursor, read: Callable[[Cursor], ast.expr] = item) -> ast.expr:
 
 
 def not_starred(c: Cursor, value: ast.expr) -> ast.expr:
-    """A value alone, which has no star."""
+    """Return a value that stands alone, and so has no star."""
     if isinstance(value, ast.Starred):
         c.fail("a starred expression cannot stand alone", at=value)
     return value
@@ -297,7 +297,7 @@ def begins_comprehension(c: Cursor) -> bool:
 
 
 def comprehensions(c: Cursor) -> list[ast.comprehension]:
-    """`for targets in operation [if condition]`, once or more."""
+    """Read `for targets in operation [if condition]`, once or more."""
     found = []
     while begins_comprehension(c):
         c.advance()
@@ -313,12 +313,12 @@ def comprehensions(c: Cursor) -> list[ast.comprehension]:
 
 
 def targets(c: Cursor) -> ast.expr:
-    """What a `for` assigns to."""
+    """Read what a `for` assigns to."""
     return c.stored(row(c, lambda c: element(c) if c.token.text == "*" else c.operation(Level.SEE)))
 
 
 def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
-    """`(value, *values, name=value, **more)`."""
+    """Read `(value, *values, name=value, **more)`."""
     opening = c.token
     outer = opened(c)
     values: list[ast.expr] = []
@@ -353,7 +353,7 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
 
 
 def index(c: Cursor) -> ast.expr:
-    """`[index]`, `[low:high:step]`, `[a, b]`."""
+    """Read `[index]`, `[low:high:step]`, `[a, b]`."""
     opening = c.token
     outer = opened(c)
     start = c.token
@@ -370,7 +370,7 @@ def index(c: Cursor) -> ast.expr:
 
 
 def index_element(c: Cursor) -> ast.expr:
-    """An index, a slice, or `*values`."""
+    """Read an index, a slice, or `*values`."""
     start = c.token
     lower = None if start.text == ":" else element(c)
     if c.token.text != ":" and lower is not None:
@@ -385,7 +385,7 @@ def index_element(c: Cursor) -> ast.expr:
 
 
 def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
-    """`(parameters)`."""
+    """Read `(parameters)`."""
     opening = c.token
     if opening.text != "(":
         c.missing(f'"(" after {owner}', 'write "()" if it takes nothing')
@@ -396,7 +396,7 @@ def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
 
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:
-    """`a, b=1, *rest, d, **more`, up to but without the closing sign; in brackets with `: annotation`."""
+    """Read `a, b=1, *rest, d, **more`, up to but without the closing sign; in brackets with `: annotation`."""
     found = ast.arguments([], [], None, [], [], None, [])
     star = False
     names: set[str] = set()
@@ -431,7 +431,7 @@ def parameters(c: Cursor, closing: str) -> ast.arguments:
 
 
 def parameter(c: Cursor, closing: str, names: set[str]) -> ast.arg:
-    """`name [: annotation]`; a name used twice is an error."""
+    """Read `name [: annotation]`; a name used twice is an error."""
     start = c.name("a parameter")
     if start.text in names:
         c.fail(f'the parameter "{start.text}" occurs twice', at=start)

@@ -164,9 +164,6 @@ class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks;
 class TryInterrupt(Statement):  # try: ... interrupt when c: ...
     body: list[ast.stmt]
     interrupts: list[Interrupt]
-    handlers: list[ast.ExceptHandler]
-    orelse: list[ast.stmt]
-    finalbody: list[ast.stmt]
 
 
 class Interrupt(Statement):  # interrupt when condition:

@@ -22,7 +22,7 @@ from scenic_lite.syntax.nodes import New, Operator, Specifier
 
 
 def expression(c: Cursor) -> ast.expr:
-    """`lambda ...`, or `operation [if operation else expression]`; an instance without `new` may begin here."""
+    """Read `lambda ...`, or `operation [if operation else expression]`; an instance without `new` may begin here."""
     c.deeper()
     start = c.token
     asks_truth, c.asks_truth = c.asks_truth, False
@@ -41,7 +41,7 @@ def expression(c: Cursor) -> ast.expr:
 
 
 def conditional(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
-    """`[if operation else expression]` after a value."""
+    """Read `[if operation else expression]` after a value."""
     if c.token.text != "if":
         return value
     c.advance()
@@ -51,7 +51,7 @@ def conditional(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
 
 
 def condition(c: Cursor) -> ast.expr:
-    """An expression that is asked whether it is true: no instance begins it; `=` in it is a frequent slip."""
+    """Read what is asked whether it is true: no instance begins it; `=` in it is a frequent slip."""
     c.asks_truth = True
     value = element(c)
     if c.token.text == "=":
@@ -60,7 +60,7 @@ def condition(c: Cursor) -> ast.expr:
 
 
 def operation(c: Cursor, level: int) -> ast.expr:
-    """Values joined by operators that bind at `level` or tighter."""
+    """Read values joined by operators that bind at `level` or tighter."""
     start = c.token
     return continued(c, operand(c, level), level, start)
 
@@ -79,7 +79,7 @@ def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
 
 
 def next_infix(c: Cursor) -> Infix | None:
-    """The operator that comes next."""
+    """Return the operator that comes next."""
     for infix in INFIX.get(c.token.text, ()):
         if len(infix.words) == 1 or c.sees(*infix.words):
             return infix
@@ -87,7 +87,7 @@ def next_infix(c: Cursor) -> Infix | None:
 
 
 def arithmetic(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """`left + right` and its like, from left to right."""
+    """Read `left + right` and its like, from left to right."""
     sign = c.advance()
     if sign.text == "%" and is_text(left):
         c.refuse("%", sign)
@@ -101,7 +101,7 @@ def is_text(value: ast.expr) -> bool:
 
 
 def logic(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """`left and right and ...`: one node for the whole row."""
+    """Read `left and right and ...`: one node for the whole row."""
     values = [left]
     while c.accept(infix.words[0]):
         values.append(operation(c, infix.level + 1))
@@ -109,7 +109,7 @@ def logic(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
 
 
 def comparison(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """`left < middle < ...`: one node for the whole chain."""
+    """Read `left < middle < ...`: one node for the whole chain."""
     signs: list[ast.cmpop] = []
     values: list[ast.expr] = []
     following: Infix | None = infix
@@ -122,14 +122,14 @@ def comparison(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.exp
 
 
 def words(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """`left relative to right` and its like, `left deg`."""
+    """Read `left relative to right` and its like, `left deg`."""
     c.skip(len(infix.words))
     operands: list[ast.expr | None] = [left] if infix.words == ("deg",) else [left, operation(c, infix.level + 1)]
     return c.at(start, Operator(" ".join(infix.words), operands))
 
 
 def along(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """`left offset along heading by vector`."""
+    """Read `left offset along heading by vector`."""
     c.skip(2)
     heading = operation(c, Level.RELATIVE)
     c.expect("by", 'after "offset along" and its heading', 'write "X offset along H by V"')
@@ -137,7 +137,7 @@ def along(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
 
 
 def operand(c: Cursor, level: int) -> ast.expr:
-    """A value with what stands before it: a sign, `not`, a word operator."""
+    """Read a value with what stands before it: a sign, `not`, a word operator."""
     token = c.token
     read = PREFIXES.get(token.text)
     if read is not None:
@@ -150,13 +150,13 @@ def operand(c: Cursor, level: int) -> ast.expr:
 
 
 def signed(c: Cursor, token: Token, level: int) -> ast.expr:
-    """`-value` and its like."""
+    """Read `-value` and its like."""
     c.advance()
     return c.at(token, ast.UnaryOp(SIGNS[token.text](), operand(c, Level.UNARY)))
 
 
 def negation(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """`not operation`, `not visible region`."""
+    """Read `not operation`, `not visible region`."""
     if (region := measure(c, token, level)) is not None:
         return region
     if level > Level.NOT:
@@ -166,7 +166,7 @@ def negation(c: Cursor, token: Token, level: int) -> ast.expr | None:
 
 
 def always(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """`always | eventually | next` in a requirement."""
+    """Read `always | eventually | next` in a requirement."""
     if not c.temporal or not c.starts_value(c.peek(), "("):
         return None
     if level > Level.NOT:
@@ -190,7 +190,7 @@ def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
 
 
 def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
-    """A word operator of `MEASURES` with its operands."""
+    """Read a word operator of `MEASURES` with its operands; None if the word is a name."""
     form = next((form for form in MEASURES[token.text] if c.sees(*form.words)), None)
     if form is None:
         return None
@@ -217,7 +217,7 @@ def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
 
 
 def last_operand(c: Cursor) -> ast.expr:
-    """The last operand of a word operator."""
+    """Read the last operand of a word operator."""
     return operation(c, Level.ALONG if c.dialect == 2 else Level.PREFIX)
 
 
@@ -241,7 +241,7 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
 
 
 def primary(c: Cursor, start: Token) -> ast.expr:
-    """`atom` followed by attributes, calls and indices; by specifiers, or by `** operand`."""
+    """Read `atom` followed by attributes, calls and indices; by specifiers, or by `** operand`."""
     value = atom(c, start)
     links = 0
     while c.token.text in (".", "(", "["):
@@ -266,7 +266,7 @@ def primary(c: Cursor, start: Token) -> ast.expr:
 
 
 def possible_instance(c: Cursor) -> ast.expr | None:
-    """`Name at V` and the like at the start of an expression: New with both readings, or None."""
+    """Read `Name at V` and the like at the start of an expression: New with both readings, or None."""
     ahead = 1
     while c.peek(ahead).text == "." and c.peek(ahead + 1).kind == "name":
         ahead += 2

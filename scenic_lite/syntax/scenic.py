@@ -11,12 +11,12 @@ from collections.abc import Callable
 
 from scenic_lite.syntax import nodes, statements
 from scenic_lite.syntax.cursor import LOAD, STORE, Cursor, describe
-from scenic_lite.syntax.expressions import arguments, bracketed_parameters, element, number, strings
+from scenic_lite.syntax.expressions import arguments, atom, bracketed_parameters, element, strings
 from scenic_lite.syntax.hints import COMPARES, nearest
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.operators import INFIX, SIGNS, begins_operand, condition, expression, primary
 from scenic_lite.syntax.specifiers import begins_specifier, more_specifiers, specifier
-from scenic_lite.syntax.statements import Row
+from scenic_lite.syntax.statements import Rule
 
 UNITS = ("seconds", "steps")
 ATTRIBUTES = ("additive", "dynamic", "final")  # of a property
@@ -31,7 +31,7 @@ def begins_value(c: Cursor, following: Token) -> bool:
 
 
 def begins_action(c: Cursor, following: Token) -> bool:
-    """As `begins_value`, after `take` and `do`, which do not stand alone."""
+    """Return what `begins_value` does, after `take` and `do`, which do not stand alone."""
     if following.kind in ("newline", "end") and c.token.text == "take":
         c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
     if following.kind in ("newline", "end"):
@@ -57,7 +57,7 @@ def begins_interrupt(c: Cursor, following: Token) -> bool:
 
 
 def param(c: Cursor, start: Token) -> ast.stmt:
-    """`param name = value, 'quoted name' = value`."""
+    """Read `param name = value, 'quoted name' = value`."""
     names: list[str] = []
     places: list[ast.expr] = []
     values: list[ast.expr] = []
@@ -73,7 +73,7 @@ def param(c: Cursor, start: Token) -> ast.stmt:
 
 
 def param_name(c: Cursor) -> tuple[ast.expr, str]:
-    """A name, or one in quotes: its place and its text."""
+    """Read a name, or one in quotes; returns its place and its text."""
     start = c.token
     if start.kind != "string":
         c.name("the name of a parameter")
@@ -85,7 +85,7 @@ def param_name(c: Cursor) -> tuple[ast.expr, str]:
 
 
 def require(c: Cursor, start: Token) -> ast.stmt:
-    """`require[p] condition [as name]`, `require monitor M(...)`."""
+    """Read `require[p] condition [as name]`, `require monitor M(...)`."""
     if c.token.text == "monitor" and c.is_name(c.peek()):
         c.advance()
         return nodes.RequireMonitor(expression(c))
@@ -101,35 +101,34 @@ def require(c: Cursor, start: Token) -> ast.stmt:
 
 
 def soft(c: Cursor) -> ast.expr:
-    """`[p]` of a soft requirement: a number between 0 and 1."""
+    """Read `[p]` of a soft requirement: a number between 0 and 1."""
     c.advance()
     start = c.token
     if start.kind != "number" or c.peek().text != "]":
         hint = 'write "require[0.5] condition"'
         c.fail("the probability of a soft requirement must be a number between 0 and 1", hint)
-    value = number(c, c.advance())
-    if not 0 <= value <= 1:
+    value = atom(c, start)
+    if isinstance(value, ast.Constant) and not 0 <= value.value <= 1:  # type: ignore[operator]  # of a number
         c.fail(f"the probability of a soft requirement must lie between 0 and 1, not {start.text}", at=start)
-    node = c.at(start, ast.Constant(value))
     c.advance()
-    return node
+    return value
 
 
 def as_name(c: Cursor) -> str | None:
-    """`[as name]`; the name may stand in quotes."""
+    """Read `[as name]`; the name may stand in quotes."""
     if not c.accept("as"):
         return None
     return param_name(c)[1] if c.token.kind == "string" else c.name("the name of a requirement or record").text
 
 
 def mutate(c: Cursor, start: Token) -> ast.stmt:
-    """`mutate [objects] [by scale]`."""
+    """Read `mutate [objects] [by scale]`."""
     targets = [] if c.ends_statement or c.token.text == "by" else listed(c)
     return nodes.Mutate(targets, expression(c) if c.accept("by") else None)
 
 
 def listed(c: Cursor, read: Callable[[Cursor], ast.expr] = expression) -> list[ast.expr]:
-    """`value, value, ...`."""
+    """Read `value, value, ...`."""
     found = [read(c)]
     while c.accept(","):
         found.append(read(c))
@@ -137,7 +136,7 @@ def listed(c: Cursor, read: Callable[[Cursor], ast.expr] = expression) -> list[a
 
 
 def record(c: Cursor, start: Token) -> ast.stmt:
-    """`record [initial | final] value [every ...] [after ...] [as name] [to file]`."""
+    """Read `record [initial | final] value [every ...] [after ...] [as name] [to file]`."""
     when = "each"
     if c.token.text in ("initial", "final") and begins_value(c, c.peek()) and c.peek().text != "scenario":
         when = c.advance().text
@@ -150,7 +149,7 @@ def record(c: Cursor, start: Token) -> ast.stmt:
 
 
 def override(c: Cursor, start: Token) -> ast.stmt:
-    """`override object specifier, ...`."""
+    """Read `override object specifier, ...`."""
     c.in_target = True
     target = primary(c, c.token)
     c.in_target = False
@@ -161,12 +160,12 @@ def override(c: Cursor, start: Token) -> ast.stmt:
 
 
 def take(c: Cursor, start: Token) -> ast.stmt:
-    """`take action, action, ...`; a starred one stands for several."""
+    """Read `take action, action, ...`; a starred one stands for several."""
     return nodes.Take(listed(c, element))
 
 
 def wait(c: Cursor, start: Token) -> ast.stmt:
-    """`wait`, `wait for n steps`, `wait until condition`."""
+    """Read `wait`, `wait for n steps`, `wait until condition`."""
     if c.accept("until"):
         return nodes.Wait(None, None, condition(c))
     length, unit = optional_duration(c, "for")
@@ -174,7 +173,7 @@ def wait(c: Cursor, start: Token) -> ast.stmt:
 
 
 def do(c: Cursor, start: Token) -> ast.stmt:
-    """`do B(), C() [for n steps | until condition]`, `do choose ...`, `do shuffle ...`."""
+    """Read `do B(), C() [for n steps | until condition]`, `do choose ...`, `do shuffle ...`."""
     how = "all"
     if c.token.text in ("choose", "shuffle") and begins_value(c, c.peek()):
         called = c.peek().text == "(" and c.dialect == 2
@@ -195,12 +194,12 @@ def do(c: Cursor, start: Token) -> ast.stmt:
 
 
 def optional_duration(c: Cursor, word: str) -> tuple[ast.expr, str] | tuple[None, None]:
-    """`[word n seconds | steps]`."""
+    """Read `[word n seconds | steps]`."""
     return duration(c, word) if c.accept(word) else (None, None)
 
 
 def duration(c: Cursor, word: str) -> tuple[ast.expr, str]:
-    """`n seconds`, `n steps`; without a unit seconds are meant, which Scenic 3 does not allow."""
+    """Read `n seconds`, `n steps`; without a unit seconds are meant, which Scenic 3 does not allow."""
     value = expression(c)
     if c.token.text in UNITS:
         return value, c.advance().text
@@ -213,7 +212,7 @@ def duration(c: Cursor, word: str) -> tuple[ast.expr, str]:
 
 
 def terminate(c: Cursor, start: Token) -> ast.stmt:
-    """`terminate`, `terminate simulation`, `terminate [simulation] when condition`, `terminate after n steps`."""
+    """Read `terminate`, `terminate simulation`, `terminate [simulation] when condition`, `terminate after n steps`."""
     scope = "simulation" if c.accept("simulation") else "scenario"
     if c.accept("when"):
         return nodes.TerminateWhen(condition(c), scope, as_name(c))
@@ -226,7 +225,7 @@ def terminate(c: Cursor, start: Token) -> ast.stmt:
 
 
 def behavior(c: Cursor, start: Token) -> ast.stmt:
-    """`behavior B(args):`, `monitor M[(args)]:`."""
+    """Read `behavior B(args):`, `monitor M[(args)]:`."""
     kind = start.text
     name = c.name(f"the name of a {kind}").text
     bare = c.token.text != "(" and kind == "monitor"
@@ -235,11 +234,11 @@ def behavior(c: Cursor, start: Token) -> ast.stmt:
     body = statements.rest_of_block(c)
     node = nodes.Behavior(name, arguments, preconditions, invariants, body, kind, docstring)
     node.started = bare
-    return at_last_line(c, start, node)
+    return c.spanning(start, node)
 
 
 def scenario(c: Cursor, start: Token) -> ast.stmt:
-    """`scenario S[(args)]:` with `setup:` and `compose:` blocks, or statements that are its setup."""
+    """Read `scenario S[(args)]:` with `setup:` and `compose:` blocks, or statements that are its setup."""
     name = c.name("the name of a scenario").text
     owner = f'the scenario "{name}"'
     arguments = bracketed_parameters(c, owner) if c.token.text == "(" else NONE
@@ -254,14 +253,14 @@ def scenario(c: Cursor, start: Token) -> ast.stmt:
         if c.token.kind != "dedent":
             c.fail('only "setup:" and "compose:", in this order, may stand in a scenario that has one of them')
     setup += statements.rest_of_block(c)
-    return at_last_line(c, start, nodes.Scenario(name, arguments, preconditions, invariants, setup, compose, docstring))
+    return c.spanning(start, nodes.Scenario(name, arguments, preconditions, invariants, setup, compose, docstring))
 
 
 NONE = ast.arguments([], [], None, [], [], None, [])
 
 
 def head(c: Cursor, owner: str) -> tuple[str | None, list[ast.expr], list[ast.expr]]:
-    """The colon, the indentation, a string alone on the first line, `precondition: c` and `invariant: c` lines."""
+    """Read the colon, a string alone on the first line, and the `precondition: c` and `invariant: c` lines."""
     statements.colon(c, owner)
     if c.token.kind != "newline":
         c.missing(f"a new line after the colon of {owner}")
@@ -283,25 +282,18 @@ def head(c: Cursor, owner: str) -> tuple[str | None, list[ast.expr], list[ast.ex
     return docstring, guards["precondition"], guards["invariant"]
 
 
-def at_last_line(c: Cursor, start: Token, node: ast.stmt) -> ast.stmt:
-    """Place a node from `start` to the last token that is not layout."""
-    last = c.last_word() or start
-    node.lineno, node.col_offset, node.end_lineno, node.end_col_offset = (*start[2:4], *last[4:])
-    return node
-
-
 def class_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`class Name(bases): ...`."""
+    """Read `class Name(bases): ...`."""
     name = c.name("the name of a class").text
     bases, keywords = arguments(c) if c.token.text == "(" else ([], [])
     body = statements.block(c, f'the head of the class "{name}"', of_class=True)
     node = ast.ClassDef(name, bases, keywords, body, [])
     node.type_params = []  # type: ignore[attr-defined]
-    return statements.spanning(start, node, body)
+    return c.spanning(start, node)
 
 
 def property_default(c: Cursor, start: Token) -> ast.stmt:
-    """`property[attributes]: default`; with a further `= value` it is Python's annotation."""
+    """Read `property[attributes]: default`; with a further `= value` it is Python's annotation."""
     attributes: list[str] = []
     if c.accept("["):
         while not c.accept("]"):
@@ -326,24 +318,24 @@ def property_default(c: Cursor, start: Token) -> ast.stmt:
 
 STATEMENTS = {
     **statements.SIMPLE,
-    ":": Row(property_default),  # in the body of a class
-    "model": Row(lambda c, _: nodes.Model(statements.dotted_name(c, "a model")), lambda c, after: after.kind == "name"),
-    "param": Row(param, lambda c, after: after.kind in ("name", "string")),
-    "require": Row(require, lambda c, after: begins_value(c, after) or stands_alone(c, after)),
-    "mutate": Row(mutate, lambda c, after: c.is_name(after) or after.text == "by" or stands_alone(c, after)),
-    "record": Row(record, begins_value),
-    "simulator": Row(lambda c, _: nodes.Simulator(expression(c)), begins_value),
-    "override": Row(override, Cursor.is_name),
-    "take": Row(take, begins_action),
-    "wait": Row(wait, lambda c, after: after.text in ("for", "until") or stands_alone(c, after)),
-    "do": Row(do, begins_action),
-    "abort": Row(lambda c, _: nodes.Abort(), stands_alone),
-    "terminate": Row(terminate, lambda c, after: after.kind != "operator" or after.text == ";"),
-    "interrupt": Row(statements.refused, begins_interrupt),
+    ":": Rule(property_default),  # in the body of a class
+    "model": Rule(lambda c, _: nodes.Model(statements.dotted_name(c, "a model")), lambda c, then: then.kind == "name"),
+    "param": Rule(param, lambda c, then: then.kind in ("name", "string")),
+    "require": Rule(require, lambda c, then: begins_value(c, then) or stands_alone(c, then)),
+    "mutate": Rule(mutate, lambda c, then: c.is_name(then) or then.text == "by" or stands_alone(c, then)),
+    "record": Rule(record, begins_value),
+    "simulator": Rule(lambda c, _: nodes.Simulator(expression(c)), begins_value),
+    "override": Rule(override, Cursor.is_name),
+    "take": Rule(take, begins_action),
+    "wait": Rule(wait, lambda c, then: then.text in ("for", "until") or stands_alone(c, then)),
+    "do": Rule(do, begins_action),
+    "abort": Rule(lambda c, _: nodes.Abort(), stands_alone),
+    "terminate": Rule(terminate, lambda c, then: then.kind != "operator" or then.text == ";"),
+    "interrupt": Rule(statements.refused, begins_interrupt),
 }
 BLOCKS = {
     **statements.BLOCKS,
-    "class": Row(class_statement),
-    **dict.fromkeys(("behavior", "monitor"), Row(behavior, begins_definition)),
-    "scenario": Row(scenario, begins_definition),
+    "class": Rule(class_statement),
+    **dict.fromkeys(("behavior", "monitor"), Rule(behavior, begins_definition)),
+    "scenario": Rule(scenario, begins_definition),
 }

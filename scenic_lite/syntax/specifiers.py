@@ -71,7 +71,7 @@ OPERATOR_WORDS = frozenset({"at", "in", "offset", "visible", "not"})
 
 
 def new_instance(c: Cursor) -> ast.expr:
-    """`new Class [specifiers]`."""
+    """Read `new Class [specifiers]`."""
     start = c.advance()
     if not c.is_plain_name(c.token):
         c.missing('a class name after "new"', 'write "new Class at X"' if c.token.kind in ("newline", "end") else "")
@@ -79,7 +79,7 @@ def new_instance(c: Cursor) -> ast.expr:
 
 
 def class_name(c: Cursor) -> ast.expr:
-    """`Name` or `module.Name`."""
+    """Read `Name` or `module.Name`."""
     start = c.name("a class name")
     name: ast.expr = c.at(start, ast.Name(start.text, LOAD))
     while c.token.text == "." and c.is_name(c.peek()):
@@ -89,7 +89,7 @@ def class_name(c: Cursor) -> ast.expr:
 
 
 def instance(c: Cursor, start: Token, cls: ast.expr) -> ast.expr:
-    """The specifiers after a class, if any."""
+    """Read the specifiers after a class, if any."""
     specifiers: list[Specifier] = []
     if begins_specifier(c):
         specifiers = more_specifiers(c, [specifier(c)])
@@ -113,7 +113,7 @@ def starts_instance(c: Cursor) -> bool:
 
 
 def more_specifiers(c: Cursor, found: list[Specifier]) -> list[Specifier]:
-    """`, specifier` as often as it comes; a line may end after a comma if the next one is indented."""
+    """Read `, specifier` as often as it comes; a line may end after a comma if the next one is indented."""
     while True:
         if begins_specifier(c):
             c.fail(f'expected a comma before the specifier "{c.token.text}"')
@@ -159,7 +159,7 @@ def begins_specifier(c: Cursor) -> bool:
 
 
 def next_form(c: Cursor) -> Form | None:
-    """The form whose words come next, and after them what it needs."""
+    """Return the form whose words come next, and after them what it needs."""
     for form in FORMS.get(c.token.text, ()):
         if c.sees(*form.words):
             following = c.peek(len(form.words))
@@ -172,7 +172,7 @@ def next_form(c: Cursor) -> Form | None:
 
 
 def specifier(c: Cursor) -> Specifier:
-    """One specifier."""
+    """Read one specifier."""
     start = c.token
     if start.text == "with":
         return with_property(c)
@@ -195,7 +195,7 @@ def specifier(c: Cursor) -> Specifier:
 
 
 def with_property(c: Cursor) -> Specifier:
-    """`with property value`."""
+    """Read `with property value`."""
     start = c.advance()
     word = c.name("a property name")
     if c.token.text in ("=", ":"):
@@ -205,7 +205,7 @@ def with_property(c: Cursor) -> Specifier:
 
 
 def specifier_value(c: Cursor, name: str, level: int | None = None) -> ast.expr:
-    """The value after the words of a specifier: an expression, or operators of a level."""
+    """Read the value after the words of a specifier: an expression, or operators of a level."""
     if name == "facing" and c.token.text in ("to", "at", "towards") and c.starts_value(c.peek(), ""):
         c.fail(f'unknown specifier "facing {c.token.text}"', 'did you mean "facing toward"?')
     if c.token.kind in ("newline", "end") or c.token.text in (",", ")"):

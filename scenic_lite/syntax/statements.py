@@ -6,8 +6,8 @@ Read next: `syntax.scenic`, for the statements of Scenic.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
-from typing import NamedTuple, NoReturn, TypeVar
+from collections.abc import Callable
+from typing import NamedTuple, NoReturn
 
 from scenic_lite.syntax import expressions
 from scenic_lite.syntax.cursor import DELETE, Cursor, Level, describe
@@ -17,11 +17,9 @@ from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
 from scenic_lite.syntax.operators import AUGMENTED, condition
 from scenic_lite.syntax.specifiers import SPECIFIER_WORDS, specifier_hint
 
-Block = TypeVar("Block", bound=ast.stmt)
-
 
 def module(c: Cursor) -> ast.Module:
-    """The whole program."""
+    """Read the whole program."""
     body: list[ast.stmt] = []
     while c.token.kind != "end":
         body.extend(statement(c))
@@ -29,7 +27,7 @@ def module(c: Cursor) -> ast.Module:
 
 
 def statement(c: Cursor) -> list[ast.stmt]:
-    """One compound statement, or a line of simple ones."""
+    """Read one compound statement, or a line of simple ones."""
     start = c.token
     if start.kind == "indent":
         hint = "only a block is indented, after a colon"
@@ -38,15 +36,15 @@ def statement(c: Cursor) -> list[ast.stmt]:
         c.fail("the line is indented deeper than the one before", hint, at=c.peek())
     if start.text == "@":
         c.refuse("decorator")
-    row = c.blocks.get(start.text)
-    if row is not None and c.peek().text != "=" and row.begins(c, c.peek()):
+    rule = c.blocks.get(start.text)
+    if rule is not None and c.peek().text != "=" and rule.begins(c, c.peek()):
         c.advance()
-        return [row.read(c, start)]
+        return [rule.read(c, start)]
     return simple_line(c)
 
 
 def simple_line(c: Cursor) -> list[ast.stmt]:
-    """`statement [; statement]*` up to the end of the line, and of the block in which its specifiers stood."""
+    """Read `statement [; statement]*` up to the end of the line, and of the block in which its specifiers stood."""
     found = [simple_statement(c)]
     while c.accept(";"):
         if c.token.kind == "newline":
@@ -65,17 +63,17 @@ def simple_line(c: Cursor) -> list[ast.stmt]:
 
 
 def simple_statement(c: Cursor) -> ast.stmt:
-    """One statement."""
+    """Read one statement."""
     start = c.token
     if start.kind == "name":
         following = c.tokens[c.index + 1]
         assigned = following.text == "=" or following.text in AUGMENTED
         if assigned and start.text in c.keywords and start.text != "return":
             c.fail(f'"{start.text}" is a word of the language and cannot be the name of a variable')
-        row = c.statements.get(":" if c.class_body and begins_property(c, following) else start.text)
-        if row is not None and row.begins(c, following):
+        rule = c.statements.get(":" if c.class_body and begins_property(c, following) else start.text)
+        if rule is not None and rule.begins(c, following):
             c.advance()
-            return c.at(start, row.read(c, start))
+            return c.at(start, rule.read(c, start))
     return expression_statement(c)
 
 
@@ -113,7 +111,7 @@ def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
 
 
 def expression_statement(c: Cursor) -> ast.stmt:
-    """`value`, `target = ... = value`, `target += value`, `target: annotation [= value]`."""
+    """Read `value`, `target = ... = value`, `target += value`, `target: annotation [= value]`."""
     start = c.token
     value = expressions.row(c)
     text = c.token.text
@@ -131,7 +129,7 @@ def expression_statement(c: Cursor) -> ast.stmt:
 
 
 def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
-    """`target = ... = value`."""
+    """Read `target = ... = value`."""
     targets: list[ast.expr] = []
     while c.accept("="):
         if isinstance(value, New):
@@ -144,14 +142,14 @@ def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
 
 
 def assigned_value(c: Cursor) -> ast.expr:
-    """What follows an `=`."""
+    """Read what follows an `=`."""
     if c.token.kind in ("newline", "end"):
         c.fail('expected a value after "="')
     return expressions.row(c)
 
 
 def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
-    """`target: annotation [= value]`."""
+    """Read `target: annotation [= value]`."""
     c.advance()
     if c.token.kind == "newline":
         if hint := statement_hint(start.text):
@@ -165,7 +163,7 @@ def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.S
 
 
 def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
-    """In dialect 2 a capitalised name alone, as a statement or assigned, may be an instance."""
+    """Return what may be an instance: in dialect 2 a capitalised name alone, as a statement or assigned."""
     if c.dialect != 2 or not isinstance(value, ast.Name) or not value.id[0].isupper() or start.text == "(":
         return value
     node = c.at(start, New(value, []))
@@ -173,19 +171,14 @@ def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
     return node
 
 
-def return_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`return [values]`."""
-    return ast.Return(None if c.ends_statement else expressions.row(c))
-
-
 def assert_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`assert condition [, message]`."""
+    """Read `assert condition [, message]`."""
     c.asks_truth = True
     return ast.Assert(c.expression(), c.expression() if c.accept(",") else None)
 
 
 def delete_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`del targets`."""
+    """Read `del targets`."""
     found: list[ast.expr] = []
     while not found or (c.accept(",") and not c.ends_statement):
         found.append(c.stored(c.operation(Level.UNTIL), DELETE))
@@ -193,7 +186,7 @@ def delete_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def scope_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`global names`, `nonlocal names`."""
+    """Read `global names`, `nonlocal names`."""
     make = ast.Global if start.text == "global" else ast.Nonlocal
     names = [c.name("a variable").text]
     while c.accept(","):
@@ -202,7 +195,7 @@ def scope_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def import_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`import a.b [as c], ...`."""
+    """Read `import a.b [as c], ...`."""
     found: list[ast.alias] = []
     while not found or c.accept(","):
         name = c.token
@@ -211,7 +204,7 @@ def import_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`from module import names`."""
+    """Read `from module import names`."""
     level = 0
     while c.token.text in (".", "..."):
         level += len(c.advance().text)
@@ -231,12 +224,12 @@ def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def alias(c: Cursor, start: Token, name: str) -> ast.alias:
-    """`[as name]` behind what is imported."""
+    """Read `[as name]` behind what is imported."""
     return c.at(start, ast.alias(name, c.name("a name").text if c.accept("as") else None))
 
 
 def dotted_name(c: Cursor, what: str) -> str:
-    """`a.b.c`; words of Scenic are no obstacle there."""
+    """Read `a.b.c`; words of Scenic are no obstacle there."""
     parts = [c.word(f"the name of {what}")]
     while c.accept("."):
         parts.append(c.word(f"the name of {what}"))
@@ -244,12 +237,12 @@ def dotted_name(c: Cursor, what: str) -> str:
 
 
 def refused(c: Cursor, start: Token) -> NoReturn:
-    """A statement of Python that the language leaves out."""
+    """Refuse a statement of Python that the language leaves out."""
     c.refuse(start.text, start)
 
 
 def misplaced(c: Cursor, start: Token) -> NoReturn:
-    """A word that only continues a statement which is not there."""
+    """Report a word that only continues a statement which is not there."""
     owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(start.text)
     if owner:
         c.fail(f'"{start.text}" without "{owner}" before it', at=start)
@@ -260,7 +253,7 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 
 
 def block(c: Cursor, owner: str, of_class: bool = False) -> list[ast.stmt]:
-    """`: statements`, on the same line or indented below; `owner` says whose, for messages."""
+    """Read `: statements`, on the same line or indented below; `owner` says whose, for messages."""
     colon(c, owner)
     outer, c.class_body = c.class_body, of_class
     if c.token.kind == "newline":
@@ -275,7 +268,7 @@ def block(c: Cursor, owner: str, of_class: bool = False) -> list[ast.stmt]:
 
 
 def colon(c: Cursor, owner: str) -> None:
-    """The colon before a block."""
+    """Read the colon before a block."""
     if c.token.text == "=":
         c.fail('"=" assigns and cannot stand in a condition', COMPARES)
     if c.token.text != ":":
@@ -284,7 +277,7 @@ def colon(c: Cursor, owner: str) -> None:
 
 
 def indent(c: Cursor, owner: str) -> None:
-    """The line's end and the indentation that begin a block."""
+    """Read the line's end and the indentation that begin a block."""
     c.deeper()
     c.advance()
     if c.token.kind != "indent":
@@ -293,7 +286,7 @@ def indent(c: Cursor, owner: str) -> None:
 
 
 def rest_of_block(c: Cursor) -> list[ast.stmt]:
-    """The statements of an indented block, to its end."""
+    """Read the statements of an indented block, to its end."""
     body: list[ast.stmt] = []
     while c.token.kind != "dedent":
         body.extend(statement(c))
@@ -302,15 +295,8 @@ def rest_of_block(c: Cursor) -> list[ast.stmt]:
     return body
 
 
-def spanning(start: Token, node: Block, last: Sequence[ast.stmt]) -> Block:
-    """Place a statement that ends where the last of its blocks ends."""
-    node.lineno, node.col_offset = start.line, start.column
-    node.end_lineno, node.end_col_offset = last[-1].end_lineno, last[-1].end_col_offset
-    return node
-
-
 def else_block(c: Cursor) -> list[ast.stmt]:
-    """`else: ...`, if it is there."""
+    """Read `else: ...`, if it is there."""
     if not c.accept("else"):
         return []
     if c.token.text == "if":
@@ -319,7 +305,7 @@ def else_block(c: Cursor) -> list[ast.stmt]:
 
 
 def if_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
+    """Read `if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
     parts: list[tuple[Token, ast.expr, list[ast.stmt]]] = []
     while not parts or c.token.text == "elif":
         word = c.advance() if parts else start
@@ -327,54 +313,47 @@ def if_statement(c: Cursor, start: Token) -> ast.stmt:
         c.check_chain(len(parts), "conditions")
     rest = else_block(c)
     for word, test, body in reversed(parts):
-        rest = [spanning(word, ast.If(test, body, rest), rest or body)]
+        rest = [c.spanning(word, ast.If(test, body, rest))]
     return rest[0]
 
 
 def while_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`while condition: ... else: ...`."""
-    test = condition(c)
-    body = block(c, 'the condition of "while"')
-    rest = else_block(c)
-    return spanning(start, ast.While(test, body, rest), rest or body)
+    """Read `while condition: ... else: ...`."""
+    return c.spanning(start, ast.While(condition(c), block(c, 'the condition of "while"'), else_block(c)))
 
 
 def for_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`for targets in values: ... else: ...`."""
+    """Read `for targets in values: ... else: ...`."""
     target = expressions.targets(c)
     c.expect("in", 'after the variable of "for"', 'write "for x in values:"')
-    values = expressions.row(c)
-    body = block(c, 'the head of "for"')
-    rest = else_block(c)
-    return spanning(start, ast.For(target, values, body, rest), rest or body)
+    return c.spanning(start, ast.For(target, expressions.row(c), block(c, 'the head of "for"'), else_block(c)))
 
 
 def try_statement(c: Cursor, start: Token) -> ast.stmt:
-    """`try: ... interrupt when condition: ...`."""
+    """Read `try: ... interrupt when condition: ...`."""
     body = block(c, '"try"')
     interrupts: list[Interrupt] = []
     while c.token.text == "interrupt":
         word = c.advance()
         c.expect("when", 'after "interrupt"', 'write "interrupt when condition:"')
-        test = condition(c)
-        handler = block(c, 'the condition of "interrupt when"')
-        interrupts.append(spanning(word, Interrupt(test, handler), handler))
+        handler = Interrupt(condition(c), block(c, 'the condition of "interrupt when"'))
+        interrupts.append(c.spanning(word, handler))
     if c.token.text in ("except", "finally") or (interrupts and c.token.text == "else"):
         c.refuse(c.token.text)
     if not interrupts:
         c.missing('"interrupt when" after the block of "try"')
-    return spanning(start, TryInterrupt(body, interrupts, [], [], []), interrupts)
+    return c.spanning(start, TryInterrupt(body, interrupts))
 
 
 def function(c: Cursor, start: Token) -> ast.stmt:
-    """`def name(parameters) [-> annotation]: ...`."""
+    """Read `def name(parameters) [-> annotation]: ...`."""
     name = c.name("the name of a function").text
     parameters = expressions.bracketed_parameters(c, f'the name of the function "{name}"')
     returns = c.expression() if c.accept("->") else None
     body = block(c, f'the head of the function "{name}"')
     node = ast.FunctionDef(name, parameters, body, [], returns)
     node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
-    return spanning(start, node, body)
+    return c.spanning(start, node)
 
 
 def begins_refused(c: Cursor, following: Token) -> bool:
@@ -394,7 +373,7 @@ def begins_refused(c: Cursor, following: Token) -> bool:
     return False
 
 
-class Row(NamedTuple):
+class Rule(NamedTuple):
     """A statement by its first word: what reads on behind it, and whether what follows makes it one and no name."""
 
     read: Callable[[Cursor, Token], ast.stmt]
@@ -402,23 +381,23 @@ class Row(NamedTuple):
 
 
 SIMPLE = {
-    "pass": Row(lambda c, start: ast.Pass()),
-    "break": Row(lambda c, start: ast.Break()),
-    "continue": Row(lambda c, start: ast.Continue()),
-    "return": Row(return_statement),
-    "assert": Row(assert_statement),
-    "del": Row(delete_statement),
-    "import": Row(import_statement),
-    "from": Row(import_from_statement),
-    **dict.fromkeys(("global", "nonlocal"), Row(scope_statement)),
-    **dict.fromkeys(("raise", "yield", "async"), Row(refused)),
-    **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Row(misplaced)),
+    "pass": Rule(lambda c, start: ast.Pass()),
+    "break": Rule(lambda c, start: ast.Break()),
+    "continue": Rule(lambda c, start: ast.Continue()),
+    "return": Rule(lambda c, start: ast.Return(None if c.ends_statement else expressions.row(c))),
+    "assert": Rule(assert_statement),
+    "del": Rule(delete_statement),
+    "import": Rule(import_statement),
+    "from": Rule(import_from_statement),
+    **dict.fromkeys(("global", "nonlocal"), Rule(scope_statement)),
+    **dict.fromkeys(("raise", "yield", "async"), Rule(refused)),
+    **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Rule(misplaced)),
 }
 BLOCKS = {
-    "if": Row(if_statement),
-    "while": Row(while_statement),
-    "for": Row(for_statement),
-    "try": Row(try_statement),
-    "def": Row(function),
-    **dict.fromkeys(("match", "with"), Row(refused, begins_refused)),
+    "if": Rule(if_statement),
+    "while": Rule(while_statement),
+    "for": Rule(for_statement),
+    "try": Rule(try_statement),
+    "def": Rule(function),
+    **dict.fromkeys(("match", "with"), Rule(refused, begins_refused)),
 }
