@@ -10,7 +10,6 @@ import ast
 import math
 from collections.abc import Callable
 from copy import copy
-from typing import Any
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Builtin, RandomChoice, describe_kind
@@ -257,29 +256,22 @@ def fixed(points: list[Vector]) -> list[Point2]:
     return numbers
 
 
-def plain(name: str, function: Any, *types: type) -> Builtin:
-    return Builtin(name, function, types=types)
-
-
-def needs_context(name: str, function: Any, *types: type) -> Builtin:
-    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
-
-
-REGIONS: dict[str, Value] = {
-    "RectangularRegion": plain("RectangularRegion", rectangle, RectangularRegion),
-    "CircularRegion": plain("CircularRegion", disc, SectorRegion),
-    "SectorRegion": plain("SectorRegion", sector, SectorRegion),
-    "PolygonalRegion": needs_context(
-        "PolygonalRegion", polygon, PolygonalRegion, ShapeRegion, RectangularRegion, SectorRegion
-    ),
-    "PolylineRegion": needs_context("PolylineRegion", polyline, PolylineRegion),
-    "PointSetRegion": needs_context("PointSetRegion", point_set, PointSetRegion),
-    "GridRegion": needs_context("GridRegion", grid, GridRegion),
-    "Region": plain("Region", workspace, Region),
-    "Workspace": plain("Workspace", workspace, Region),
-    "VectorField": needs_context("VectorField", vector_field, VectorField),
-    "PolygonalVectorField": needs_context("PolygonalVectorField", polygonal_field, VectorField),
-    "PiecewiseVectorField": needs_context("PiecewiseVectorField", piecewise_field, VectorField),
-    "everywhere": Everywhere(),
-    "nowhere": Nowhere(),
+# name: the function, what `isinstance` takes the name for, and whether the function gets the scope and the call
+CLASSES: dict[str, tuple[Callable[..., Value], tuple[type, ...], bool]] = {
+    "RectangularRegion": (rectangle, (RectangularRegion,), False),
+    "CircularRegion": (disc, (SectorRegion,), False),
+    "SectorRegion": (sector, (SectorRegion,), False),
+    "PolygonalRegion": (polygon, (PolygonalRegion, ShapeRegion, RectangularRegion, SectorRegion), True),
+    "PolylineRegion": (polyline, (PolylineRegion,), True),
+    "PointSetRegion": (point_set, (PointSetRegion,), True),
+    "GridRegion": (grid, (GridRegion,), True),
+    "Region": (workspace, (Region,), False),
+    "Workspace": (workspace, (Region,), False),
+    "VectorField": (vector_field, (VectorField,), True),
+    "PolygonalVectorField": (polygonal_field, (VectorField,), True),
+    "PiecewiseVectorField": (piecewise_field, (VectorField,), True),
+}
+REGIONS: dict[str, Value] = {"everywhere": Everywhere(), "nowhere": Nowhere()} | {
+    name: Builtin(name, function, needs_context=scoped, types=types, over_choices=not scoped)
+    for name, (function, types, scoped) in CLASSES.items()
 }

@@ -160,24 +160,15 @@ def default_of(
     """Return the class's default for a property, as a specifier; `additive` ones collect those of all bases."""
     owning = scope.owning(instance, owner or name)
     defaults = cls.defaults_of(name)
-    needs = frozenset().union(*(default.needs for default in defaults[:1]))
-    if "additive" in defaults[0].attributes:
-        everything = frozenset().union(*(default.needs for default in defaults))
-        return ResolvedSpecifier(
-            f"default of {name}",
-            instance_node(instance),
-            {name: OPTIONAL},
-            lambda self: {name: tuple(default.compute(owning, self) for default in defaults)},
-            everything,
-        )
-    compute = defaults[0].compute
-    return ResolvedSpecifier(
-        f"default of {name}",
-        instance_node(instance),
-        {name: OPTIONAL},
-        lambda self: {name: compute(owning, self)},
-        needs,
-    )
+    additive = "additive" in defaults[0].attributes
+    used = defaults if additive else defaults[:1]
+
+    def compute(self: Instance) -> dict[str, Value]:
+        values = tuple(default.compute(owning, self) for default in used)
+        return {name: values if additive else values[0]}
+
+    needs = frozenset().union(*(default.needs for default in used))
+    return ResolvedSpecifier(f"default of {name}", instance_node(instance), {name: OPTIONAL}, compute, needs)
 
 
 def instance_node(instance: Instance) -> ast.AST:
@@ -192,31 +183,26 @@ def split_heading(
     scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
 ) -> None:
     """Make the heading of dialect 3 that of the parent + yaw, unless required; the class's default is the parent's."""
-    node = instance_node(instance)
-    heading, yaw = by_property["heading"], by_property.get("yaw")
-    if yaw is not None and not heading.name.startswith("default"):
-        raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
-    if heading.name.startswith("default"):
-        default = default_of(scope, cls, "heading", instance, "parentOrientation")
-        parent, needs = default.compute, default.needs
-        by_property.setdefault(
-            "parentOrientation",
-            ResolvedSpecifier(
-                "parent heading",
-                node,
-                {"parentOrientation": OPTIONAL},
-                lambda self: {"parentOrientation": parent(self)["heading"]},
-                needs,
-            ),
-        )
-        by_property.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": OPTIONAL}, lambda self: {"yaw": 0.0}))
-        by_property["heading"] = ResolvedSpecifier(
-            "heading",
-            node,
-            {"heading": OPTIONAL},
-            lambda self: {"heading": normalised(self.properties["parentOrientation"] + self.properties["yaw"])},
-            frozenset({"parentOrientation", "yaw"}),
-        )
+    node, heading, yaw = instance_node(instance), by_property["heading"], by_property.get("yaw")
+    if not heading.name.startswith("default"):
+        if yaw is not None:
+            raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
+        return
+    default = default_of(scope, cls, "heading", instance, "parentOrientation")
+
+    def parent(self: Instance) -> dict[str, Value]:
+        return {"parentOrientation": default.compute(self)["heading"]}
+
+    def turned(self: Instance) -> dict[str, Value]:
+        return {"heading": normalised(self.properties["parentOrientation"] + self.properties["yaw"])}
+
+    parts = frozenset({"parentOrientation", "yaw"})
+    by_property.setdefault(
+        "parentOrientation",
+        ResolvedSpecifier("parent heading", node, {"parentOrientation": OPTIONAL}, parent, default.needs),
+    )
+    by_property.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": OPTIONAL}, lambda self: {"yaw": 0.0}))
+    by_property["heading"] = ResolvedSpecifier("heading", node, {"heading": OPTIONAL}, turned, parts)
 
 
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
