@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from itertools import repeat
 
 from scenic_lite.core.types import Behavior, BehaviorCall, describe_kind
 from scenic_lite.dynamics.reference.episode import Rejected
@@ -29,13 +30,8 @@ def wait(thread: Thread, node: nodes.Wait) -> Iterator[Step]:
     if node.duration is None and node.until is None:
         yield ()
     else:
-        yield from limited(thread, node, idle())
+        yield from limited(thread, node, repeat(()))
     thread.check_invariants()
-
-
-def idle() -> Iterator[Step]:
-    while True:
-        yield ()
 
 
 def do(thread: Thread, node: nodes.Do) -> Iterator[Step]:

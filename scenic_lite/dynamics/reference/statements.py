@@ -4,9 +4,7 @@ Order of one `take`: its actions are evaluated from left to right, then checked 
 resumed its invariants are checked before the next statement. The same after `wait`, `terminate` (a behavior whose own
 scenario has ended may go on) and the end of a `do`. In the setup of a scenario the other statements mean what they mean
 while a program is loaded: what they make is kept by that scenario (`dynamics.reference.scenarios`).
-
-A `print` in a running match goes nowhere, as one of a program that is loaded: a behavior is data, and a thousand
-matches have no one to print to; `record` is the way to see a value.
+A `print` in a running match is silent: a thousand matches have no one to print to; `record` shows a value.
 Read next: `dynamics.reference.interrupts`, then `dynamics.reference.do`.
 """
 

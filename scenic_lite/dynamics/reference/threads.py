@@ -99,28 +99,25 @@ class Thread:
                 raise self.scope.placed(error, node) from None
 
     def check_guards(self) -> None:
-        """Preconditions, then invariants."""
+        """Check preconditions, then invariants."""
         self._check("precondition", self.call.behavior.node.preconditions)
         self.check_invariants()
 
     def check_invariants(self) -> None:
-        """Whenever this thread goes on after time has passed."""
+        """Check invariants, whenever this thread goes on after time has passed."""
         self._check("invariant", self.call.behavior.node.invariants)
 
     def _check(self, word: str, conditions: list[ast.expr]) -> None:
+        """Raise Guarded where a guard does not hold; one that has nothing to draw from does not."""
         for condition in conditions:
-            if not self._holds(condition):
-                name = self.call.behavior.name
-                raise Guarded(f"violated {word} of {name} on line {condition.lineno}")
-
-    def _holds(self, condition: ast.expr) -> bool:
-        """Return whether a guard holds; one that has nothing to draw from does not."""
-        try:
-            return self.scope.truth(condition)
-        except ScenicError as error:
-            if error.kind == "rejection":
-                return False
-            raise
+            try:
+                holds = self.scope.truth(condition)
+            except ScenicError as error:
+                if error.kind != "rejection":
+                    raise
+                holds = False
+            if not holds:
+                raise Guarded(f"violated {word} of {self.call.behavior.name} on line {condition.lineno}")
 
     def inner(self, call: BehaviorCall) -> Thread:
         """Return the thread of a sub-behavior of the same agent."""
