@@ -178,16 +178,14 @@ class PairedConfig(TeacherConfig):
         return cls(roles="fixed", dr_fraction=0.0, adversary=AdversaryConfig.thesis())
 
 
-def _literal_adversary() -> AdversaryConfig:
-    """Return the adversary of PAIRED as it is usually shipped: no entropy bonus, a long context."""
-    return AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16)
-
-
 @dataclass(frozen=True)
 class PairedLiteralConfig(TeacherConfig):
-    """Settings of PAIRED to the letter, as it is usually shipped: no random levels, and no negative regret."""
+    """Settings of PAIRED to the letter, as it is usually shipped: no random levels, entropy or negative regret."""
 
-    adversary: AdversaryConfig = field(default_factory=_literal_adversary, metadata={"help": "the adversary"})
+    adversary: AdversaryConfig = field(
+        default_factory=lambda: AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16),
+        metadata={"help": "the adversary"},
+    )
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )

@@ -30,22 +30,24 @@ class ACCEL(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
+    curriculum: ACCELLevels
+
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ACCELConfig | None = None, seed: int = 0
     ) -> None:
         if not upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
         super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.levels = ACCELLevels(upomdp, config or ACCELConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.curriculum = ACCELLevels(upomdp, config or ACCELConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
         levels = self.play()  # [L]
-        score = self.levels.score(levels)  # [L] what each is worth replaying
-        metrics = self.levels.store(levels, score)
-        self.levels.edit_replayed(levels)  # their children are proposed next
+        score = self.curriculum.score(levels)  # [L] what each is worth replaying
+        metrics = self.curriculum.store(levels, score)
+        self.curriculum.edit_replayed(levels)  # their children are proposed next
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
 

@@ -33,19 +33,21 @@ class ALPGMM(Method):
     Raises `ImportError` without scikit-learn, `ValueError` where the environment has no free parameters.
     """
 
+    curriculum: ALPLevels
+
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ALPGMMConfig | None = None, seed: int = 0
     ) -> None:
         super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.levels = ALPLevels(upomdp, config or ALPGMMConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.curriculum = ALPLevels(upomdp, config or ALPGMMConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""
         levels = self.play()  # [L]
-        progress = self.levels.progress_of(levels)  # [L] how far each return is from the nearest level's before
-        metrics = self.levels.fit(levels, progress)
+        progress = self.curriculum.progress_of(levels)  # [L] how far each return is from the nearest level's before
+        metrics = self.curriculum.fit(levels, progress)
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 

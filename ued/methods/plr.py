@@ -28,21 +28,22 @@ from ued.upomdp import UPOMDP, level_dtype
 class PLR(Method):
     """Trains one student on new and on replayed levels; see `Method` for the arguments."""
 
+    curriculum: PLRLevels
     robust = False
 
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PLRConfig | None = None, seed: int = 0
     ) -> None:
         super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.levels = PLRLevels(upomdp, config or PLRConfig(), self.curriculum_seed, self.robust)
-        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.curriculum = PLRLevels(upomdp, config or PLRConfig(), self.curriculum_seed, self.robust)
+        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
         levels = self.play()  # [L] each new or replayed, as `propose` tossed the coin
-        score = self.levels.score(levels)  # [L] what each is worth replaying
-        metrics = self.levels.store(levels, score)
+        score = self.curriculum.score(levels)  # [L] what each is worth replaying
+        metrics = self.curriculum.store(levels, score)
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
         return self.report(levels, metrics)
 

@@ -30,19 +30,21 @@ CANDIDATE = 0  # slot of a level that is a candidate
 class SFL(Method):
     """Trains one student on learnable levels; see `Method` for the arguments."""
 
+    curriculum: SFLLevels
+
     def __init__(
         self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SFLConfig | None = None, seed: int = 0
     ) -> None:
         super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.levels = SFLLevels(upomdp, config or SFLConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.levels, upomdp.num_envs, drop_stale_proposals=False)
+        self.curriculum = SFLLevels(upomdp, config or SFLConfig(), self.curriculum_seed)
+        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", upomdp)
 
     def update(self) -> dict[str, float]:
         """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
         levels = self.play()  # [L]
-        learnability = self.levels.learnability(levels)  # [L] p (1 - p) of candidates, nan of the others
-        metrics = self.levels.choose(levels, learnability)
+        learnability = self.curriculum.learnability(levels)  # [L] p (1 - p) of candidates, nan of the others
+        metrics = self.curriculum.choose(levels, learnability)
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
