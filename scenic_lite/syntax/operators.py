@@ -32,7 +32,7 @@ def expression(c: Cursor) -> ast.expr:
         found = parameters(c, ":")
         c.expect(":", 'after the parameters of "lambda"')
         value = c.at(start, ast.Lambda(found, expression(c)))
-    elif start.kind == "name" and not asks_truth:
+    elif start.kind == "name" and not asks_truth and c.tokens[c.index + 1].text in BEHIND_CLASSES:
         value = possible_instance(c)
     if value is None:
         value = conditional(c, operation(c, Level.UNTIL if c.temporal else Level.OR), start)
@@ -306,6 +306,8 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Infix) -> ast.e
         node.operator = grafted(whole, value, operator)
     return node
 
+
+BEHIND_CLASSES = specifiers.OPERATOR_WORDS | {"."}
 
 # Where an operator between values keeps the first of them.
 LEFT = {ast.BinOp: "left", ast.Compare: "left", ast.IfExp: "body", ast.BoolOp: "values", Operator: "operands"}
