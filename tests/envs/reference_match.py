@@ -64,8 +64,8 @@ class ReferenceMatch:
 
     def _ask(self, question):
         """Ask the reference about the present world; it draws from the match's stream."""
-        draws = self.reference.episode.draws
-        draws.state = int(self.matches["random"][0])
+        rng = self.reference.episode._rng
+        rng.random = self.matches["random"][0]
         answer = question(*self.tables())
-        self.matches["random"][0] = draws.state
+        self.matches["random"][0] = rng.random
         return answer
