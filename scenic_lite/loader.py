@@ -56,7 +56,7 @@ def load(
     own = source_of(text, file, folder)
     run_file(mode, text, own)
     set_up_main(mode, own, scenario)
-    doubt_overrides(state, own)
+    warn_of_overrides(state, own)
     apply_mutations(state)
     if state.ego is None and needs_ego(state):
         raise no_ego(state, own)
@@ -122,7 +122,7 @@ def override(state: LoadState, file: str, params: Mapping[str, object], model: s
     state.model = model
 
 
-def doubt_overrides(state: LoadState, own: Source) -> None:
+def warn_of_overrides(state: LoadState, own: Source) -> None:
     """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
     unset = SourceSpan(own.file, 1, 0, 1, 1)
     known = {name for name, place in state.param_places.items() if place != unset}
@@ -144,13 +144,13 @@ def is_plain(value: object) -> bool:
 
 
 def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
-    """Return what the evaluation warns of, and the doubts that it, knowing the classes, has not settled; once each."""
+    """Return what the evaluation warns of, and what the parser does, unless the classes settle that; once each."""
     warnings = {(warning.place, warning.message): warning for warning in state.warnings}
     warned = {place for place, _ in warnings}
-    for doubt in state.doubts:
-        settled = doubt.place in state.declared and doubt.hint.startswith("did you mean")
-        if doubt.place not in warned and not settled:
-            warnings[doubt.place, doubt.message] = doubt
+    for diagnostic in state.diagnostics:
+        settled = diagnostic.place in state.declared and diagnostic.hint.startswith("did you mean")
+        if diagnostic.place not in warned and not settled:
+            warnings[diagnostic.place, diagnostic.message] = diagnostic
     return tuple(warnings.values())
 
 

@@ -20,6 +20,7 @@ from scenic_lite.core.types import (
     RandomChoice,
     ScenicClass,
     broadcasts_over_choices,
+    choose,
     describe_kind,
     needs_context,
 )
@@ -27,9 +28,10 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.math_builtins import NUMBERS
 from scenic_lite.evaluation.strings import text_of
 from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import AND, OR, TRUTH, Operation
+from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH, Operation
 
 MOST_PRINTED = 1000  # lines that are kept
+MOST_SUBLISTS = 256  # of a list that is filtered by random tests
 
 
 def plain(*names: str, of: type) -> dict[str, Builtin]:
@@ -143,10 +145,31 @@ def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> lis
 
 @broadcasts_over_choices(3)
 def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Value:
-    """`filter(function, values)`; which elements are kept must not be random."""
+    """`filter(function, values)`; which elements are kept may differ from scene to scene."""
     items = scope.elements(values, node)
-    kept = items if function is None else mapped(scope, node, function, items)
-    return [item for item, test in zip(items, kept, strict=True) if scope.certain_truth(test, node)]
+    try:
+        tests = items if function is None else mapped(scope, node, function, items)
+    except ScenicError as error:
+        if error.kind != "random-control-flow" or scope.mode.phase != LOAD:
+            raise
+        tests = mapped(scope.requiring(), node, function, items)
+    return random_sublist(items, tests)
+
+
+def random_sublist(items: list, tests: list) -> Value:
+    """Return the elements whose tests hold: one of all the lists that may be."""
+    sublists: list[list] = [[]]
+    index: Value = 0
+    for item, test in zip(items, tests, strict=True):
+        longer = [[*sublist, item] for sublist in sublists]
+        if not isinstance(test, RandomExpr):
+            sublists = longer if test else sublists
+            continue
+        index = apply(ADD, index, apply(MULTIPLY, len(sublists), apply(INTEGER, test)))
+        sublists += longer
+        if len(sublists) > MOST_SUBLISTS:
+            raise exceeded(f"a filter with more than {MOST_SUBLISTS} results")
+    return choose(index, sublists) if isinstance(index, RandomExpr) else sublists[0]
 
 
 def list_append(scope: Scope, node: ast.AST, self: list, item: Value) -> None:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any
 
 from scenic_lite.core.environment import near
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import Mode
+from scenic_lite.core.state import LOAD, Mode, Requirement
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -31,7 +31,8 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.specifier_rules import SPECIFIERS
 from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value
+from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.operations import EQUAL, NOT, OR
 
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
 NAMING = (ast.FunctionDef, ast.ClassDef)
@@ -47,6 +48,19 @@ class Return(Exception):
     def __init__(self, value: Value) -> None:
         super().__init__()
         self.value = value
+
+
+def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: RandomChoice) -> Value:
+    """Return a draw from whichever list it is; scenes in which that is empty are rejected."""
+    empty = [i for i, option in enumerate(lists.options) if not len(option)]
+    if scope.mode.phase == LOAD and 0 < len(empty) < len(lists.options):
+        chosen = reduce(lambda a, b: apply(OR, a, b), [apply(EQUAL, lists.index, i) for i in empty])
+        scope.state.requirements.append(Requirement("a choice among no values", scope.place(node), apply(NOT, chosen)))
+        full = next(option for option in lists.options if len(option))
+    else:
+        empty, full = [], ()
+    options = [full if i in empty else option for i, option in enumerate(lists.options)]
+    return lists.map_options([function.function(scope, node, *option) for option in options])
 
 
 def call_node(scope: Scope, node: ast.Call) -> Value:
@@ -84,7 +98,7 @@ def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]
     """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
     value = scope.value(argument.value)
     if isinstance(value, RandomChoice) and isinstance(function, Builtin) and function.name == "Uniform":
-        return [value.map_options([function.function(scope, argument, *option) for option in value.options])]
+        return [value_of_each(scope, function, argument, value)]
     return scope.elements(value, argument)
 
 

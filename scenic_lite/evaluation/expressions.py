@@ -9,6 +9,7 @@ import ast
 import math
 import operator
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -35,7 +36,7 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number, kind_of
 from scenic_lite.values.lines import PolylineRegion
-from scenic_lite.values.operations import AND, NOT, OR, WHERE, real_power
+from scenic_lite.values.operations import ADD, AND, MULTIPLY, NOT, OR, WHERE, Operation, real_power
 from scenic_lite.values.regions import Region, VectorField
 
 BINARY: dict[type, Callable[[Any, Any], Any]] = {
@@ -216,7 +217,7 @@ def subscript(scope: Scope, node: ast.Subscript) -> Value:
 
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
     if isinstance(container, RandomChoice):
-        pick = item_at if isinstance(index, RandomExpr) else item_of
+        pick = item_at if isinstance(index, RandomExpr) else slice_at if has_random_ends(index) else item_of
         return container.map_options([pick(scope, option, index) for option in container.options])
     if isinstance(container, Region | VectorField):
         return element_of(container, index)
@@ -244,6 +245,29 @@ def item_at(scope: Scope, container: Value, index: RandomExpr) -> Value:
     place = RandomExpr(Within(len(items)), (index,))
     scope.watch(place)
     return choose(place, items)
+
+
+def has_random_ends(index: Value) -> bool:
+    return isinstance(index, slice) and any(isinstance(end, RandomExpr) for end in (index.start, index.stop))
+
+
+def slice_at(scope: Scope, container: Value, index: slice) -> Value:
+    """Return a slice with random ends: one of all that the list has."""
+    items = scope.elements(container, ast.Pass())
+    count = len(items)
+    scope.mode.budget.container((count + 1) ** 2)
+    start, stop = (
+        default if end is None else apply(Operation(partial(clip_end, count), partial(clip_end, count)), end)
+        for end, default in ((index.start, 0), (index.stop, count))
+    )
+    place = apply(ADD, apply(MULTIPLY, start, count + 1), stop)
+    slices = [items[i : j : index.step] for i in range(count + 1) for j in range(count + 1)]
+    return choose(place, slices)
+
+
+def clip_end(count: int, end: Any) -> Any:
+    """Return the end of a slice of `count` elements [N], counted from its start."""
+    return np.clip(np.where(np.asarray(end) < 0, end + count, end), 0, count)
 
 
 class Within(FallibleOperation):

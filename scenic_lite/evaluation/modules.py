@@ -73,9 +73,9 @@ def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
     state = mode.state
     state.sources[source.file] = source
     scope = Scope(mode, source, {})
-    tree, doubts = parsed(text, source.file, state.dialect)
+    tree, diagnostics = parsed(text, source.file, state.dialect)
     if not source.library:
-        state.doubts += doubts
+        state.diagnostics += diagnostics
         model = unnamed_model(state, tree)
         if model is not None:
             take_model(scope, model, tree)

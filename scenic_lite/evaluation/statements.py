@@ -90,15 +90,15 @@ def one_round(scope: Scope, body: list[ast.stmt]) -> bool:
     return True
 
 
-def leave_loop(scope: Scope, node: ast.Break) -> None:
+def break_loop(scope: Scope, node: ast.Break) -> None:
     raise Break
 
 
-def next_round(scope: Scope, node: ast.Continue) -> None:
+def continue_loop(scope: Scope, node: ast.Continue) -> None:
     raise Continue
 
 
-def give_back(scope: Scope, node: ast.Return) -> None:
+def return_value(scope: Scope, node: ast.Return) -> None:
     raise Return(None if node.value is None else scope.value(node.value))
 
 
@@ -232,11 +232,11 @@ def set_params(scope: Scope, node: nodes.Param) -> None:
             state.library_params.add(name)
         else:
             state.library_params.discard(name)
-            doubt_param(scope, name, place)
+            warn_of_param(scope, name, place)
         state.params[name], state.param_places[name] = value, scope.place(place)
 
 
-def doubt_param(scope: Scope, name: str, node: ast.expr) -> None:
+def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
     """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
     known = scope.state.domain.params if scope.state.domain else frozenset()
     hint = "" if name in known else near(name, known)
@@ -286,9 +286,9 @@ STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.If: branch,
     ast.For: repeat,
     ast.While: repeat_while,
-    ast.Break: leave_loop,
-    ast.Continue: next_round,
-    ast.Return: give_back,
+    ast.Break: break_loop,
+    ast.Continue: continue_loop,
+    ast.Return: return_value,
     ast.Pass: nothing,
     ast.Global: declare_global,
     ast.FunctionDef: define_function,

@@ -166,3 +166,29 @@ def test_a_requirement_may_ask_which_object_was_chosen():
     _, scenes = things(text).sample(50, np.random.default_rng(0))
     assert set(scenes.params["t"]) == {"a"}
     assert scenes.params["before"] is False
+
+
+def test_a_filter_may_keep_other_elements_in_each_scene():
+    text = (
+        "a = Range(0, 2)\nb = Range(0, 2)\nkept = filter(lambda v: v > 1, [a, 5, b])\n"
+        "param a = a, b = b, count = len(kept), one = Uniform(*filter(lambda v: v < 1, [a, b]))"
+    )
+    _, scenes = things(text).sample(400, np.random.default_rng(0))
+    p = scenes.params
+    assert np.array_equal(p["count"], 1 + (p["a"] > 1) + (p["b"] > 1))
+    assert np.all((p["a"] < 1) | (p["b"] < 1))
+    assert np.all(((p["one"] == p["a"]) & (p["a"] < 1)) | ((p["one"] == p["b"]) & (p["b"] < 1)))
+    with pytest.raises(ScenicError, match="a filter with more than 256 results"):
+        things("x = filter(lambda v: v > 0, [Range(-1, 1) for i in range(9)])")
+
+
+def test_a_slice_of_a_random_list_may_have_random_ends():
+    text = (
+        "n = DiscreteRange(-2, 5)\nitems = Uniform([1, 2, 3], [4, 5, 6, 7])\n"
+        "param n = n, first = items[0], head = str(items[:n]), tail = str(items[n:])"
+    )
+    _, scenes = things(text).sample(300, np.random.default_rng(0))
+    p = scenes.params
+    for n, first, head, tail in zip(p["n"], p["first"], p["head"], p["tail"], strict=True):
+        items = [1, 2, 3] if first == 1 else [4, 5, 6, 7]
+        assert head == str(items[:n]) and tail == str(items[n:])
