@@ -31,6 +31,8 @@ def from_python(fault: BaseException) -> ScenicError:
         return exceeded("expressions and functions are nested too deeply")
     if isinstance(fault, MemoryError):
         return exceeded("more memory is asked for than there is")
+    if "not supported between instances" in str(fault):
+        return ScenicError("type", "these values have no order", hint="compare numbers: a key is one, or an element")
     message = f"key {fault} is not in the dictionary" if isinstance(fault, KeyError) else str(fault)
     return ScenicError("type" if isinstance(fault, TypeError) else "value", message or type(fault).__name__)
 

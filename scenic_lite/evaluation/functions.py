@@ -79,6 +79,13 @@ RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: eac
     "triangular": left_out("triangular", "write Range(low, high) or TruncatedNormal(...)"),
     "expovariate": left_out("expovariate", "write Range(low, high) or TruncatedNormal(...)"),
 }
+RARE_MATH: dict[str, Value] = {
+    "isclose": left_out("isclose", "write abs(a - b) < 1e-9"),
+    "isqrt": left_out("isqrt", "write math.floor(math.sqrt(x))"),
+    "modf": left_out("modf", "write x - math.trunc(x) and math.trunc(x)"),
+    "fsum": left_out("fsum", "write sum(...)"),
+    **{name: left_out(name, "write a function with a loop") for name in ("prod", "factorial", "comb", "gcd", "lcm")},
+}
 SCENIC: dict[str, Value] = {
     "Point": POINT,
     "OrientedPoint": ORIENTED_POINT,
@@ -94,7 +101,7 @@ SCENIC: dict[str, Value] = {
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS
 MODULES: dict[str, Namespace] = {
-    "math": Namespace("math", MATH),
+    "math": Namespace("math", MATH | RARE_MATH),
     "random": Namespace("random", RANDOM),
     "pdb": Namespace("pdb", {}),
     "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),

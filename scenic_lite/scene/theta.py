@@ -308,7 +308,8 @@ class System:
         asked, nearest = (shown(values) for values in zip(*family, strict=True))
         which = f" in scene {row}" if len(unit) > 1 else ""
         hint = f"the nearest that was found is {nearest}" if self.span.size else f"the program fixes it at {nearest}"
-        return ScenicError("value", f"no θ gives {first.title} the {first.part} {asked}{which}", first.place, hint=hint)
+        what = f"{first.title} the {first.part}" if first.title else first.part
+        return ScenicError("value", f"no θ gives {what} {asked}{which}", first.place, hint=hint)
 
 
 def shown(parts: Sequence[Any]) -> str:

@@ -42,6 +42,8 @@ def atom(c: Cursor, token: Token) -> ast.expr:
         return dictionary(c, token)
     if text == "(" or text == "[":
         return display(c, token)
+    if text == "...":
+        c.fail('"..." is no value', 'write "pass" where nothing is done')
     text = f"{c.peek(-2).text} end" if kind == "newline" and c.index > 1 else text
     c.missing("a value", NO_VALUE.get(f"{c.previous.text} {text}", "") or NO_VALUE.get(text, ""))
 

@@ -137,6 +137,7 @@ LEFT_OUT = [
     ("x = divmod(7, 2)", 5, "there is no divmod() here", "write a // b and a % b"),
     ("x = getattr(ego, 'width')", 5, "there is no getattr() here", "write x.name"),
     ("x = type(3)", 5, "there is no type() here", "write isinstance(x, ...)"),
+    ("import math\nx = math.gcd(4, 6)", 5, "there is no gcd() here", "write a function with a loop"),
     ("import random\nx = random.shuffle([1, 2])", 5, "there is no shuffle() here", "draw the elements one by one"),
     ("import random\nx = random.expovariate(2)", 5, "there is no expovariate() here", "write Range"),
     ("class Box:\n    def f(self):\n        return super().f()\nb = new Box\nb.f()", 16, "there is no super()", "base"),

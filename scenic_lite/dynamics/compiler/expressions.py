@@ -47,6 +47,8 @@ def attribute_of(c: Compilation, scope: Scope, node: ast.Attribute) -> Value:
 def attribute_named(c: Compilation, scope: Scope, value: Value, name: str) -> Value:
     if isinstance(value, RandomChoice):
         return over_options(c, value, lambda option: attribute_named(c, scope, option, name))
+    if isinstance(value, RegisterList):
+        raise refused(f"{name}() of a list {DECIDED}", "it can be appended to; else write a loop or a comprehension")
     return attribute(scope, value, name)
 
 

@@ -236,7 +236,10 @@ class TypeTable:
             return False
         assert after is not None
         if before is not None and len(sorts_of(after)) > max(1, len(sorts_of(before))):
-            was, becomes = (" or ".join(sorts_of(each)) or "None" for each in (before, type))
+            held = sorts_of(before)
+            was, becomes = (
+                " or ".join(sorts) or "None" for sorts in (held, [new for new in sorts_of(type) if new not in held])
+            )
             message = f"'{key[-1]}' was {was} and becomes {becomes}"
             raise ScenicError("unsupported", f"{message}: no variable changes its type in a match", hint=ANOTHER)
         self.types[key] = after

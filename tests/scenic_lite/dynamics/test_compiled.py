@@ -258,6 +258,14 @@ REFUSED = {
         "cannot be added",
     ),
     "pop": ("behavior Main():\n    seen = []\n    seen.append(self.position.y)\n    seen.pop()\n    take 1\n", "pop"),
+    "pop of a filter": (
+        "behavior Main():\n    seen = [o for o in things if o.position.y > 2]\n    seen.pop()\n    take len(seen)\n",
+        r"pop\(\) of a list whose length the match decides",
+    ),
+    "a type that changes in a branch": (
+        "behavior Main():\n    x = 1\n    while True:\n        take x\n        x = 'a' if self.y > 1 else 2\n",
+        "'x' was a number and becomes a text: no variable changes its type",
+    ),
     "an element": (
         "behavior Main():\n    n = [1, 2]\n    n[int(self.position.y)] = 3\n    take n[0]\n",
         "where the match decides cannot be assigned",
