@@ -15,7 +15,6 @@ from envs.football.constants import NO_FAULT
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
-from envs.football.scenic.scripted_step import Script
 from envs.football.simulator import step_match
 from envs.football.state import MATCH
 from scenic_lite.kernels.jit import kernel
@@ -97,10 +96,10 @@ def _step_row(batch, actions, outcome, seen, final, settings, code, index):
         return
     match = batch.matches[index]
     if settings.scripted:
-        script = Script(code, settings.object_to_player, batch.registers[index], batch.commands[index])
-        step_match(match, actions[index], script)
+        registers, commands = batch.registers[index], batch.commands[index]
+        step_match(match, actions[index], code, settings.object_to_player, registers, commands)
     else:
-        step_match(match, actions[index], None)
+        step_match(match, actions[index], None, None, None, None)
     outcome.rewards[index] = team_reward(match, settings.checkpoints)
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)

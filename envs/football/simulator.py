@@ -26,17 +26,20 @@ from scenic_lite.kernels.jit import kernel
 
 
 @kernel
-def step_match(match, actions, script):
+def step_match(match, actions, code, object_to_player, registers, commands):
     """Move a match on by one step of 0.1 s in which the agents' players take `actions` [A] (0..18).
 
-    `script` is the Script of its program, None without one. A match that has ended stays as it is.
+    The other four are its program's (see `scenic.scripted_step`), None without one. A match that has ended stays as it
+    is.
     """
-    if not begin_step(match) or not run_program_behaviors(match, script):
+    if not begin_step(match):
+        return
+    if not run_program_behaviors(match, code, object_to_player, registers, commands):
         return
     assign_actions(match, actions)
-    command_players(match, script)
+    command_players(match, object_to_player, commands)
     play(match)
-    run_program_monitors(match, script)
+    run_program_monitors(match, code, object_to_player, registers, commands)
 
 
 @kernel
@@ -99,4 +102,4 @@ def begin_step(match):
 def step_matches(matches, actions):
     """Move matches MATCH [N] without programs on by one step each, with actions [N, A], one after the other."""
     for e in range(len(matches)):
-        step_match(matches[e], actions[e], None)
+        step_match(matches[e], actions[e], None, None, None, None)

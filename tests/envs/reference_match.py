@@ -12,9 +12,8 @@ import numpy as np
 
 from envs.football.constants import RUNNING
 from envs.football.control.agents import assign_actions
-from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.scripted_step import Script, command_players
+from envs.football.scenic.scripted_step import command_players
 from envs.football.scenic.world import FACTS, FOOTBALL_WORLD
 from envs.football.scenic.world_table import NUM_FIELDS, write_world
 from envs.football.simulator import begin_step, play
@@ -39,7 +38,6 @@ class ReferenceMatch:
         self.lineup = Lineup(program)
         self.matches = self.lineup.starts(theta[None], np.array([seed], np.uint64)).view(np.recarray)
         self.reference = Reference(program, theta, FOOTBALL_WORLD)
-        self.code = CompiledBehaviors(program).code
         self.size = len(self.lineup.object_to_player)
 
     def tables(self) -> tuple[np.ndarray, np.ndarray]:
@@ -56,7 +54,7 @@ class ReferenceMatch:
         match = self.matches[0]
         if begin_step(match):
             assign_actions(match, np.array([action]))
-            command_players(match, Script(self.code, self.lineup.object_to_player, np.empty(0), numbers))
+            command_players(match, self.lineup.object_to_player, numbers)
             play(match)
         verdict = self._ask(self.reference.watch)
         self.matches["program_reward"][0] = verdict.reward

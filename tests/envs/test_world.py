@@ -21,7 +21,7 @@ from envs.football.constants import (
 )
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.scripted_step import Script, command_players
+from envs.football.scenic.scripted_step import command_players
 from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
 from envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
@@ -103,7 +103,7 @@ def commanded(commands: list[float]) -> list[int]:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = BUILTIN_AI
     take_over(matches, NOBODY)
-    command_players(matches[0], Script(None, CAST, np.empty(0), np.array(commands)))
+    command_players(matches[0], CAST, np.array(commands))
     return matches["players"]["action"][0, :2].tolist()
 
 
@@ -127,7 +127,7 @@ def test_whom_the_learner_moves_does_not_obey_his_behavior() -> None:
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["action"] = 7
     take_over(matches, 0)
-    command_players(matches[0], Script(None, CAST, np.empty(0), np.array([2.0, -1.0, 2.0])))
+    command_players(matches[0], CAST, np.array([2.0, -1.0, 2.0]))
     assert matches["players"]["action"][0, :2].tolist() == [7, 6]
 
 

@@ -325,7 +325,7 @@ def torment(matches, starts, befores, styles, actions, steps, played):
             if match.kicker != NOBODY:
                 energy = -1.0
             if match.num_agents[0] + match.num_agents[1] > 0:
-                step_match(match, actions[e], None)
+                step_match(match, actions[e], None, None, None, None)
             else:
                 step_players(match, actions[e])
             if match.last_touch != before.last_touch or touched(match, before):

@@ -1,15 +1,13 @@
 """The program's part of a step: its behaviors read the world and command players, its monitors pay and end the match.
 
 Scalar code on one match, like the simulator, which calls these stages: behaviors act, the match is played, monitors
-watch, so that a monitor sees what the step has brought. Each returns at once where a match has no program: `script` is
-None, and Numba leaves the rest out. Read next: `scenic.world_table`, what programs see; `simulator`.
+watch, so that a monitor sees what the step has brought. Each returns at once where a match has no program: `code` is
+None, and Numba leaves the rest out. `code` is that of behaviors and monitors, `registers` [R] what they remember,
+`commands` [O] what the objects are to do; `object_to_player` [O] says which player each object is, or THE_BALL.
+Read next: `scenic.world_table`, what programs see; `simulator`.
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
-
-import numpy as np
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -24,46 +22,37 @@ from envs.football.constants import (
 from envs.football.control.agents import seen_by
 from envs.football.scenic.world_table import THE_BALL, write_world
 from scenic_lite.dynamics.machine import bytecode
-from scenic_lite.dynamics.machine.bytecode import NO_COMMAND, Code
+from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.kernels.jit import kernel
 
 _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TERMINATED
 
 
-class Script(NamedTuple):
-    """A program in one match: what runs, and what it remembers there."""
-
-    code: Code  # of its behaviors and monitors, the same for all matches
-    object_to_player: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
-    registers: np.ndarray  # [R] float64, what behaviors and monitors remember
-    commands: np.ndarray  # [O] float64, what the objects are to do in this step: see `command_players`
-
-
 @kernel
-def run_program_behaviors(match, script):
+def run_program_behaviors(match, code, object_to_player, registers, commands):
     """Let the behaviors write what their objects are to do; return whether the match goes on.
 
     An episode that a behavior ends, ends at once; a fault leaves the match as it was before the step.
     """
-    if script is None:
+    if code is None:
         return True
-    write_world(match, script.object_to_player, script.registers, script.code.world_base)
-    run_behaviors(script.code, script.registers, script.commands, match)
-    apply_program_verdict(match, script.registers)
+    write_world(match, object_to_player, registers, code.world_base)
+    run_behaviors(code, registers, commands, match)
+    apply_program_verdict(match, registers)
     return match.ended == RUNNING and match.fault == NO_FAULT
 
 
 @kernel
-def run_program_monitors(match, script):
+def run_program_monitors(match, code, object_to_player, registers, commands):
     """Let the monitors see what the step has brought, pay for it, and end the match."""
-    if script is None:
+    if code is None:
         return
-    write_world(match, script.object_to_player, script.registers, script.code.world_base)
-    match.program_reward = run_watchers(script.code, script.registers, match)
-    if match.ended != RUNNING and not over(script.registers):
-        end(script.code, script.registers, script.commands, match)  # which may leave a requirement unsatisfied
-    apply_program_verdict(match, script.registers)
+    write_world(match, object_to_player, registers, code.world_base)
+    match.program_reward = run_watchers(code, registers, match)
+    if match.ended != RUNNING and not over(registers):
+        end(code, registers, commands, match)  # which may leave a requirement unsatisfied
+    apply_program_verdict(match, registers)
 
 
 @kernel
@@ -78,20 +67,20 @@ def apply_program_verdict(match, registers):
 
 
 @kernel
-def command_players(match, script):
+def command_players(match, object_to_player, commands):
     """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent.
 
     A command is an action, several of them (`core.world.packed`) or NO_COMMAND.
     """
-    if script is None:
+    if commands is None:
         return
-    for o in range(len(script.object_to_player)):
-        i = script.object_to_player[o]
-        if i == THE_BALL or script.commands[o] == NO_COMMAND:
+    for o in range(len(object_to_player)):
+        i = object_to_player[o]
+        if i == THE_BALL or commands[o] == NO_COMMAND:
             continue
         if match.players[i].agent != NOBODY:
             continue
-        match.players[i].action = as_seen(match.players[i].team, int(script.commands[o]))
+        match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
 
 
 @kernel
