@@ -162,6 +162,10 @@ def row_of(value: Any, row: int) -> Any:
         if isinstance(part, np.ndarray):
             return tuple(part.tolist())
         return part.item() if isinstance(part, np.generic) else part
+    if isinstance(value, list | tuple):
+        return type(value)(row_of(part, row) for part in value)
+    if isinstance(value, dict):
+        return {key: row_of(part, row) for key, part in value.items()}
     return value
 
 

@@ -277,6 +277,18 @@ def test_report_of_a_possible_program():
     assert [rule.label for rule, _ in report.rejected] == ["near", "b overlaps ego"]
 
 
+@pytest.mark.parametrize(
+    "text", ["Uniform([Range(0, 2), 2], [3])", "list(filter(lambda v: v > 1, [1, Range(0, 3), 2]))"]
+)
+def test_a_row_holds_its_own_numbers_in_a_chosen_list(text):
+    program = load(f"ego = new Object at 0 @ 0\nparam chosen = {text}\n")
+    theta = np.random.default_rng(0).uniform(-1, 1, (8, program.dim))
+    chosen = program.instantiate(theta).params["chosen"]
+    assert list(chosen) == [program.instantiate(row[None]).params["chosen"][0] for row in theta]
+    again = program.instantiate(program.theta(program.instantiate(theta)))
+    assert [len(each) for each in again.params["chosen"]] == [len(each) for each in chosen]
+
+
 def test_params_of_a_program_are_plain_or_random():
     program = things("param a = 3, b = 'x', c = [1, 2 @ 3], d = Range(0, 1), 'e f' = globalParameters.a + 1")
     assert program.params == {"a": 3, "b": "x", "c": [1, (2, 3)], "e f": 4}
