@@ -309,7 +309,7 @@ class System:
         which = f" in scene {row}" if len(unit) > 1 else ""
         hint = f"the nearest that was found is {nearest}" if self.span.size else f"the program fixes it at {nearest}"
         what = f"{first.title} the {first.part}" if first.title else first.part
-        return ScenicError("value", f"no θ gives {what} {asked}{which}", first.place, hint=hint)
+        return ScenicError("value", f"found no θ that gives {what} {asked}{which}", first.place, hint=hint)
 
 
 def shown(parts: Sequence[Any]) -> str:

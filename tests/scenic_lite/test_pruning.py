@@ -140,7 +140,7 @@ def test_draws_say_what_is_left():
     program = load(FIELD + "ego = new Object in field, with width 4, with length 2", dialect=3)
     assert [(draw.name, draw.low, draw.high) for draw in program.draws] == [("ego.x", -9, 9), ("ego.y", -4, 4)]
     assert program.describe(np.array([1.0, -1.0])) == {"ego.x": 9, "ego.y": -4}
-    with pytest.raises(ScenicError, match="no θ gives ego the position"):
+    with pytest.raises(ScenicError, match="found no θ that gives ego the position"):
         program.theta({"ego": (9.5, 0)})
     disc = load(DISC + "ego = new Object in RectangularRegion(0@0, 0, 20, 20)", dialect=3)
     low, high = disc.draws[0][2:4]

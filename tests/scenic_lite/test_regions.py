@@ -84,7 +84,7 @@ def test_the_way_back_from_points(text):
     np.testing.assert_allclose(program.instantiate(back).positions, scenes.positions, atol=1e-5)
     if "PointSet" not in text:
         np.testing.assert_allclose(back, theta, atol=1e-6)
-    with pytest.raises(ScenicError, match="no θ gives spot the position"):
+    with pytest.raises(ScenicError, match="found no θ that gives spot the position"):
         program.theta({"spot": (500, 0)})
 
 

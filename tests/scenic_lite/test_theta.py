@@ -142,11 +142,11 @@ def test_draws_of_one_sum_are_found_together():
 
 ERRORS = [
     ({"ego": (30, 5)}, "nothing that is asked of the scene decides X2 (line 3), Y2 (line 4)", 3),
-    ({"ego": (98, 5)}, "no θ gives ego the position (98 @ 5) (the nearest that was found is (80 @ 5))", 6),
-    ({"MyGK": (0, 0)}, "no θ gives MyGK the position (0 @ 0) (the nearest that was found is (-98 @ 0))", 9),
-    ({"ball": (30, 5), "ego": (30, 0)}, "no θ gives ball the position (30 @ 5)", 10),
-    ({"ego": {"heading": 1}}, "no θ gives ego the heading 1 (the program fixes it at 0)", 6),
-    ({"ego": (np.array([3, 98]), 5)}, "no θ gives ego the position (98 @ 5) in scene 1", 6),
+    ({"ego": (98, 5)}, "found no θ that gives ego the position (98 @ 5) (the nearest that was found is (80 @ 5))", 6),
+    ({"MyGK": (0, 0)}, "found no θ that gives MyGK the position (0 @ 0) (the nearest that was found is (-98 @ 0))", 9),
+    ({"ball": (30, 5), "ego": (30, 0)}, "found no θ that gives ball the position (30 @ 5)", 10),
+    ({"ego": {"heading": 1}}, "found no θ that gives ego the heading 1 (the program fixes it at 0)", 6),
+    ({"ego": (np.array([3, 98]), 5)}, "found no θ that gives ego the position (98 @ 5) in scene 1", 6),
     ({"keeper": (3, 4)}, "has no object, parameter or draw 'keeper'", None),
     ({"Player": (3, 4)}, "has 3 objects of the class Player (say ego, opponent, MyGK)", None),
     ({9: (3, 4)}, "has 4 objects, and no object 9", None),
