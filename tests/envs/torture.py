@@ -14,7 +14,6 @@ import sys
 import time
 
 import numpy as np
-from pitch import step_players
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -40,6 +39,7 @@ from envs.football.rules.fouls import report_foul
 from envs.football.simulator import step_match
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
+from tests.envs.pitch import step_players
 
 COMPLAINTS = (
     *("sane", "a player's numbers are not finite", "a player is off the grass", "a player is too fast"),
