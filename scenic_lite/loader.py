@@ -101,8 +101,7 @@ def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | No
 
 def needs_arguments(scenario: Behavior) -> bool:
     parameters = scenario.node.args
-    positional = len(parameters.posonlyargs) + len(parameters.args)
-    return positional > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
+    return len(parameters.args) > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
 
 
 def override(state: LoadState, file: str, params: Mapping[str, object], model: str | None) -> None:

@@ -115,6 +115,19 @@ class LoadState:
         """Begin new lists of what is watched in episodes: what follows belongs to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
 
+    def copy_to_play(self) -> LoadState:
+        """Return a state for one episode or compilation: what its statements make is its own, not the program's."""
+        copy = replace(
+            self,
+            points=[],
+            requirements=[],
+            scenarios=list(self.scenarios),
+            behaviors=dict(self.behaviors),
+            watching=RuntimeChecks(),
+        )
+        copy.forget_watched()
+        return copy
+
     @contextmanager
     def own_ego(self) -> Iterator[None]:
         """Inside, a module has no ego yet; the one that it sets is the program's where that has none (dialect 3)."""

@@ -198,7 +198,7 @@ def bind(
     name: str, parameters: ast.arguments, function: Function | Behavior, arguments: list, keywords: dict[str, Value]
 ) -> dict[str, Value]:
     """Arguments by the names of the parameters. Raises ScenicError if they do not fit."""
-    names = [parameter.arg for parameter in (*parameters.posonlyargs, *parameters.args)]
+    names = [parameter.arg for parameter in parameters.args]
     bound: dict[str, Value] = dict(zip(names, arguments, strict=False))
     extra = arguments[len(names) :]
     if extra and parameters.vararg is None:
@@ -236,9 +236,7 @@ def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
 
 
 def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
-    names = ", ".join(
-        parameter.arg for parameter in (*parameters.posonlyargs, *parameters.args, *parameters.kwonlyargs)
-    )
+    names = ", ".join(parameter.arg for parameter in (*parameters.args, *parameters.kwonlyargs))
     return ScenicError("type", f"{name}({names}): {message}")
 
 

@@ -29,7 +29,7 @@ from functools import partial
 from typing import Any
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.checks import PYTHON_FAULTS, RuntimeChecks, from_python
+from scenic_lite.core.checks import PYTHON_FAULTS, from_python
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import Builtin, Instance, Namespace, ScenicClass, describe_kind
@@ -110,15 +110,7 @@ def compile_mode(c: Compilation) -> Mode:
         call=call,
         builtins=loaded.handlers.builtins | {"simulation": simulation},
     )
-    state = replace(
-        loaded.state,
-        points=[],
-        requirements=[],
-        scenarios=list(loaded.state.scenarios),
-        behaviors=dict(loaded.state.behaviors),
-        watching=RuntimeChecks(),
-    )
-    state.forget_watched()
+    state = loaded.state.copy_to_play()
     return Mode(COMPILE, state, handlers, Budget(state.budget.limits), partial(draw, c), symbolic=True)
 
 

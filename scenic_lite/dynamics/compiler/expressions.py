@@ -97,8 +97,6 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
 def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
     """Return a value as it stands in an f-string."""
     spec = "" if node.format_spec is None else scope.value(node.format_spec)
-    if node.conversion != -1:
-        raise ScenicError("unsupported", "conversions such as !r in a behavior", hint="leave it out")
     return text_with(c, scope, scope.value(node.value), spec)
 
 

@@ -337,8 +337,9 @@ def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> No
 
 
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
-    words = {ast.Delete: ("`del`", "leave it, or give what changes a name of its own"), ast.With: ("`with`", "")}
-    word, hint = words.get(type(node), (f"`{type(node).__name__.lower()}`", "write it outside of behaviors"))
+    word, hint = f"`{type(node).__name__.lower()}`", "write it outside of behaviors"
+    if isinstance(node, ast.Delete):
+        word, hint = "`del`", "leave it, or give what changes a name of its own"
     raise ScenicError("unsupported", f"{word} cannot be compiled for a match", hint=hint)
 
 
@@ -369,7 +370,6 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Assert: compile_assert,
     ast.Pass: skip,
     ast.FunctionDef: define,
-    ast.With: refuse,
     ast.Delete: refuse,
     ast.Global: declare,
     ast.Nonlocal: declare,

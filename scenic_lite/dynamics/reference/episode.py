@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.checks import RuntimeChecks
 from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import EPISODE, Mode
@@ -93,16 +92,7 @@ class Episode:
     def _mode(self) -> Mode:
         """Return how the nodes of this episode are evaluated; what its statements make is its own."""
         loaded = self.program.mode
-        state = replace(
-            loaded.state,
-            objects=self.objects,
-            points=[],
-            requirements=[],
-            scenarios=list(loaded.state.scenarios),
-            behaviors=dict(loaded.state.behaviors),
-            watching=RuntimeChecks(),
-        )
-        state.forget_watched()
+        state = replace(loaded.state.copy_to_play(), objects=self.objects)
         simulation = Builtin("simulation", lambda: self.simulation, over_choices=False)
         handlers = replace(loaded.handlers, builtins=loaded.handlers.builtins | {"simulation": simulation})
         return Mode(EPISODE, state, handlers, Patience(state.budget.limits), self._draw, row=self.row)
