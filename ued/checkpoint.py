@@ -19,7 +19,7 @@ import numpy as np
 import torch
 
 FORMAT = "regista checkpoint"
-VERSION = 2  # 1: before methods held learners
+VERSION = 3  # 1: before methods held learners; 2: before normalisers had a floor
 ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__array__", "__integer__", "__tuple__")
 
 

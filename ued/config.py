@@ -39,12 +39,15 @@ class PPOConfig:
     hidden_size: int = setting(128, "units in each hidden layer")
     hidden_layers: int = setting(2, "hidden layers of each torso")
     shared_torso: bool = setting(False, "actor and critic share their hidden layers")
+    obs_std_floor: float = setting(
+        0.1, "observations are divided by their standard deviation, or by this many of their units where that is less"
+    )
 
     def __post_init__(self) -> None:
         check_at_least_1(self, "num_steps", "num_minibatches", "update_epochs", "hidden_size", "hidden_layers")
         check_positive(self, "learning_rate", "clip_coef", "max_grad_norm", "adam_eps")
         check_share(self, "gamma", "gae_lambda")
-        check_not_negative(self, "ent_coef", "vf_coef", "target_kl", "anneal_env_steps")
+        check_not_negative(self, "ent_coef", "vf_coef", "target_kl", "anneal_env_steps", "obs_std_floor")
 
     @classmethod
     def thesis(cls) -> PPOConfig:

@@ -45,6 +45,14 @@ class Mixture(UPOMDP):
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
 
+    @property
+    def observation_unit(self) -> np.ndarray:
+        """Of each entry, the least of what counts in any of the programs."""
+        units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
+        for k, member in enumerate(self.members):
+            units[k, : self.sizes[k]] = member.observation_unit
+        return units.min(axis=0)
+
     def program_of(self, theta: Any) -> np.ndarray:
         """Return the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
         column = check_theta(theta, self.theta_dim)[:, 0]

@@ -128,6 +128,18 @@ class UPOMDP(VectorEnv):
 
     # ------------------------------------------------------------ what a subclass gives
 
+    @property
+    def observation_unit(self) -> np.ndarray | None:
+        """What counts as a large change of each entry of an observation `[F]`; None for images.
+
+        Students do not look closer than at a share of it (`PPOConfig.obs_std_floor`). Unless a subclass knows better:
+        1, or half of the entry's range where that is less.
+        """
+        space = self.single_observation_space
+        if not isinstance(space, Box) or len(space.shape) != 1:
+            return None
+        return np.minimum((space.high.astype(np.float64) - space.low) / 2, 1.0)
+
     @abstractmethod
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; return all observations."""

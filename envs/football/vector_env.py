@@ -92,6 +92,11 @@ class FootballVectorEnv(UPOMDP):
         """The matches as they are, MATCH `[N]`; a copy, for looking at."""
         return self._batch.matches.copy()
 
+    @property
+    def observation_unit(self) -> np.ndarray | None:
+        unit = self._observer.unit
+        return super().observation_unit if unit is None else unit
+
     def keep_endings(self) -> None:
         """From now on keep in `ended_matches` all matches as the last step left them in which one ended, MATCH `[N]`.
 

@@ -161,7 +161,7 @@ def test_files_of_others(tmp_path):
     with pytest.raises(CheckpointError, match="is no checkpoint of this program"):
         checkpoint.load(path)
     torch.save({"format": checkpoint.FORMAT, "version": 99, "state": {}}, path)
-    with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 2"):
+    with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 3"):
         checkpoint.load(path)
 
 

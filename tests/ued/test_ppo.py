@@ -140,12 +140,33 @@ def test_gaussian_agrees_with_torch():
 
 def test_running_statistics_are_those_of_everything_seen():
     data = torch.randn(1000, 4, generator=torch_generator(0)) * torch.tensor([1.0, 10.0, 0.1, 0.0]) + 3
-    normaliser = Normaliser(4)
+    normaliser = Normaliser(torch.zeros(4))
     for rows in (data[:1], data[1:300], data[300:]):
         normaliser.track(rows)
     torch.testing.assert_close(normaliser.mean, data.mean(0))
     torch.testing.assert_close(normaliser.variance, data.var(0, correction=0), atol=1e-5, rtol=1e-4)
     assert normaliser(data).abs().max() <= 10
+
+
+def test_a_feature_that_hardly_moved_cannot_blow_up_by_moving_a_little():
+    """Its standard deviation is a hundredth of its unit: 0.2 of the unit would be 20 of them, and is 2 floors."""
+    data = torch.tensor([[1.0], [0.01]]).T * torch.randn(2000, 2, generator=torch_generator(0))
+    student = Student(Box(-6, 6, (2,)), Discrete(3), PPOConfig(), torch_generator(0))
+    student.normaliser.track(data)
+    moved = student.normaliser(torch.tensor([[0.2, 0.2]]))[0]
+    assert moved[1] == pytest.approx(2.0, abs=0.02) and moved[0] == pytest.approx(0.2, abs=0.1)
+    bare = Normaliser(torch.zeros(2))
+    bare.track(data)
+    assert bare(torch.tensor([[0.2, 0.2]]))[0, 1] == 10
+
+
+def test_the_floor_is_in_the_features_units_and_travels_with_the_student():
+    config = PPOConfig(obs_std_floor=0.2)
+    student = Student(Box(-1, 1, (2,)), Discrete(3), config, torch_generator(0), np.array([1.0, 0.05]))
+    torch.testing.assert_close(student.normaliser.floor, torch.tensor([0.2, 0.01]))
+    other = Student(Box(-1, 1, (2,)), Discrete(3), PPOConfig(), torch_generator(1))
+    other.load_state_dict(student.state_dict())
+    torch.testing.assert_close(other.normaliser.floor, torch.tensor([0.2, 0.01]))
 
 
 def test_explained_variance():

@@ -120,6 +120,14 @@ def test_a_reset_mask_leaves_the_others_alone():
     assert env.levels["theta"][mask].tolist() == [[0.1, 0.1], [0.2, 0.2]]
 
 
+def test_the_unit_of_an_observation_is_1_or_half_its_range():
+    """MountainCar: places in [-1.2, 0.6], speeds in [-0.07, 0.07]; CartPole: no bounds to speeds."""
+    env = GymUPOMDP(lambda: gymnasium.make("MountainCar-v0"), lambda env, values: None, {"x": (0, 1)})
+    assert env.observation_unit == pytest.approx([0.9, 0.07])
+    env = GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), lambda env, values: None, {"x": (0, 1)})
+    assert env.observation_unit == pytest.approx([1, 1, 0.4189, 1], abs=1e-3)
+
+
 def test_the_thesis_names():
     env = cartpole(2)
     env.reset_random()

@@ -44,7 +44,7 @@ class Learner:
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces = upomdp.single_observation_space, upomdp.single_action_space
-        self.student = None if scripted else Student(*spaces, config, weights)
+        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_unit)
         self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)

@@ -15,25 +15,33 @@ from torch import Tensor, nn
 from ued.config import PPOConfig
 from ued.learning.networks import Policy, PolicyHead, is_image, linear, torso
 
-CLIP = 10.0  # standard deviations; a feature that hardly ever moves must not blow up when it does
+CLIP = 10.0  # standard deviations
 
 
 class Normaliser(nn.Module):
-    """Shift and scale observations by their running mean and standard deviation (Chan et al. 1979, parallel form)."""
+    """Shift and scale observations by their running mean and standard deviation (Chan et al. 1979, parallel form).
+
+    A feature that hardly moved while the student learned must not blow up when it moves a little more, as in another
+    engine or on another level: no standard deviation counts as less than `floor` `[size]`, in the feature's own unit.
+    """
 
     mean: Tensor
     variance: Tensor
     count: Tensor
+    floor: Tensor
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, floor: Tensor) -> None:
         super().__init__()
+        size = len(floor)
+        self.register_buffer("floor", floor.float())
         self.register_buffer("mean", torch.zeros(size))
         self.register_buffer("variance", torch.ones(size))
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations `[B, size]` in standard deviations from the mean, at most CLIP of them."""
-        return ((observation - self.mean) / (self.variance + 1e-8).sqrt()).clamp(-CLIP, CLIP)
+        deviation = torch.maximum((self.variance + 1e-8).sqrt(), self.floor)  # [size]
+        return ((observation - self.mean) / deviation).clamp(-CLIP, CLIP)
 
     def track(self, observation: Tensor) -> None:
         """Take a batch of observations `[B, size]` into the statistics."""
@@ -65,17 +73,27 @@ class Student(nn.Module):
         observation_space, action_space: of one environment; flat Box or image, and Discrete or flat Box.
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
+        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`. None: 1 each.
     """
 
     def __init__(
-        self, observation_space: Space, action_space: Space, config: PPOConfig, generator: torch.Generator
+        self,
+        observation_space: Space,
+        action_space: Space,
+        config: PPOConfig,
+        generator: torch.Generator,
+        unit: np.ndarray | None = None,
     ) -> None:
         super().__init__()
         sizes = config.hidden_size, config.hidden_layers
         self.actor_torso = torso(observation_space, *sizes, generator)
         self.critic_torso = self.actor_torso if config.shared_torso else torso(observation_space, *sizes, generator)
         assert observation_space.shape is not None  # `torso` has refused the others
-        self.normaliser = Pixels() if is_image(observation_space) else Normaliser(observation_space.shape[0])
+        if is_image(observation_space):
+            self.normaliser: Normaliser | Pixels = Pixels()
+        else:
+            units = np.ones(observation_space.shape) if unit is None else unit
+            self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units))
         self.actor = PolicyHead(action_space, config.hidden_size, generator)
         self.critic = linear(config.hidden_size, 1, 1.0, generator)
         self.action_space = action_space

@@ -11,6 +11,7 @@ import math
 
 from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
 from envs.football.control.agents import seen_by
+from envs.football.observation.units import ALOFT, FLYING, RUNNING
 from scenic_lite.kernels.jit import kernel
 
 SELF_NAMES = ("self.x", "self.y", "self.vx", "self.vy", "self.facing_x", "self.facing_y", "self.tired", "self.down")
@@ -28,9 +29,6 @@ LIMIT = 6.0  # every entry lies in [-LIMIT, LIMIT]
 NEARBY = 20.0  # m, unit of distances to others
 CLOSE = 4.0  # m, at which `near` is one half
 LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the learner to the goal's centre
-RUNNING = 8.0  # m/s, unit of players' speeds
-FLYING = 20.0  # m/s, unit of the ball's speed
-ALOFT = 2.5  # m, unit of height: the crossbar
 SOON = 1.0  # s, unit of waits
 
 

@@ -23,7 +23,7 @@ from envs.football.constants import LEFT
 from envs.football.control.agents import num_agents
 from envs.football.observation.features import LIMIT, features_size, write_features
 from envs.football.observation.raw import raw_observation, raw_space
-from envs.football.observation.simple115 import SIZE, write_simple115
+from envs.football.observation.simple115 import SIZE, simple115_unit, write_simple115
 from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history, remember, write_planes
 from envs.football.scenic.lineup import Lineup
 from scenic_lite.kernels.jit import kernel
@@ -89,6 +89,12 @@ class Observer:
             return Box(-np.inf, np.inf, (SIZE,), np.float32)
         channels = CHANNELS * (FRAMES if self.kind == SMM_STACKED else 1)
         return Box(0, 255, (HEIGHT, WIDTH, channels), np.uint8)
+
+    @property
+    def unit(self) -> np.ndarray | None:
+        """What counts as a large change of each entry, where that is not 1; see `UPOMDP.observation_unit`."""
+        several = self._agents > 1
+        return simple115_unit() if self.kind == SIMPLE115 and not several else None
 
     def room(self, count: int) -> View:
         """Make fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""

@@ -9,13 +9,28 @@ Units and frame are those of `raw`; players whom a team does not have are -1. Re
 
 from __future__ import annotations
 
-from envs.football.constants import LEFT, NOBODY, STEP
-from envs.football.observation.units import UNIT_X, UNIT_Y
+import numpy as np
+
+from envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
+from envs.football.observation.units import ALOFT, FLYING, RUNNING, UNIT_X, UNIT_Y
 from scenic_lite.kernels.jit import kernel
 
 SIZE = 115
 TEAM = 11  # players of a team that there is room for
 _DIRECTIONS, _THEIRS, _BALL, _OWNER, _ACTIVE, _MODE = 22, 44, 88, 94, 97, 108
+
+
+def simple115_unit() -> np.ndarray:
+    """Return what counts as a large change of each entry `[115]`: half a pitch, a sprint, a shot, the crossbar; or 1.
+
+    The format has speeds per step, far below 1: by these units a student sees them as it does in `features`.
+    """
+    unit, plane = np.ones(SIZE), np.array([1 / UNIT_X, -1 / UNIT_Y])
+    players = unit[:_BALL].reshape(2, 2, TEAM, 2)  # team, place or direction, player, x or y
+    players[:, 0], players[:, 1] = plane * (HALF_LENGTH, HALF_WIDTH), plane * RUNNING * STEP
+    unit[_BALL : _BALL + 3] = *plane * (HALF_LENGTH, HALF_WIDTH), ALOFT
+    unit[_BALL + 3 : _OWNER] = STEP * FLYING * np.array([*plane, 1.0])
+    return unit
 
 
 @kernel

@@ -6,3 +6,8 @@ Read next: `observation.raw`.
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
 
 UNIT_X, UNIT_Y = 100 * METRES_PER_X, -100 * METRES_PER_Y  # m per unit
+
+# What counts as much
+RUNNING = 8.0  # m/s, of players
+FLYING = 20.0  # m/s, of the ball
+ALOFT = 2.5  # m, height: the crossbar
