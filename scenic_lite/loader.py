@@ -9,13 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from scenic_lite.core.environment import Source, near
 from scenic_lite.core.state import LOAD, Handlers, LoadState, Mode
-from scenic_lite.core.types import Behavior, BehaviorCall, Namespace
+from scenic_lite.core.types import Behavior, BehaviorCall, Namespace, Source, near
 from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.assignments import unpack
-from scenic_lite.evaluation.calls import CALLS, bind, call, scenario_frame
+from scenic_lite.evaluation.calls import CALLS, call, scenario_frame
 from scenic_lite.evaluation.expressions import EXPRESSIONS
 from scenic_lite.evaluation.functions import BUILTINS
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
@@ -72,7 +71,7 @@ def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
         return
     place = scenario.scope.place(scenario.node)
     try:
-        arguments = bind(scenario.name, scenario.node.args, scenario, [], {})
+        arguments = scenario.bind([], {})
     except ScenicError as error:
         error.hint = "the scenario that a program is gets no arguments: give its parameters defaults"
         raise scenario.scope.placed(error, scenario.node) from None
@@ -96,12 +95,7 @@ def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | No
         message = f"there are several scenarios: {', '.join(known)}"
         raise ScenicError("value", message, SourceSpan(source.file, 1, 0, 1, 1), hint=hint, source_line=source.line(1))
     only = next(iter(known.values()), None)
-    return only if only is not None and not needs_arguments(only) else None
-
-
-def needs_arguments(scenario: Behavior) -> bool:
-    parameters = scenario.node.args
-    return len(parameters.args) > len(scenario.defaults) or len(parameters.kwonlyargs) > len(scenario.keyword_defaults)
+    return only if only is not None and not only.required() else None
 
 
 def override(state: LoadState, file: str, params: Mapping[str, object], model: str | None) -> None:

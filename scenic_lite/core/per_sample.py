@@ -15,13 +15,13 @@ import numpy as np
 
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FallibleOperation
-from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
+    Environment,
     Function,
     Instance,
     Namespace,
@@ -174,7 +174,7 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
                 values.append(value)
                 values += attributes_of_class(value)
                 for part in definitions_in(value):
-                    values += [*part.defaults, *part.keyword_defaults.values()]
+                    values += part.defaults()
                     pending += [(part.scope, statement) for statement in body_of(part)]
     return values
 

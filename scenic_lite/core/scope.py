@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.checks import PYTHON_FAULTS, from_python
-from scenic_lite.core.environment import Environment, Source, near
-from scenic_lite.core.paths import Path
-from scenic_lite.core.state import LOAD, Mode
-from scenic_lite.core.types import Instance, RandomChoice, describe_kind
+from scenic_lite.core.state import LOAD, BranchPath, Mode
+from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector
@@ -61,7 +59,7 @@ class Scope(Environment):
         """Return the same names, inside a requirement."""
         return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
 
-    def along(self, path: Path) -> Scope:
+    def along(self, path: BranchPath) -> Scope:
         """Return the same names, where branches on random values follow a path."""
         return Scope.at(replace(self.mode.requiring(), path=path), self)
 

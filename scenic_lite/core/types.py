@@ -1,22 +1,100 @@
-"""What a Scenic expression can be besides a number, a text or a Python container.
+"""What a Scenic expression can be besides a number, a text or a Python container, and the names that stand for it.
 
-Read next: `language.classes`, the built-in classes; `evaluation.attributes`, what may be read of a value by a name.
+A function keeps the environment it was defined in. What its body means is decided by whoever calls it: a `Scope` adds
+that. Read next: `core.state`, `core.scope`; `language.classes`, the built-in classes.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+import difflib
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import wraps
+from inspect import Parameter, Signature
+from pathlib import Path
 from typing import Any
 
-from scenic_lite.core.environment import Environment
-from scenic_lite.errors import SourceSpan
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Located, Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, select
 from scenic_lite.values.regions import Region, VectorField
+
+# ------------------------------------------------------------ names
+
+
+@dataclass(frozen=True)
+class Source:
+    """One file of program text."""
+
+    file: str
+    lines: tuple[str, ...]
+    folder: Path | None  # where modules named by the program are looked for
+    library: bool  # of the domain, not of the user
+
+    def line(self, number: int) -> str:
+        return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
+
+
+class Environment:
+    """The variables of one module, function, comprehension or class body, inside those around it."""
+
+    __slots__ = ("assigned", "globals", "locals", "module_names", "nonlocals", "outer", "source", "transparent")
+
+    def __init__(self, source: Source, names: dict[str, Value], outer: Environment | None = None) -> None:
+        self.source = source
+        self.locals = names
+        self.outer = outer
+        self.globals: set[str] = set()  # declared `global` here
+        self.nonlocals: set[str] = set()
+        self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
+        self.transparent = False  # of a comprehension, whose `:=` binds outside
+        self.module_names: dict[str, Value] = outer.module_names if outer else names
+
+    def outwards(self) -> Iterator[Environment]:
+        """Yield this environment and those around it, innermost first; the module's may be missing."""
+        at: Environment | None = self
+        while at is not None:
+            yield at
+            at = at.outer
+
+    def names_of(self, name: str) -> dict[str, Value]:
+        """Return where an assignment to the name goes."""
+        if name in self.globals:
+            return self.module_names
+        if name in self.nonlocals and self.outer is not None:
+            owner = next((at for at in self.outer.outwards() if name in at.locals), None)
+            return self.locals if owner is None else owner.names_of(name)
+        return self.locals
+
+    def place(self, node: ast.AST) -> SourceSpan:
+        if not isinstance(node, ast.expr | ast.stmt):
+            return SourceSpan(self.source.file, 1, 0, 1, 1)
+        end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
+        return SourceSpan(self.source.file, node.lineno, node.col_offset, end_line, end_column)
+
+    def error(self, kind: str, message: str, node: ast.AST, hint: str = "", notes: Iterable[str] = ()) -> ScenicError:
+        """Return an error at `node`."""
+        return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
+
+    def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
+        """Give an error its place, unless it has one. A node that no text made leaves that to whoever is above."""
+        if error.place is None and "lineno" in vars(node):
+            error.place = self.place(node)
+            error.source_line = self.source.line(error.place.line)
+        return error
+
+
+def near(name: str, names: Iterable[str]) -> str:
+    """Return a hint with the nearest spelling, or nothing."""
+    public = [candidate for candidate in names if not candidate.startswith("_")]
+    swapped = [candidate for candidate in public if sorted(candidate.lower()) == sorted(name.lower())]
+    close = swapped or difflib.get_close_matches(name, public, 1, 0.7)
+    return f"did you mean '{close[0]}'?" if close else ""
+
+
+# ------------------------------------------------------------ values
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +178,13 @@ class RandomChoice(Located):
         """Return the same choice among `results`, one per option."""
         return choose(self.index, results)
 
+    def each(self, function: Callable[[Value], Value]) -> Value:
+        """Return the same choice among what a function makes of the options."""
+        return choose(self.index, [function(option) for option in self.options])
+
     def position_vector(self) -> Vector | None:
         vectors = [as_vector(option) for option in self.options]
-        if any(vector is None for vector in vectors):
-            return None
-        return self.map_options(vectors)
+        return None if None in vectors else self.map_options(vectors)
 
 
 def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
@@ -124,13 +204,11 @@ def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]],
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
         @wraps(function)
         def mapped(*arguments: Any, **keywords: Any) -> Value:
-            for i in positions:
-                if i < len(arguments) and isinstance(arguments[i], RandomChoice):
-                    before, choice, after = arguments[:i], arguments[i], arguments[i + 1 :]
-                    return choice.map_options(
-                        [mapped(*before, option, *after, **keywords) for option in choice.options]
-                    )
-            return function(*arguments, **keywords)
+            at = next((i for i in positions if i < len(arguments) and isinstance(arguments[i], RandomChoice)), None)
+            if at is None:
+                return function(*arguments, **keywords)
+            before, after = arguments[:at], arguments[at + 1 :]
+            return arguments[at].each(lambda option: mapped(*before, option, *after, **keywords))
 
         return mapped
 
@@ -145,17 +223,59 @@ class LazyValue:
     compute: Callable[[Instance], Value]
 
 
+SPREAD = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
+
+
 @dataclass(frozen=True, eq=False)
-class Function:
-    """A `def` or `lambda` of a program."""
+class Definition:
+    """What a program defines with parameters: a function, a behavior, a monitor or a scenario.
+
+    `signature` holds the values of the defaults; `scope` is where it stands; `assigned` are its own names besides its
+    arguments.
+    """
 
     name: str
-    arguments: ast.arguments
-    defaults: tuple[Value, ...]
-    keyword_defaults: dict[str, Value]
-    body: list[ast.stmt] | ast.expr
+    signature: Signature
     scope: Environment
-    assigned: frozenset[str] = frozenset()  # its local names besides its arguments
+    assigned: frozenset[str]
+
+    def defaults(self) -> list[Value]:
+        """Return the values of the parameters that need not be given."""
+        return [each.default for each in self.signature.parameters.values() if each.default is not Parameter.empty]
+
+    def required(self) -> list[str]:
+        """Return the parameters that must be given."""
+        parameters = self.signature.parameters.values()
+        return [each.name for each in parameters if each.default is Parameter.empty and each.kind not in SPREAD]
+
+    def bind(self, arguments: list, keywords: dict[str, Value]) -> dict[str, Value]:
+        """Return arguments by the names of the parameters. Raises ScenicError if they do not fit."""
+        try:
+            bound = self.signature.bind(*arguments, **keywords)
+        except TypeError:
+            raise self._misfit(arguments, keywords) from None
+        bound.apply_defaults()
+        return bound.arguments
+
+    def _misfit(self, arguments: list, keywords: dict[str, Value]) -> ScenicError:
+        """Return what is wrong with arguments that do not fit."""
+        names = [each.name for each in self.signature.parameters.values() if each.kind not in SPREAD]
+        unknown = [name for name in keywords if name not in names]
+        twice = [name for name in names[: len(arguments)] if name in keywords]
+        missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
+        if unknown and len(arguments) <= len(names):
+            return ScenicError("type", f"{self.name}() has no argument '{unknown[0]}'", hint=near(unknown[0], names))
+        if twice:
+            return ScenicError("type", f"{self.name}() is given '{twice[0]}' twice")
+        said = f"'{missing[0]}' is missing" if missing else f"{len(arguments)} arguments were given"
+        return ScenicError("type", f"{self.name}({', '.join(names)}): {said}")
+
+
+@dataclass(frozen=True, eq=False)
+class Function(Definition):
+    """A `def` or `lambda` of a program."""
+
+    body: list[ast.stmt] | ast.expr
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,15 +319,10 @@ class Namespace:
 
 
 @dataclass(frozen=True, eq=False)
-class Behavior:
+class Behavior(Definition):
     """A `behavior`, `monitor` or `scenario` definition, kept as a tree."""
 
-    name: str
     node: nodes.Behavior | nodes.Scenario
-    defaults: tuple[Value, ...]
-    keyword_defaults: dict[str, Value]
-    scope: Environment
-    assigned: frozenset[str] = frozenset()  # its own variables besides its arguments
 
     @property
     def kind(self) -> str:
@@ -253,7 +368,7 @@ def parts_of(value: Value) -> tuple[Value, ...]:
     """Return what a structured value is made of."""
     if isinstance(value, Vector):
         return (value.x, value.y)
-    if isinstance(value, list | tuple | set):
+    if isinstance(value, list | tuple):
         return tuple(value)
     if isinstance(value, dict):
         return tuple(value.values())

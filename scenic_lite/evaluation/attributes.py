@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.environment import near
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
@@ -21,6 +20,7 @@ from scenic_lite.core.types import (
     ScenicClass,
     broadcasts_over_choices,
     describe_kind,
+    near,
     of_values,
 )
 from scenic_lite.errors import ScenicError

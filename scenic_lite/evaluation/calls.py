@@ -9,9 +9,9 @@ import ast
 import inspect
 from collections.abc import Callable
 from functools import lru_cache, reduce
+from inspect import Parameter, Signature
 from typing import Any
 
-from scenic_lite.core.environment import near
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LOAD, Mode, Requirement
 from scenic_lite.core.types import (
@@ -26,6 +26,7 @@ from scenic_lite.core.types import (
     ScenicClass,
     broadcasts_over_choices,
     describe_kind,
+    near,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.specifier_rules import SPECIFIERS
@@ -34,6 +35,7 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, apply
 from scenic_lite.values.operations import EQUAL, NOT, OR
 
+POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
 NAMING = (ast.FunctionDef, ast.ClassDef)
 OWN_SCOPES = (
@@ -112,8 +114,7 @@ def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Val
     if isinstance(function, Function):
         return call_function(scope, function, arguments, keywords, node)
     if isinstance(function, Behavior):
-        bound = bind(function.name, function.node.args, function, arguments, keywords)
-        return BehaviorCall(function, bound, scope.place(node))
+        return BehaviorCall(function, function.bind(arguments, keywords), scope.place(node))
     if isinstance(function, ScenicClass):
         raise ScenicError(
             "type", f"objects of class {function.name} are not made by a call", hint=f"write new {function.name}"
@@ -144,13 +145,13 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
     return result
 
 
-signature_of = lru_cache(maxsize=512)(inspect.signature)
+parameters_of = lru_cache(maxsize=512)(inspect.signature)
 
 
 def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value]) -> None:
     """Raise ScenicError in the program's words if the arguments do not fit."""
     try:
-        signature = signature_of(function.function)
+        signature = parameters_of(function.function)
     except ValueError:  # some methods of Python's containers have none
         return
     try:
@@ -168,8 +169,7 @@ def call_function(
     scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Run a function of the program; an error inside a library is shown where the program called it."""
-    names = bind(function.name, function.arguments, function, arguments, keywords)
-    inner = Scope.inside(scope.mode, function.scope, names)
+    inner = Scope.inside(scope.mode, function.scope, function.bind(arguments, keywords))
     inner.assigned = function.assigned
     budget = scope.mode.budget
     budget.enter()
@@ -194,38 +194,6 @@ def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicErro
     return scope.error(error.kind, error.message, node, error.hint, [where, *error.notes])
 
 
-def bind(
-    name: str, parameters: ast.arguments, function: Function | Behavior, arguments: list, keywords: dict[str, Value]
-) -> dict[str, Value]:
-    """Arguments by the names of the parameters. Raises ScenicError if they do not fit."""
-    names = [parameter.arg for parameter in parameters.args]
-    bound: dict[str, Value] = dict(zip(names, arguments, strict=False))
-    extra = arguments[len(names) :]
-    if extra and parameters.vararg is None:
-        raise arity_error(name, parameters, f"{len(arguments)} arguments were given")
-    if parameters.vararg is not None:
-        bound[parameters.vararg.arg] = tuple(extra)
-    allowed = {*names, *(parameter.arg for parameter in parameters.kwonlyargs)}
-    spare = {key: value for key, value in keywords.items() if key not in allowed}
-    if spare and parameters.kwarg is None:
-        raise ScenicError(
-            "type", f"{name}() has no argument '{next(iter(spare))}'", hint=near(next(iter(spare)), allowed)
-        )
-    if parameters.kwarg is not None:
-        bound[parameters.kwarg.arg] = spare
-    for key, value in keywords.items():
-        if key in allowed:
-            if key in bound:
-                raise ScenicError("type", f"{name}() is given '{key}' twice")
-            bound[key] = value
-    defaults = dict(zip(names[len(names) - len(function.defaults) :], function.defaults, strict=True))
-    bound = defaults | function.keyword_defaults | bound
-    missing = [argument for argument in (*names, *sorted(allowed)) if argument not in bound]
-    if missing:
-        raise arity_error(name, parameters, f"'{missing[0]}' is missing")
-    return bound
-
-
 def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
     """Return a scope for the names of one run of a scenario, shared by its setup and its compose block."""
     call.names.clear()
@@ -235,21 +203,31 @@ def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
     return scope
 
 
-def arity_error(name: str, parameters: ast.arguments, message: str) -> ScenicError:
-    names = ", ".join(parameter.arg for parameter in (*parameters.args, *parameters.kwonlyargs))
-    return ScenicError("type", f"{name}({names}): {message}")
-
-
 def lambda_of(scope: Scope, node: ast.Lambda) -> Function:
     return function_of(scope, "lambda", node.args, node.body)
 
 
 def function_of(scope: Scope, name: str, arguments: ast.arguments, body: Any, is_method: bool = False) -> Function:
     """Return a function whose defaults are evaluated now. A method does not see the names of its class."""
-    defaults, keyword_defaults = defaults_of(scope, arguments)
     assigned = names_of(tuple(body)) if isinstance(body, list) else frozenset[str]()
     around = scope.outer if is_method and scope.outer is not None else scope
-    return Function(name, arguments, defaults, keyword_defaults, body, around, assigned)
+    return Function(name, signature_of(scope, arguments), around, assigned, body)
+
+
+def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
+    """Return the parameters of a definition with the values of their defaults."""
+    defaults = [Parameter.empty] * (len(arguments.args) - len(arguments.defaults)) + [
+        *map(scope.value, arguments.defaults)
+    ]
+    parameters = [Parameter(a.arg, POSITIONAL, default=d) for a, d in zip(arguments.args, defaults, strict=True)]
+    if arguments.vararg is not None:
+        parameters.append(Parameter(arguments.vararg.arg, Parameter.VAR_POSITIONAL))
+    for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
+        value = Parameter.empty if default is None else scope.value(default)
+        parameters.append(Parameter(argument.arg, Parameter.KEYWORD_ONLY, default=value))
+    if arguments.kwarg is not None:
+        parameters.append(Parameter(arguments.kwarg.arg, Parameter.VAR_KEYWORD))
+    return Signature(parameters)
 
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
@@ -269,12 +247,6 @@ def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
         if not isinstance(node, OWN_SCOPES):
             pending.extend(ast.iter_child_nodes(node))
     return frozenset(names - elsewhere)
-
-
-def defaults_of(scope: Scope, arguments: ast.arguments) -> tuple[tuple[Value, ...], dict[str, Value]]:
-    defaults = tuple(scope.value(default) for default in arguments.defaults)
-    pairs = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-    return defaults, {parameter.arg: scope.value(default) for parameter, default in pairs if default is not None}
 
 
 def new(scope: Scope, node: nodes.New) -> Value:

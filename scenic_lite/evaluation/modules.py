@@ -12,10 +12,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from scenic_lite.core.environment import Source, near
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Namespace, describe_kind
+from scenic_lite.core.types import Namespace, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes

@@ -10,21 +10,22 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.environment import Environment, near
 from scenic_lite.core.scope import Scope, name_draws
 from scenic_lite.core.state import LOAD, Watched
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Default,
+    Environment,
     Instance,
     LazyValue,
     ScenicClass,
     describe_kind,
+    near,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
-from scenic_lite.evaluation.calls import Return, defaults_of, function_of, names_of
+from scenic_lite.evaluation.calls import Return, function_of, names_of, signature_of
 from scenic_lite.evaluation.strings import text_of
 from scenic_lite.language.classes import OBJECT
 from scenic_lite.language.requirements import mutate, require
@@ -198,8 +199,7 @@ def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
 
 
 def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
-    defaults, keyword_defaults = defaults_of(scope, node.args)
-    behavior = Behavior(node.name, node, defaults, keyword_defaults, scope, names_of(tuple(node.body)))
+    behavior = Behavior(node.name, signature_of(scope, node.args), scope, names_of(tuple(node.body)), node)
     scope.assign(node.name, behavior)
     scope.state.behaviors[node.name] = behavior
     if node.started:  # Scenic 2, where to define it is to start it
@@ -207,9 +207,8 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
 
 
 def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
-    defaults, keyword_defaults = defaults_of(scope, node.args)
     own = names_of((*node.setup, *node.compose))
-    scenario = Behavior(node.name, node, defaults, keyword_defaults, scope, own)
+    scenario = Behavior(node.name, signature_of(scope, node.args), scope, own, node)
     scope.assign(node.name, scenario)
     scope.state.scenarios.append(scenario)
 

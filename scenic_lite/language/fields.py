@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.paths import PathEnumerator
 from scenic_lite.core.per_sample import PerSampleOperation, body_of, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.state import PathEnumerator
 from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, is_scalar

@@ -9,10 +9,10 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from inspect import Signature
 
-from scenic_lite.core.environment import near
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, RandomChoice, ScenicClass
+from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, RandomChoice, ScenicClass, near
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
 from scenic_lite.syntax import nodes
@@ -230,11 +230,11 @@ def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
         return value
     name = " or ".join(dict.fromkeys(option.behavior.name for option in value.options))
     do = nodes.Do([ast.Name("chosen", ast.Load())], "all", None, None, None, None)
-    parameters = ast.arguments([], [ast.arg("chosen")], None, [], [], None, [])
+    parameters = ast.arguments([], [], None, [], [], None, [])
     tree = nodes.Behavior(name, parameters, [], [], [do], "behavior", None)
     for made in (do, do.calls[0], tree):
         ast.copy_location(made, node)
-    return BehaviorCall(Behavior(name, tree, (), {}, scope), {"chosen": value}, scope.place(node))
+    return BehaviorCall(Behavior(name, Signature(), scope, frozenset(), tree), {"chosen": value}, scope.place(node))
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:

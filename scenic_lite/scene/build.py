@@ -11,10 +11,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from scenic_lite.core.checks import SceneChecks
-from scenic_lite.core.environment import Environment, Source
 from scenic_lite.core.per_sample import body_of, reached
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import BehaviorCall, Instance, randoms_in
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import Constraint, Constraints, constraint_of_requirement, constraints_of
 from scenic_lite.scene.naming import Draw, ThetaLayout, column_names, name_arguments, name_objects, title_of

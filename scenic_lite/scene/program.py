@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.checks import CheckResults, SceneChecks
-from scenic_lite.core.environment import Environment
 from scenic_lite.core.state import Mode, Watched
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance
+from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import Constraint, Constraints
 from scenic_lite.scene.naming import Draw, ThetaLayout, title_of_option

@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.environment import near
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, randoms_in
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, near, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.naming import Draw, ThetaLayout
 from scenic_lite.scene.scenes import Planner, Scenes

@@ -13,10 +13,9 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.environment import Environment, Source
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Behavior, Function, Instance, Namespace
+from scenic_lite.core.types import Behavior, Environment, Function, Instance, Namespace, Source
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance

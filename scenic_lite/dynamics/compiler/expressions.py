@@ -31,7 +31,7 @@ from scenic_lite.dynamics.compiler.registers import materialize, moves_to, regis
 from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.calls import Return, arguments_of, bind, call, seen_from
+from scenic_lite.evaluation.calls import Return, arguments_of, call, seen_from
 from scenic_lite.evaluation.expressions import apply_sign, combine, item_of
 from scenic_lite.evaluation.strings import text_of
 from scenic_lite.language.scenic_operators import OPERATORS
@@ -186,7 +186,7 @@ def call_value(
     if isinstance(function, Function):
         return inlined(c, scope, function, arguments, keywords, node)
     if isinstance(function, Behavior):
-        bound = bind(function.name, function.node.args, function, arguments, keywords)
+        bound = function.bind(arguments, keywords)
         values = {name: materialize(c.code, value) for name, value in bound.items()}
         return BehaviorCall(function, values, scope.place(node))
     if isinstance(function, Builtin):
@@ -251,7 +251,7 @@ def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Write the rows of a function of the program in place. Its variables last until it has given its value."""
-    bound = bind(function.name, function.arguments, function, arguments, keywords)
+    bound = function.bind(arguments, keywords)
     code, outside, before = c.code, c.code.variables, c.code.place
     used = code.scratch.used
     code.variables = code.scratch

@@ -12,9 +12,8 @@ from contextlib import nullcontext
 from functools import partial
 from typing import Any
 
-from scenic_lite.core.environment import Environment
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import register_of

@@ -17,10 +17,9 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.environment import Environment
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import EPISODE, Mode
-from scenic_lite.core.types import Builtin, Instance, Namespace
+from scenic_lite.core.types import Builtin, Environment, Instance, Namespace
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
 from scenic_lite.dynamics.reference.program_state import ProgramState
