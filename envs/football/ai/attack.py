@@ -7,9 +7,10 @@ The order of decisions and the forces are those documented of Google Research Fo
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.ai.passing import consider_first_time_pass, consider_pass
-from envs.football.ai.run_speed import RUNS, WALKS
+from envs.football.ai.run_speed import GAIT_CHOICE
 from envs.football.ai.shooting import consider_shot
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
 from envs.football.physics.dribble import TOUCH
@@ -20,13 +21,28 @@ from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-CENTRE_PULL = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
-RIVALS_RANGE, RIVALS_PUSH = 10.0, 1.6  # m; push of an opponent at no distance, against a pull of 1
-LINES_RANGE, LINES_PUSH = 20.0, 0.45  # m
-BESIDE_GOAL = 12.0  # m beside the goal from where its line pushes in full
-FORCE_SPEED = 8.0  # m/s for a force of 1
-VOLLEY_FITS = 0.3  # chance per step that his stride lets him shoot a ball that he has not stopped
-AT_ONCE = 0.25  # s before he meets a free ball: from then on he decides whether to play it without stopping it
+
+class Forces(NamedTuple):
+    """What draws and pushes who dribbles; the goal pulls with 1."""
+
+    centre_pull: float = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
+    rivals_range: float = 10.0  # m
+    rivals_push: float = 1.6  # of an opponent at no distance
+    lines_range: float = 20.0  # m
+    lines_push: float = 0.45
+    beside_goal: float = 12.0  # m beside the goal from where its line pushes in full
+    speed: float = 8.0  # m/s for a force of 1
+
+
+class FreeBall(NamedTuple):
+    """A free ball that is played without stopping it."""
+
+    at_once: float = 0.25  # s before he meets it: from then on he decides whether to
+    volley_fits: float = 0.3  # chance per step that his stride lets him shoot it
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
+FORCES, FREE_BALL = Forces(), FreeBall()
 
 
 @kernel
@@ -54,9 +70,9 @@ def meet_free_ball(match, i):
     if not kicks_himself(match, player):
         return
     forget_kick(player)
-    if meeting_time(match, player, ball_speed(match.ball)) > AT_ONCE:
+    if meeting_time(match, player, ball_speed(match.ball)) > FREE_BALL.at_once:
         return
-    if uniform(match) > VOLLEY_FITS or not consider_shot(match, i):
+    if uniform(match) > FREE_BALL.volley_fits or not consider_shot(match, i):
         consider_first_time_pass(match, i)
 
 
@@ -74,22 +90,22 @@ def run_by_forces(match, player):
     force_x += push_x + push_of_goal_line(player)
     force_y += push_y + push_of_line(HALF_WIDTH, player.y)
     size = length(force_x, force_y) + 1e-9
-    speed = carrying_speed(player, FORCE_SPEED * size)
+    speed = carrying_speed(player, FORCES.speed * size)
     player.desired_vx, player.desired_vy = force_x / size * speed, force_y / size * speed
 
 
 @kernel
 def carrying_speed(player, desired):
     """Return the speed in m/s with the ball that suits a desired one; he never stands."""
-    if desired < WALKS:
+    if desired < GAIT_CHOICE.walks:
         return DRIBBLE_SPEED
-    return RUN_SPEED if desired < RUNS else player.top_speed
+    return RUN_SPEED if desired < GAIT_CHOICE.runs else player.top_speed
 
 
 @kernel
 def pull_of_goal(player):
     """Return a force of 1 towards the goal, or rather towards a place nearer to the player's own lane."""
-    to_x, to_y = attacked_goal_x(player.team) - player.x, -CENTRE_PULL * player.y
+    to_x, to_y = attacked_goal_x(player.team) - player.x, -FORCES.centre_pull * player.y
     distance = length(to_x, to_y) + 1e-9
     return to_x / distance, to_y / distance
 
@@ -104,9 +120,9 @@ def push_of_rivals(match, player):
             continue
         dx, dy = player.x - rival.x, player.y - rival.y
         squared = dx * dx + dy * dy
-        if 0.0 < squared < RIVALS_RANGE * RIVALS_RANGE:
+        if 0.0 < squared < FORCES.rivals_range * FORCES.rivals_range:
             distance = math.sqrt(squared)
-            push = RIVALS_PUSH * (1.0 - distance / RIVALS_RANGE) / distance
+            push = FORCES.rivals_push * (1.0 - distance / FORCES.rivals_range) / distance
             force_x += push * dx
             force_y += push * dy
     return force_x, force_y
@@ -115,12 +131,12 @@ def push_of_rivals(match, player):
 @kernel
 def push_of_goal_line(player):
     """Return the force away from the goal lines, but not before the goal."""
-    beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / BESIDE_GOAL, 0.0), 1.0)
+    beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / FORCES.beside_goal, 0.0), 1.0)
     return beside * push_of_line(HALF_LENGTH, player.x)
 
 
 @kernel
 def push_of_line(limit, place):
     """Return the force away from the nearer of two lines at -limit and limit."""
-    near = max(1.0 - (limit - abs(place)) / LINES_RANGE, 0.0)
-    return -math.copysign(LINES_PUSH * near * near, place)
+    near = max(1.0 - (limit - abs(place)) / FORCES.lines_range, 0.0)
+    return -math.copysign(FORCES.lines_push * near * near, place)

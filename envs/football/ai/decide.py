@@ -11,7 +11,7 @@ from envs.football.ai.defence import defend
 from envs.football.ai.formation import exchange_slots, remember_ball
 from envs.football.ai.keeper import choose_keeper_command
 from envs.football.ai.marking import choose_markers, choose_pressers
-from envs.football.ai.run_speed import FULL_REACTION, reaction_time
+from envs.football.ai.run_speed import REACTION, reaction_time
 from envs.football.ai.support import start_runs, support
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
 from envs.football.physics.possession import ball_speed, meeting_time
@@ -90,7 +90,7 @@ def choose_command(match, i):
 @kernel
 def unaware_of_kick(match, player):
     """Return whether the ball has just been kicked and a player has not reacted to that yet."""
-    if match.carrier != NOBODY or match.kick_age > FULL_REACTION + 0.5 * STEP:
+    if match.carrier != NOBODY or match.kick_age > REACTION.unskilled + 0.5 * STEP:
         return False
     return match.kick_age < reaction_time(player) + (uniform(match) - 0.5) * STEP
 

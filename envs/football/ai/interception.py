@@ -5,14 +5,26 @@ The law and its numbers are those documented of Google Research Football. Read n
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
-RIVAL_LEAD = 0.2  # s by which an opponent's run is led
-LANE_END = 1.2  # of the lane's length, up to where an opponent endangers it
-BALL_DELAY, BALL_TIME = 0.7, 0.03  # s, s/m: how long a pass takes to the end of its lane
-RIVAL_SPEED, RIVAL_START = 8.0, 1.0  # m/s; m more to go
-IN_TIME = 0.5  # s of danger if opponent and ball are there at once
+
+class Interception(NamedTuple):
+    """When an opponent is at a lane before the ball."""
+
+    lead: float = 0.2  # s by which his run is led
+    lane_end: float = 1.2  # of the lane's length, up to where he endangers it
+    ball_delay: float = 0.7  # s that a pass takes to the end of its lane, whatever its length,
+    ball_time: float = 0.03  # s/m, and by it
+    speed: float = 8.0  # m/s, his
+    start: float = 1.0  # m more to go
+    in_time: float = 0.5  # s of danger if he and the ball are there at once
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families passes and matches.
+INTERCEPTION = Interception()
 
 
 @kernel
@@ -28,11 +40,11 @@ def danger(match, team, from_x, from_y, x, y, overhead, faster):
         rival = match.players[j]
         if rival.team == team:
             continue
-        to_x, to_y = rival.x + RIVAL_LEAD * rival.vx - from_x, rival.y + RIVAL_LEAD * rival.vy - from_y
+        to_x, to_y = rival.x + INTERCEPTION.lead * rival.vx - from_x, rival.y + INTERCEPTION.lead * rival.vy - from_y
         share = (to_x * dx + to_y * dy) / (distance * distance)
-        if overhead <= share <= LANE_END:
+        if overhead <= share <= INTERCEPTION.lane_end:
             away = abs(to_x * dy - to_y * dx) / distance
-            ball_time = (BALL_DELAY + BALL_TIME * min(share, 1.0) * distance) * share / faster
-            rival_time = (away + RIVAL_START) / RIVAL_SPEED
-            total += min(max(ball_time - rival_time + IN_TIME, 0.0), 1.0)
+            ball_time = (INTERCEPTION.ball_delay + INTERCEPTION.ball_time * min(share, 1.0) * distance) * share / faster
+            rival_time = (away + INTERCEPTION.start) / INTERCEPTION.speed
+            total += min(max(ball_time - rival_time + INTERCEPTION.in_time, 0.0), 1.0)
     return total

@@ -6,21 +6,45 @@ As documented of Google Research Football. Read next: `ai.defence`, for what mar
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
 from envs.football.physics.pitch import own_goal_x
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
-MARKED = 3  # opponents
-DANGER_GOAL, DANGER_DEPTH = 0.8, 2.0  # weight of the goal against the ball; m before its line
-ON_BALL = 5.8  # m by which the opponent on the ball counts as nearer
-MARK_LEAD = 0.1  # s
-BEHIND, MARKED_AHEAD, FAR_AHEAD = 0.5, 2.0, 60.0  # m: who is not passed; the best distance; the worst
-WIDE_LEAST, WIDE_MOST = 4.0, 14.0  # m aside, the worst near the goal and far from it
-PASSED, QUALITY_SHARE = 0.6, 0.8  # of the quality, for who is passed; against nearness
-PRESS_RANGE = 20.0  # m to an opponent on the ball
-TIRED_PRESS = 0.4  # share of the range that the tired lack
+
+class Danger(NamedTuple):
+    """Who is most dangerous: who is nearest to a place between goal and ball."""
+
+    marked: int = 3  # opponents
+    goal: float = 0.8  # weight of the goal against the ball
+    depth: float = 2.0  # m before the goal's line
+    on_ball: float = 5.8  # m by which the opponent on the ball counts as nearer
+
+
+class Quality(NamedTuple):
+    """How well somebody can mark an opponent."""
+
+    lead: float = 0.1  # s of both runs
+    behind: float = 0.5  # m, an opponent no further past him is not past
+    ahead: float = 2.0  # m, the best distance
+    far_ahead: float = 60.0  # m off it, the worst
+    wide_least: float = 4.0  # m aside, the worst near the goal
+    wide_most: float = 14.0  # m, and far from it
+    passed: float = 0.6  # of the quality, for who is passed
+    share: float = 0.8  # of the quality against nearness
+
+
+class Press(NamedTuple):
+    """Who goes for the opponent on the ball."""
+
+    range: float = 20.0  # m to him
+    tired: float = 0.4  # share of the range that the tired lack
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
+DANGER, QUALITY, PRESS = Danger(), Quality(), Press()
 
 
 @kernel
@@ -46,7 +70,7 @@ def choose_markers(match):
 def mark_the_dangerous(match, team):
     """Let the free defenders of `team` who are best placed for it mark the most dangerous opponents."""
     taken = 0
-    for _ in range(MARKED):
+    for _ in range(DANGER.marked):
         rival = most_dangerous(match, team, taken)
         if rival == NOBODY:
             return
@@ -63,15 +87,15 @@ def most_dangerous(match, team, taken):
 
     Who is on the ball counts as nearer than he is. -1: none.
     """
-    x = DANGER_GOAL * (own_goal_x(team) - math.copysign(DANGER_DEPTH, own_goal_x(team)))
-    x, y = x + (1.0 - DANGER_GOAL) * match.ball.x, (1.0 - DANGER_GOAL) * match.ball.y
+    x = DANGER.goal * (own_goal_x(team) - math.copysign(DANGER.depth, own_goal_x(team)))
+    x, y = x + (1.0 - DANGER.goal) * match.ball.x, (1.0 - DANGER.goal) * match.ball.y
     on_ball = man_on_ball(match, 1 - team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
         if rival.team == team or rival.role == GK or rival.has_left or taken >> j & 1 == 1:
             continue
-        distance = length(x - rival.x, y - rival.y) - (ON_BALL if j == on_ball else 0.0)
+        distance = length(x - rival.x, y - rival.y) - (DANGER.on_ball if j == on_ball else 0.0)
         if distance < least:
             best, least = j, distance
     return best
@@ -97,17 +121,17 @@ def marking_quality(player, rival):
 
     Who is past him he marks badly.
     """
-    x, y = player.x + MARK_LEAD * player.vx, player.y + MARK_LEAD * player.vy
-    dx, dy = rival.x + MARK_LEAD * rival.vx - x, rival.y + MARK_LEAD * rival.vy - y
+    x, y = player.x + QUALITY.lead * player.vx, player.y + QUALITY.lead * player.vy
+    dx, dy = rival.x + QUALITY.lead * rival.vx - x, rival.y + QUALITY.lead * rival.vy - y
     to_x, to_y = own_goal_x(player.team) - x, -y
     to_goal = length(to_x, to_y) + 1e-9
-    ahead, aside = -(dx * to_x + dy * to_y) / to_goal + BEHIND, abs(dx * to_y - dy * to_x) / to_goal
+    ahead, aside = -(dx * to_x + dy * to_y) / to_goal + QUALITY.behind, abs(dx * to_y - dy * to_x) / to_goal
     passed = ahead < 0.0
-    off = abs(ahead) if passed else abs(ahead - MARKED_AHEAD)
-    wide = aside / min(max(to_goal, WIDE_LEAST), WIDE_MOST)
-    quality = 1.0 - 0.5 * math.sqrt(min(off / FAR_AHEAD, 1.0)) - 0.5 * math.sqrt(min(wide, 1.0))
-    quality = max(quality, 0.0) * (PASSED if passed else 1.0)
-    return QUALITY_SHARE * quality + (1.0 - QUALITY_SHARE) * (1.0 - min(length(dx, dy) / (2.0 * HALF_LENGTH), 1.0))
+    off = abs(ahead) if passed else abs(ahead - QUALITY.ahead)
+    wide = aside / min(max(to_goal, QUALITY.wide_least), QUALITY.wide_most)
+    quality = 1.0 - 0.5 * math.sqrt(min(off / QUALITY.far_ahead, 1.0)) - 0.5 * math.sqrt(min(wide, 1.0))
+    quality = max(quality, 0.0) * (QUALITY.passed if passed else 1.0)
+    return QUALITY.share * quality + (1.0 - QUALITY.share) * (1.0 - min(length(dx, dy) / (2.0 * HALF_LENGTH), 1.0))
 
 
 @kernel
@@ -145,4 +169,4 @@ def send_pressers(match, team, on_ball):
 @kernel
 def pressing_range(player):
     """Return the distance in m within which a player presses the opponent on the ball."""
-    return PRESS_RANGE * player.skill * (1.0 - TIRED_PRESS * player.tiredness)
+    return PRESS.range * player.skill * (1.0 - PRESS.tired * player.tiredness)

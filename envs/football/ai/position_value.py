@@ -6,22 +6,34 @@ Read next: `ai.passing`, which compares mates by it.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import HALF_LENGTH
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
-PROGRESS_LEAST, PROGRESS_MOST = 2.0, 8.0  # weight of ground, for slots at the back and at the front
-ROOM_AHEAD, ROOM = 0.4, 0.3  # weights
-AHEAD_RANGE, ROOM_RANGE = 20.0, 10.0  # m
-AHEAD_WIDTH = 0.5  # tangent of half the angle that counts as ahead
+
+class Value(NamedTuple):
+    """What a place is worth."""
+
+    progress_least: float = 2.0  # weight of ground, for a slot at the back
+    progress_most: float = 8.0  # and at the front
+    ahead: float = 0.4  # weight of room ahead,
+    ahead_range: float = 20.0  # m
+    ahead_width: float = 0.5  # tangent of half the angle that counts as ahead
+    around: float = 0.3  # weight of room all around
+    around_range: float = 10.0  # m
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, family matches.
+VALUE = Value()
 
 
 @kernel
 def eagerness(player):
     """Return the weight of ground gained for a player: the further forward his slot, the greater."""
-    return PROGRESS_LEAST + (PROGRESS_MOST - PROGRESS_LEAST) * 0.5 * (1.0 + player.slot_x)
+    return VALUE.progress_least + (VALUE.progress_most - VALUE.progress_least) * 0.5 * (1.0 + player.slot_x)
 
 
 @kernel
@@ -30,22 +42,26 @@ def position_value(match, player, x, y):
     goal_x = attacked_goal_x(player.team)
     to_x, to_y = goal_x - x, -y
     to_goal = length(to_x, to_y) + 1e-9
-    ahead, around = AHEAD_RANGE, ROOM_RANGE
+    ahead, around = VALUE.ahead_range, VALUE.around_range
     for j in range(match.num_players):
         rival = match.players[j]
         if rival.team == player.team:
             continue
         dx, dy = rival.x - x, rival.y - y
         squared = dx * dx + dy * dy
-        if squared > AHEAD_RANGE * AHEAD_RANGE:
+        if squared > VALUE.ahead_range * VALUE.ahead_range:
             continue
         distance = math.sqrt(squared)
         around = min(around, distance)
         along = (dx * to_x + dy * to_y) / to_goal
-        if along > 0.0 and abs(dx * to_y - dy * to_x) < AHEAD_WIDTH * along * to_goal:
+        if along > 0.0 and abs(dx * to_y - dy * to_x) < VALUE.ahead_width * along * to_goal:
             ahead = min(ahead, distance)
     ground = 1.0 - to_goal / (2.0 * HALF_LENGTH)
-    return eagerness(player) * ground + ROOM_AHEAD * ahead / AHEAD_RANGE + ROOM * around / ROOM_RANGE
+    return (
+        eagerness(player) * ground
+        + VALUE.ahead * ahead / VALUE.ahead_range
+        + VALUE.around * around / VALUE.around_range
+    )
 
 
 @kernel

@@ -6,17 +6,41 @@ Read next: `ai.support`, `ai.defence`.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
-URGENCY = 2.6  # 1/s: wanted speed per distance to go
-STANDS, WALKS, RUNS = 1.75, 4.25, 6.5  # m/s, desired speeds up to which he stands, walks, runs
-LAZY_FROM, LAZY_TO, LAZINESS = 20.0, 65.0, 0.75  # m to the ball; share of the desired speed that is lost
-TIRED_LAZINESS = 0.3
-FULL_REACTION, SKILLED_REACTION = 0.16, 0.06  # s, at difficulty 0 and 1
-SKILL_RANGE = 0.7  # of `skill`, from difficulty 0 to 1
+
+class GaitChoice(NamedTuple):
+    """Which of the body's gaits suits a desired speed: up to so many m/s he ..."""
+
+    stands: float = 1.75  # m/s
+    walks: float = 4.25  # m/s
+    runs: float = 6.5  # m/s; above it he sprints
+
+
+class Effort(NamedTuple):
+    """How fast he wants to be where he goes."""
+
+    urgency: float = 2.6  # 1/s: speed per distance to go
+    lazy_from: float = 20.0  # m to the ball
+    lazy_to: float = 65.0  # m
+    laziness: float = 0.75  # share of the speed that is lost from there on
+    tired: float = 0.3  # share of it that the tired lose
+
+
+class Reaction(NamedTuple):
+    """By how much he is behind with what he sees of others."""
+
+    unskilled: float = 0.16  # s, at difficulty 0
+    skilled: float = 0.06  # s, at difficulty 1
+    skill_range: float = 0.7  # of `skill`, from difficulty 0 to 1
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
+GAIT_CHOICE, EFFORT, REACTION = GaitChoice(), Effort(), Reaction()
 
 
 @kernel
@@ -25,9 +49,12 @@ def head_for(match, player, x, y):
     dx, dy = x - player.x, y - player.y
     distance = math.sqrt(dx * dx + dy * dy)
     ball = match.ball
-    far = (length(ball.x - player.x, ball.y - player.y) - LAZY_FROM) / (LAZY_TO - LAZY_FROM)
+    far = (length(ball.x - player.x, ball.y - player.y) - EFFORT.lazy_from) / (EFFORT.lazy_to - EFFORT.lazy_from)
     desired = (
-        URGENCY * distance * (1.0 - LAZINESS * min(max(far, 0.0), 1.0)) * (1.0 - TIRED_LAZINESS * player.tiredness)
+        EFFORT.urgency
+        * distance
+        * (1.0 - EFFORT.laziness * min(max(far, 0.0), 1.0))
+        * (1.0 - EFFORT.tired * player.tiredness)
     )
     go(player, dx, dy, gait_speed(player, desired))
 
@@ -35,11 +62,11 @@ def head_for(match, player, x, y):
 @kernel
 def gait_speed(player, desired):
     """Return the speed in m/s of the body's gaits that is nearest to a desired one."""
-    if desired < STANDS:
+    if desired < GAIT_CHOICE.stands:
         return 0.0
-    if desired < WALKS:
+    if desired < GAIT_CHOICE.walks:
         return DRIBBLE_SPEED
-    return RUN_SPEED if desired < RUNS else player.top_speed
+    return RUN_SPEED if desired < GAIT_CHOICE.runs else player.top_speed
 
 
 @kernel
@@ -53,5 +80,5 @@ def go(player, dx, dy, speed):
 @kernel
 def reaction_time(player):
     """Return the seconds by which a player is behind with what he sees of others."""
-    ease = (player.skill - (1.0 - SKILL_RANGE)) / SKILL_RANGE
-    return FULL_REACTION + (SKILLED_REACTION - FULL_REACTION) * ease
+    ease = (player.skill - (1.0 - REACTION.skill_range)) / REACTION.skill_range
+    return REACTION.unskilled + (REACTION.skilled - REACTION.unskilled) * ease

@@ -9,6 +9,7 @@ shot of the agent's; after 20 steps he passes of his own accord. Meanwhile every
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -36,24 +37,44 @@ from envs.football.skills.kicks import AFTER_KICK, aim, leave_foot
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
+
+class Taker(NamedTuple):
+    """How long a restart takes, and how its taker goes at the ball."""
+
+    quicker: float = 0.4  # how often the built-in taker is one step quicker
+    patience: int = 20  # steps that an agent's taker waits
+    line_wait: float = 0.4  # s after a set piece for which side lines do not count
+    at_ball: float = 0.5  # m from him to the ball when he kicks
+
+
+class Throw(NamedTuple):
+    """A throw-in."""
+
+    height: float = 2.0  # m
+    least: float = 10.8  # m/s
+    gain: float = 0.42  # m/s per m to the mate
+    most: float = 17.2  # m/s
+    lift: float = 2.4  # m/s upwards
+    lob_lift: float = 4.2  # m/s, of a high one
+
+
+class Choice(NamedTuple):
+    """What the built-in taker chooses."""
+
+    shot_range: float = 28.0  # m from a free kick to the goal, and less than 45° off its middle: it is shot
+    corner: float = 3.0  # m off the middle of the goal, the aim
+    crowded: float = 2.0  # m to the nearest opponent: a bad receiver,
+    free: float = 10.0  # m, a perfect one
+    gain: float = 0.01  # rating per m up the pitch
+    throw_far: float = 25.0  # m: mates further away are not looked for at a throw-in,
+    pass_far: float = 60.0  # m, nor otherwise
+    high_from: float = 24.0  # m: passed high
+
+
+# Timing is counted in the original's matches, the choice is documented of it: `regista benchmark --suite grf`, family
+# matches.
 SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps that a restart shows at most, by mode
-SHORTER = 0.4  # how often the built-in taker is one step quicker
-PATIENCE = 20  # steps that an agent's taker waits
-LINE_WAIT = 0.4  # s after a set piece for which side lines do not count
-
-# The taker
-AT_BALL = 0.5  # m from the taker to the ball when he kicks
-
-# The throw
-THROWN_FROM, THROW_SPEED, THROW_LIFT, LOB_LIFT = 2.0, 17.2, 2.4, 4.2  # m, m/s
-THROW_LEAST, THROW_GAIN = 10.8, 0.42  # m/s; m/s per m to the mate
-
-# What the built-in taker chooses
-SHOT_RANGE = 28.0  # m from a free kick to the goal, and less than 45° off its middle: it is shot
-CORNER_AIM = 3.0  # m off the middle of the goal
-CROWDED, FREE_ROOM = 2.0, 10.0  # m to the nearest opponent: a bad and a perfect receiver
-GAIN = 0.01  # rating per m up the pitch
-THROW_FAR, PASS_FAR, HIGH_FROM = 25.0, 60.0, 24.0  # m: mates further away are not looked for; passed high
+TAKER, THROW, CHOICE = Taker(), Throw(), Choice()
 
 
 @kernel
@@ -89,7 +110,7 @@ def decide_restart(match, taker):
     if player.action == BUILTIN_AI:
         if match.restart_kick == NOBODY:
             choose_kick(match, taker)
-            quick = 1 if uniform(match) < SHORTER else 0
+            quick = 1 if uniform(match) < TAKER.quicker else 0
             match.restart_kick = SHOWN[match.game_mode] - quick
     elif LONG_PASS <= player.action <= SHOT:
         if player.kick == player.action:
@@ -98,7 +119,7 @@ def decide_restart(match, taker):
             player.kick, player.kick_held, player.is_aimed = player.action, 1, False
         if match.restart_kick == NOBODY:
             match.restart_kick = SHOWN[match.game_mode]
-    elif match.restart_kick == NOBODY and match.restart_wait > PATIENCE:
+    elif match.restart_kick == NOBODY and match.restart_wait > TAKER.patience:
         player.kick, player.kick_held, player.is_aimed = SHORT_PASS, 1, False
         match.restart_kick = SHOWN[match.game_mode]
 
@@ -108,7 +129,7 @@ def approach(match, taker):
     """Let the taker run up so that he is at the ball when he is to kick it."""
     player, ball = match.players[taker], match.ball
     dx, dy = toward(ball.x - player.x, ball.y - player.y)
-    speed = min(max(apart(ball, player) - AT_BALL, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
+    speed = min(max(apart(ball, player) - TAKER.at_ball, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
     player.vx, player.vy = speed * dx, speed * dy
 
 
@@ -117,7 +138,7 @@ def put_in_play(match, taker):
     """Kick or throw the ball: play goes on, and for a moment the side lines do not count."""
     player, mode = match.players[taker], match.game_mode
     match.game_mode, match.restart_team, match.taker = NORMAL, NOBODY, NOBODY
-    match.line_wait = LINE_WAIT
+    match.line_wait = TAKER.line_wait
     if not player.is_aimed:
         aim(match, taker)
     if mode == THROW_IN:
@@ -134,9 +155,9 @@ def throw(match, i):
     player, ball = match.players[i], match.ball
     ux, uy = toward(player.aim_x - ball.x, player.aim_y - ball.y)
     distance = length(player.aim_x - ball.x, player.aim_y - ball.y)
-    speed = min(THROW_LEAST + THROW_GAIN * distance, THROW_SPEED)
-    ball.vx, ball.vy, ball.z = speed * ux, speed * uy, THROWN_FROM
-    ball.vz = LOB_LIFT if player.kick in (HIGH_PASS, SHOT) else THROW_LIFT
+    speed = min(THROW.least + THROW.gain * distance, THROW.most)
+    ball.vx, ball.vy, ball.z = speed * ux, speed * uy, THROW.height
+    ball.vz = THROW.lob_lift if player.kick in (HIGH_PASS, SHOT) else THROW.lift
     ball.spin_x, ball.spin_y = 0.0, 0.0
     look_at(player, player.aim_x, player.aim_y)
     match.receiver = player.kick_mate
@@ -154,15 +175,15 @@ def choose_kick(match, taker):
     mode = match.game_mode
     if mode == PENALTY or (mode == FREE_KICK and in_shooting_place(goal_x - ball.x, ball.y)):
         player.kick = SHOT
-        left = math.copysign(CORNER_AIM, goal_x)  # as he sees it: turned with the pitch
+        left = math.copysign(CHOICE.corner, goal_x)  # as he sees it: turned with the pitch
         player.aim_x, player.aim_y = goal_x, left if uniform(match) < 0.5 else -left
     else:
-        mate = best_mate(match, taker, THROW_FAR if mode == THROW_IN else PASS_FAR)
+        mate = best_mate(match, taker, CHOICE.throw_far if mode == THROW_IN else CHOICE.pass_far)
         if mate == NOBODY:
             player.aim_x, player.aim_y = 0.5 * (ball.x + goal_x), 0.5 * ball.y
         else:
             player.aim_x, player.aim_y = match.players[mate].x, match.players[mate].y
-        far = length(player.aim_x - ball.x, player.aim_y - ball.y) > HIGH_FROM
+        far = length(player.aim_x - ball.x, player.aim_y - ball.y) > CHOICE.high_from
         player.kick = HIGH_PASS if mode in (GOAL_KICK, CORNER, THROW_IN) or far else SHORT_PASS
         player.kick_mate = mate
     player.kick_held, player.kick_ready, player.is_aimed = 1, True, True
@@ -171,7 +192,7 @@ def choose_kick(match, taker):
 @kernel
 def in_shooting_place(dx, y):
     """Return whether a free kick dx m before the goal line is near enough and not too far out for a shot."""
-    return length(dx, y) < SHOT_RANGE and abs(y) < abs(dx)
+    return length(dx, y) < CHOICE.shot_range and abs(y) < abs(dx)
 
 
 @kernel
@@ -188,8 +209,8 @@ def best_mate(match, taker, farthest):
         for k in range(match.num_players):
             if match.players[k].team != team:
                 room = min(room, apart(match.players[k], mate))
-        rating = min(max((room - CROWDED) / (FREE_ROOM - CROWDED), 0.0), 1.0)
-        rating += GAIN * ahead * (mate.x - match.ball.x)
+        rating = min(max((room - CHOICE.crowded) / (CHOICE.free - CHOICE.crowded), 0.0), 1.0)
+        rating += CHOICE.gain * ahead * (mate.x - match.ball.x)
         if rating > best_rating:
             best, best_rating = j, rating
     return best

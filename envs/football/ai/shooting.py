@@ -7,6 +7,7 @@ shots out.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.ai.interception import danger
 from envs.football.ai.passing import ask_kick
@@ -18,15 +19,43 @@ from envs.football.skills.shots import SHOT_SKILL
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-SHOT_RANGE, SHOT_SPOT = 12.7, 7.0  # m around a spot this far before the goal
-SHOT_CHANCE = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-SPRINTING, STRIDE_FITS = 6.0, 0.5  # m/s; chance per step that a sprinter who leads the ball can shoot
-CORNER, CORNER_AIM, BEHIND_LINE = 3.6, 3.5, 1.0  # m off the middle: of the lane, of the aim; and behind the line
-LANE_LEAD, FASTER_THAN_PASSES = 0.12, 3.0  # s by which the shooter's run is led; a shot's speed
 
-# How it is struck
-RUN_LEAD, AIM_SHARE, RUN_SHARE, FULL_SPEED = 0.2, 0.7, 0.3, 8.0  # s; shares of aim, and of run at this speed, m/s
-POWER_LEAST, POWER_NEAR, POWER_FAR, FAR = 0.7, 0.6, 0.4, 32.0  # of the most; shares; m to the goal
+class When(NamedTuple):
+    """From where, and when, a shot is tried."""
+
+    spot: float = 7.0  # m before the goal:
+    range: float = 12.7  # m around there
+    chance: float = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
+    luck: float = 0.5  # that draw's most
+    sprinting: float = 6.0  # m/s: a sprinter who leads the ball
+    stride_fits: float = 0.5  # chance per step that he can shoot
+
+
+class Lane(NamedTuple):
+    """The corners looked at, and the way there."""
+
+    corner: float = 3.6  # m off the middle of the goal
+    aim: float = 3.5  # m off it, where a shot at that corner goes
+    lead: float = 0.12  # s of the shooter's run
+    faster: float = 3.0  # than a pass
+
+
+class Strike(NamedTuple):
+    """What a shot is asked to be."""
+
+    behind_line: float = 1.0  # m, where it is aimed
+    run_lead: float = 0.2  # s
+    aim_share: float = 0.7  # of the direction
+    run_share: float = 0.3  # taken off it, of the run at this speed:
+    full_speed: float = 8.0  # m/s
+    power_least: float = 0.7  # of the most, by luck
+    power_near: float = 0.6  # share of it from nowhere,
+    power_far: float = 0.4  # more from this far:
+    far: float = 32.0  # m to the goal
+
+
+# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
+WHEN, LANE, STRIKE = When(), Lane(), Strike()
 
 
 @kernel
@@ -34,19 +63,19 @@ def consider_shot(match, i):
     """Shoot at the best of both corners and the middle if its lane is free enough; return whether."""
     player = match.players[i]
     goal_x = attacked_goal_x(player.team)
-    spot_x = goal_x - math.copysign(SHOT_SPOT, goal_x)
-    if length(spot_x - player.x, player.y) > SHOT_RANGE:
+    spot_x = goal_x - math.copysign(WHEN.spot, goal_x)
+    if length(spot_x - player.x, player.y) > WHEN.range:
         return False
-    if match.carrier == i and length(player.vx, player.vy) > SPRINTING and uniform(match) > STRIDE_FITS:
+    if match.carrier == i and length(player.vx, player.vy) > WHEN.sprinting and uniform(match) > WHEN.stride_fits:
         return False
     far_y = -math.copysign(1.0, player.y if player.y != 0.0 else goal_x)
     best, best_y = lane_odds(match, player, goal_x, 0.0), 0.0
     for side in (far_y, -far_y):
-        odds = lane_odds(match, player, goal_x, side * CORNER)
+        odds = lane_odds(match, player, goal_x, side * LANE.corner)
         if odds > best:
-            best, best_y = odds, side * CORNER_AIM
+            best, best_y = odds, side * LANE.aim
     luck = uniform(match) ** (1.0 / FRAMES)  # the best of a frame's draws each
-    if math.sqrt(best) + 0.5 * luck < SHOT_CHANCE:
+    if math.sqrt(best) + WHEN.luck * luck < WHEN.chance:
         return False
     shoot(match, player, goal_x, best_y)
     return True
@@ -56,16 +85,18 @@ def consider_shot(match, i):
 def shoot(match, player, goal_x, y):
     """Ask for a shot at y on the goal line: turned away from the run, which would drag it, and so often too far."""
     miss = 1.0 - SHOT_SKILL[player.shirt % len(SHOT_SKILL)] * player.skill
-    from_x, from_y = player.x + RUN_LEAD * player.vx, player.y + RUN_LEAD * player.vy
-    line_x = goal_x + math.copysign(BEHIND_LINE, goal_x)
+    from_x, from_y = player.x + STRIKE.run_lead * player.vx, player.y + STRIKE.run_lead * player.vy
+    line_x = goal_x + math.copysign(STRIKE.behind_line, goal_x)
     miss *= (2.0 * uniform(match) - 1.0) * math.copysign(1.0, goal_x)  # turned with the pitch
     ux, uy = toward(line_x - from_x, y + miss - from_y)
-    run = RUN_SHARE * length(player.vx, player.vy) / FULL_SPEED
-    ux, uy = toward(AIM_SHARE * ux - run * player.facing_x, AIM_SHARE * uy - run * player.facing_y)
+    run = STRIKE.run_share * length(player.vx, player.vy) / STRIKE.full_speed
+    ux, uy = toward(STRIKE.aim_share * ux - run * player.facing_x, STRIKE.aim_share * uy - run * player.facing_y)
     distance = length(line_x - from_x, y - from_y)
     ask_kick(player, SHOT, from_x + distance * ux, from_y + distance * uy)
-    far = min(length(goal_x - player.x, player.y) / FAR, 1.0)
-    power = (POWER_LEAST + (1.0 - POWER_LEAST) * uniform(match)) * (POWER_NEAR + POWER_FAR * far)
+    far = min(length(goal_x - player.x, player.y) / STRIKE.far, 1.0)
+    power = (STRIKE.power_least + (1.0 - STRIKE.power_least) * uniform(match)) * (
+        STRIKE.power_near + STRIKE.power_far * far
+    )
     gauge = power ** (1.0 / GAUGE.shot_power)
     player.kick_held = int((GAUGE.least + GAUGE.range * gauge) / GAUGE.step + uniform(match))
 
@@ -73,5 +104,5 @@ def shoot(match, player, goal_x, y):
 @kernel
 def lane_odds(match, player, x, y):
     """Return the odds in [0, 1] that a shot at (x, y) gets past the opponents of a player."""
-    from_x, from_y = player.x + LANE_LEAD * player.vx, player.y + LANE_LEAD * player.vy
-    return max(1.0 - danger(match, player.team, from_x, from_y, x, y, 0.0, FASTER_THAN_PASSES), 0.0)
+    from_x, from_y = player.x + LANE.lead * player.vx, player.y + LANE.lead * player.vy
+    return max(1.0 - danger(match, player.team, from_x, from_y, x, y, 0.0, LANE.faster), 0.0)

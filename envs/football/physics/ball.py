@@ -7,6 +7,7 @@ Read next: `frames`, which calls `advance_ball` a hundred times a second.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
     BALL_RADIUS,
@@ -18,19 +19,47 @@ from envs.football.constants import (
 )
 from scenic_lite.kernels.jit import kernel
 
-GRAVITY = 9.81  # m/s²
-AIR_DRAG = 0.015  # 1/m: deceleration is this times v²
-GROUND_DRAG = 0.04  # 1/m
-GROUND_FRICTION = 1.6  # m/s²
-GRASS = 0.025  # m, height above the ground over which the ground's grip fades out
-BOUNCE, BOUNCE_LOSS = 0.62, 0.06  # vertical speed kept, and lost, m/s
-ROLLING = 0.12  # m/s, slower bounces are not bounces
-GRIP = 0.01  # share of the difference between speed and spin that the ground evens out in a frame
-SPIN_GAIN, SPIN_GAIN_BOUNCE = 0.345, 1.38  # m/s by which spin may approach speed in a frame, at a bounce
-SWERVE, SWERVE_TURN, SWERVE_POWER, FASTEST = 0.3, 0.94 * math.pi, 2.6, 70.0  # m/s² per rad/s of spin; speed in m/s
-SPIN_LEAST = 0.5  # rad/s, slower spin does not bend the flight
-POST_BOUNCE = 0.8  # speed kept
-FRAME_REACH = BALL_RADIUS + POST_RADIUS
+
+class Air(NamedTuple):
+    """What acts on a ball in flight."""
+
+    gravity: float = 9.81  # m/s²
+    drag: float = 0.015  # 1/m: deceleration is this times v²
+    swerve: float = 0.3  # m/s² per rad/s of spin, at most
+    swerve_turn: float = 0.94 * math.pi  # rad, of the sine by which that grows and falls with speed:
+    fastest: float = 70.0  # m/s
+    swerve_power: float = 2.6
+    spin_least: float = 0.5  # rad/s, slower spin does not bend the flight
+
+
+class Ground(NamedTuple):
+    """What the ground does to it."""
+
+    drag: float = 0.04  # 1/m
+    friction: float = 1.6  # m/s²
+    grass: float = 0.025  # m, height above the ground over which its grip fades out
+    fading: float = 0.7  # power by which it does
+    bounce: float = 0.62  # vertical speed kept,
+    bounce_loss: float = 0.06  # m/s, and lost
+    rolling: float = 0.12  # m/s, slower bounces are not bounces
+    grip: float = 0.01  # share of the difference between speed and spin that the ground evens out in a frame,
+    grip_bounce: float = 0.5  # at a bounce, in full from this hard:
+    soft_impact: float = 0.5  # m/s
+    hard_impact: float = 12.0  # m/s more
+    spin_gain: float = 0.345  # m/s by which spin may approach speed in a frame,
+    spin_gain_bounce: float = 1.38  # m/s, at a bounce
+
+
+class Frame(NamedTuple):
+    """Posts and crossbar."""
+
+    reach: float = BALL_RADIUS + POST_RADIUS  # m, from the middle of a post to that of a ball which touches it
+    bounce: float = 0.8  # speed kept
+
+
+# Google Research Football's own forces, checked by `regista benchmark --suite grf`, family ball.
+AIR, GROUND, FRAME = Air(), Ground(), Frame()
+MEAN_DRAG = 0.045  # 1/m, of a rolling ball: an estimate for who looks ahead
 
 
 @kernel
@@ -40,7 +69,7 @@ def advance_ball(ball):
     if on_ground and ball.vx == 0.0 and ball.vy == 0.0:
         return
     if on_ground:
-        drag_on_ground(ball, 1.0, AIR_DRAG)
+        drag_on_ground(ball, 1.0, AIR.drag)
     else:
         fly(ball)
     x, y, z = ball.x, ball.y, ball.z
@@ -54,25 +83,25 @@ def advance_ball(ball):
 def fly(ball):
     """Let air and gravity act on the ball for a frame, and the ground if it comes near enough."""
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
-    keep = 1.0 - AIR_DRAG * speed * DT
+    keep = 1.0 - AIR.drag * speed * DT
     ball.vx *= keep
     ball.vy *= keep
-    ball.vz = ball.vz * keep - GRAVITY * DT
+    ball.vz = ball.vz * keep - AIR.gravity * DT
     swerve(ball, speed)
     ball.z += ball.vz * DT
     if ball.z < BALL_RADIUS:
         bounce(ball)
-    if ball.z < BALL_RADIUS + GRASS:
-        drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GRASS) ** 0.7, 0.0)
+    if ball.z < BALL_RADIUS + GROUND.grass:
+        drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GROUND.grass) ** GROUND.fading, 0.0)
 
 
 @kernel
 def swerve(ball, speed):
     """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side."""
     wx, wy, wz = -ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
-    if wx * wx + wy * wy + wz * wz < SPIN_LEAST * SPIN_LEAST or speed < 1.0:
+    if wx * wx + wy * wy + wz * wz < AIR.spin_least * AIR.spin_least or speed < 1.0:
         return
-    force = SWERVE * math.sin(min(speed / FASTEST, 1.0) * SWERVE_TURN) ** SWERVE_POWER * DT / speed
+    force = AIR.swerve * math.sin(min(speed / AIR.fastest, 1.0) * AIR.swerve_turn) ** AIR.swerve_power * DT / speed
     vx, vy, vz = ball.vx, ball.vy, ball.vz
     ball.vx += force * (wy * vz - wz * vy)
     ball.vy += force * (wz * vx - wx * vz)
@@ -86,14 +115,14 @@ def drag_on_ground(ball, contact, air):
     `contact` in [0, 1] is how much of the ground's grip is felt.
     """
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
-    loss = (((GROUND_DRAG * contact + air) * speed * speed) + GROUND_FRICTION * contact) * DT
+    loss = (((GROUND.drag * contact + air) * speed * speed) + GROUND.friction * contact) * DT
     if loss >= speed:
         ball.vx, ball.vy, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0
         return
     keep = 1.0 - loss / speed
     ball.vx *= keep
     ball.vy *= keep
-    even_out(ball, GRIP * contact, SPIN_GAIN * contact)
+    even_out(ball, GROUND.grip * contact, GROUND.spin_gain * contact)
 
 
 @kernel
@@ -117,10 +146,14 @@ def bounce(ball):
     """Reflect the ball off the ground."""
     impact = abs(ball.vz)
     ball.z = BALL_RADIUS
-    ball.vz = max(BOUNCE * impact - BOUNCE_LOSS, 0.0)
-    if ball.vz < ROLLING:
+    ball.vz = max(GROUND.bounce * impact - GROUND.bounce_loss, 0.0)
+    if ball.vz < GROUND.rolling:
         ball.vz = 0.0
-    even_out(ball, 0.5 * min(max((impact - 0.5) / 12.0, 0.0), 1.0), SPIN_GAIN_BOUNCE)
+    even_out(
+        ball,
+        GROUND.grip_bounce * min(max((impact - GROUND.soft_impact) / GROUND.hard_impact, 0.0), 1.0),
+        GROUND.spin_gain_bounce,
+    )
 
 
 @kernel
@@ -132,14 +165,14 @@ def hit_goal_frame(ball, x, y, z):
     if share >= 0.0 and ball.z < GOAL_HEIGHT:
         away_x, away_y = x + share * (ball.x - x) - goal_x, y + share * (ball.y - y) - post_y
         ball.vx, ball.vy = reflected(ball.vx, ball.vy, away_x, away_y)
-        ball.vz *= POST_BOUNCE
+        ball.vz *= FRAME.bounce
         ball.x, ball.y = goal_x + away_x, post_y + away_y
         return
     share = entry_share(x - goal_x, z - GOAL_HEIGHT, ball.x - x, ball.z - z)
     if share >= 0.0 and abs(ball.y) < GOAL_HALF_WIDTH:
         away_x, away_z = x + share * (ball.x - x) - goal_x, z + share * (ball.z - z) - GOAL_HEIGHT
         ball.vx, ball.vz = reflected(ball.vx, ball.vz, away_x, away_z)
-        ball.vy *= POST_BOUNCE
+        ball.vy *= FRAME.bounce
         ball.x, ball.z = goal_x + away_x, GOAL_HEIGHT + away_z
 
 
@@ -150,7 +183,7 @@ def entry_share(a, b, da, db):
     """
     squared = da * da + db * db
     half = a * da + b * db
-    outside = a * a + b * b - FRAME_REACH * FRAME_REACH
+    outside = a * a + b * b - FRAME.reach * FRAME.reach
     discriminant = half * half - squared * outside
     if half >= 0.0 or outside < 0.0 or discriminant < 0.0:
         return -1.0
@@ -162,12 +195,12 @@ def entry_share(a, b, da, db):
 def reflected(va, vb, a, b):
     """Return the velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
     inward = (va * a + vb * b) / (a * a + b * b)
-    return (va - 2.0 * inward * a) * POST_BOUNCE, (vb - 2.0 * inward * b) * POST_BOUNCE
+    return (va - 2.0 * inward * a) * FRAME.bounce, (vb - 2.0 * inward * b) * FRAME.bounce
 
 
 @kernel
 def rolled(speed, time):
     """Return the distance in m that a ball of this speed rolls in `time` seconds, by its mean deceleration."""
-    slowing = GROUND_FRICTION + 0.045 * speed * speed
+    slowing = GROUND.friction + MEAN_DRAG * speed * speed
     time = min(time, speed / slowing)
     return speed * time - 0.5 * slowing * time * time

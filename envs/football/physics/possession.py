@@ -6,20 +6,37 @@ Read next: `control.keys`, which turns actions into wanted velocities and kicks.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
-from envs.football.physics.ball import AIR_DRAG, GRAVITY, rolled
+from envs.football.physics.ball import AIR, rolled
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
-OWNED_WITHIN = 1.0  # m from the player's place a moment ahead to the ball
-OWNED_LEAD, OWNED_AHEAD = 0.05, 0.1  # s, m: that place
-OWNED_BELOW = 0.5  # m
-OWNED_SPEED = 6.0  # m/s, relative
+
+class Owned(NamedTuple):
+    """When the last player at the ball is reported as its owner."""
+
+    lead: float = 0.05  # s: from where he will be then,
+    ahead: float = 0.1  # m, and a little before him
+    within: float = 1.0  # m to the ball
+    below: float = 0.5  # m, its height
+    speed: float = 6.0  # m/s, relative to him
+
+
+class Chase(NamedTuple):
+    """Estimates of who is soonest at the ball."""
+
+    speed: float = 7.5  # m/s, a runner's
+    over_heads: float = 1.3  # m, height of a ball that nobody reaches in its flight
+    caught_at: float = 0.9  # m, height at which he then does
+    landed: float = 0.6  # share of its speed that a ball keeps when it comes down
+
+
+# Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
+# family matches.
+OWNED, CHASE = Owned(), Chase()
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
-CHASE_SPEED = 7.5  # m/s, for estimates
-OVER_HEADS, CAUGHT_AT = 1.3, 0.9  # m, of a ball that nobody reaches in its flight; height at which he then does
-LANDED = 0.6  # share of its speed that a ball keeps when it comes down
 
 
 @kernel
@@ -31,9 +48,11 @@ def ball_speed(ball):
 @kernel
 def fall_time(ball):
     """Time in s until a ball that flies over the players comes down to them; 0 for one that stays low."""
-    if ball.vz * ball.vz + 2.0 * GRAVITY * ball.z < 2.0 * GRAVITY * OVER_HEADS:
+    if ball.vz * ball.vz + 2.0 * AIR.gravity * ball.z < 2.0 * AIR.gravity * CHASE.over_heads:
         return 0.0
-    return (ball.vz + math.sqrt(max(ball.vz * ball.vz + 2.0 * GRAVITY * (ball.z - CAUGHT_AT), 0.0))) / GRAVITY
+    return (
+        ball.vz + math.sqrt(max(ball.vz * ball.vz + 2.0 * AIR.gravity * (ball.z - CHASE.caught_at), 0.0))
+    ) / AIR.gravity
 
 
 @kernel
@@ -41,16 +60,16 @@ def travelled(speed, flight, time):
     """Estimate in m how far a ball goes in `time` s: through the air for `flight` s, then over the ground."""
     if flight == 0.0:
         return rolled(speed, time)
-    drag = 1.0 + AIR_DRAG * speed * min(time, flight)
-    way = math.log(drag) / AIR_DRAG
-    return way if time <= flight else way + rolled(LANDED * speed / drag, time - flight)
+    drag = 1.0 + AIR.drag * speed * min(time, flight)
+    way = math.log(drag) / AIR.drag
+    return way if time <= flight else way + rolled(CHASE.landed * speed / drag, time - flight)
 
 
 @kernel
 def meeting_time(match, player, speed):
     """Estimate in s how soon a player can be at the ball, which goes on at `speed` m/s meanwhile."""
     ball = match.ball
-    time = length(ball.x - player.x, ball.y - player.y) / CHASE_SPEED
+    time = length(ball.x - player.x, ball.y - player.y) / CHASE.speed
     if speed < 1.0:
         return time
     flight = fall_time(ball)
@@ -58,7 +77,7 @@ def meeting_time(match, player, speed):
     for _ in range(3):
         share = travelled(speed, flight, time) / speed
         reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
-        time = max(0.5 * (time + reach / CHASE_SPEED), flight)
+        time = max(0.5 * (time + reach / CHASE.speed), flight)
     return time
 
 
@@ -74,7 +93,7 @@ def find_chasers(match):
         time = -1.0
         if match.carrier != i:
             soonest = soonest_left if player.team == LEFT else soonest_right
-            if apart(match.ball, player) > (CHASE_SPEED + speed) * soonest:
+            if apart(match.ball, player) > (CHASE.speed + speed) * soonest:
                 continue  # too far away even if the ball rolled towards him
             time = meeting_time(match, player, speed) + player.down_wait
         if player.team == LEFT and time < soonest_left:
@@ -120,13 +139,13 @@ def compare_owner(match):
 @kernel
 def owns(ball, player):
     """Return whether the last player at the ball possesses it: near, low and hardly faster than he is."""
-    dx = ball.x - player.x - OWNED_LEAD * player.vx - OWNED_AHEAD * player.facing_x
-    dy = ball.y - player.y - OWNED_LEAD * player.vy - OWNED_AHEAD * player.facing_y
+    dx = ball.x - player.x - OWNED.lead * player.vx - OWNED.ahead * player.facing_x
+    dy = ball.y - player.y - OWNED.lead * player.vy - OWNED.ahead * player.facing_y
     slip_x, slip_y = ball.vx - player.vx, ball.vy - player.vy
     return (
-        ball.z < OWNED_BELOW
-        and dx * dx + dy * dy < OWNED_WITHIN * OWNED_WITHIN
-        and slip_x * slip_x + slip_y * slip_y < OWNED_SPEED * OWNED_SPEED
+        ball.z < OWNED.below
+        and dx * dx + dy * dy < OWNED.within * OWNED.within
+        and slip_x * slip_x + slip_y * slip_y < OWNED.speed * OWNED.speed
     )
 
 

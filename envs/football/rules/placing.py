@@ -7,9 +7,9 @@ slot. "Ahead" is the way that a team attacks, so one table serves both. Read nex
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
-    CORNER,
     FREE_KICK,
     GK,
     GOAL_KICK,
@@ -23,15 +23,83 @@ from envs.football.physics.vectors import apart, length
 from envs.football.rules.whistle import move_to
 from scenic_lite.kernels.jit import kernel
 
-OUTERMOST = 0.83  # of the block's half width, where the outermost slots are
+
+class Block(NamedTuple):
+    """The part of the pitch that a team's formation is laid into, and what draws it.
+
+    Lengths are m ahead of the middle of the pitch; what grows "along" grows as the ball is further ahead, from the own
+    goal to the other.
+    """
+
+    back: float  # m
+    back_along: float  # m
+    front: float  # m
+    front_along: float  # m
+    follows: float  # share of the ball's place that is added to back and front
+    focus: float  # m, what the formation is drawn to
+    focus_follows: float  # share of the ball's place that is added to it
+    pull: float  # how much
+    pull_along: float
+    wide: float  # half the block's width as a share of the pitch's
+    focus_y: float  # the focus across, as a share of the ball's place
+    pull_y: float
+    pull_y_along: float
+    near: float  # how much the ball itself draws
+
+
+class Draw(NamedTuple):
+    """How slots are laid into the block, and how far each is drawn."""
+
+    outermost: float = 0.83  # of the block's half width, where the outermost slots are
+    throw_shift: float = 0.25  # of the ball's place across, by which all are moved at a throw-in
+    across: float = 0.8  # how much of the way across counts in the distance to the ball
+    across_least: float = 0.2  # share of the pull across for a ball in the middle,
+    across_more: float = 0.8  # more at the side line
+    across_fades: float = 0.5  # share of it that is lost a block's half width away
+    near: float = 50.0  # m, players whose places are nearer to the ball than this are drawn to it
+    near_across: float = 0.6  # how much of that across
+    inside: float = 1.0  # m, they stay inside the lines
+
+
+class Keep(NamedTuple):
+    """Where nobody may be."""
+
+    ball: float = 9.15  # m that opponents keep from it
+    throw: float = 2.0  # m, the same at a throw-in
+    box_x: float = HALF_LENGTH - 16.5  # m: at a penalty all but two wait outside box and arc,
+    penalty_room: float = 0.5  # m further,
+    fold: float = 0.3  # m for each m more that their place would have been in the box
+    corner_back: float = 0.5  # of the distance, for who would have to leave the pitch: back
+    corner_in: float = 0.9  # and in
+    same_place: float = 0.05  # m
+    sidestep: float = 0.4  # m
+
+
+class Wall(NamedTuple):
+    """Before a free kick near the goal."""
+
+    range: float = 40.0  # m to the goal
+    size: int = 3  # players
+    angle: float = 0.08  # rad between them
+
+
+# Parts of the pitch and strengths are Google Research Football's; checked by `regista benchmark --suite grf`, family
+# matches.
+BLOCKS = (  # who takes the restart, then the other team
+    Block(-27.5, 0.0, 11.0, 0.0, 0.0, -27.5, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),  # a goal kick
+    Block(-22.0, 0.0, 5.5, 0.0, 0.0, -22.0, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),
+    Block(-38.5, 38.5, 16.5, 38.5, 0.0, 10.0, 1.0, 0.5, 0.2, 0.7, 0.4, 0.6, 0.2, 0.4),  # a free kick
+    Block(-55.0, 33.0, -27.5, 44.0, 0.0, -20.0, 1.0, 0.6, -0.4, 0.7, 0.2, 0.8, -0.4, 0.4),
+    Block(11.0, 0.0, 52.8, 0.0, 0.0, 44.9, 0.0, 0.7, 0.0, 0.6, 0.1, 0.7, 0.0, 0.3),  # a corner
+    Block(-53.9, 0.0, -27.5, 0.0, 0.0, -50.7, 0.0, 0.8, 0.0, 0.6, 0.1, 0.9, 0.0, 0.3),
+    Block(-30.0, 0.0, 20.0, 0.0, 1.0, 4.0, 1.0, 0.4, 0.0, 0.75, 0.996, 0.6, 0.0, 0.7),  # a throw-in
+    Block(-30.0, 0.0, 15.0, 0.0, 1.0, -16.0, 1.0, 0.2, 0.0, 0.75, 0.95, 0.5, 0.0, 0.7),
+    Block(-50.0, 0.0, 10.0, 0.0, 1.0, 0.0, 1.0, 0.6, 0.0, 0.8, 0.0, 0.8, 0.0, 0.0),  # a penalty
+    Block(-11.0, 0.0, 20.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.8, 0.0, 1.0, 0.0, 0.0),
+)
+DRAW, KEEP, WALL = Draw(), Keep(), Wall()
 KEEPER_X = 0.98 * HALF_LENGTH  # m, where keepers wait for a restart
-NEAR = 50.0  # m, players whose places are nearer to the ball than this are drawn to it
-DISTANCE, THROW_IN_DISTANCE = 9.15, 2.0  # m that opponents keep from the ball
-BOX_X, PENALTY_ROOM = HALF_LENGTH - 16.5, 0.5  # m: at a penalty all but two wait this far outside box and arc
-FOLD = 0.3  # m that they wait further out for each m that their place would have been in the box
-SAME_PLACE, SIDESTEP = 0.05, 0.4  # m
 EVEN = 1e-6  # m: who stand no further apart than this are equally far from the ball, as those kept away from it are
-WALL_RANGE, WALL_SIZE, WALL_ANGLE = 40.0, 3, 0.08  # m to the goal; players; rad between them
 
 
 @kernel
@@ -57,50 +125,26 @@ def place_players(match):
 def block_place(match, i, taking, way):
     """Return the place of player i in his team's block for this restart: his slot, drawn to what matters."""
     player, ball = match.players[i], match.ball
-    back, front, focus, pull, wide, focus_y, pull_y, near = block(match.game_mode, taking, way * ball.x)
+    block = BLOCKS[2 * (match.game_mode - GOAL_KICK) + (0 if taking else 1)]
+    along = 0.5 + 0.5 * min(max(way * ball.x / HALF_LENGTH, -1.0), 1.0)  # 0 at the own goal, 1 at the other
+    back = block.back + block.back_along * along + block.follows * (way * ball.x)
+    front = block.front + block.front_along * along + block.follows * (way * ball.x)
+    focus = block.focus + block.focus_follows * (way * ball.x)
+    pull, pull_y = block.pull + block.pull_along * along, block.pull_y + block.pull_y_along * along
     ahead = back + 0.5 * (1.0 + player.slot_x) * (front - back)
-    shift = 0.25 * ball.y if match.game_mode == THROW_IN else 0.0
-    y = OUTERMOST * player.slot_y * wide * HALF_WIDTH + shift
-    far = length(way * ball.x - ahead, 0.8 * (ball.y - y))
+    shift = DRAW.throw_shift * ball.y if match.game_mode == THROW_IN else 0.0
+    y = DRAW.outermost * player.slot_y * block.wide * HALF_WIDTH + shift
+    far = length(way * ball.x - ahead, DRAW.across * (ball.y - y))
     ahead += pull * max(1.0 - abs(focus - ahead) / (front - back), 0.0) * (focus - ahead)
-    target_y = focus_y * ball.y
-    share = pull_y * (0.2 + 0.8 * abs(target_y) / HALF_WIDTH)
-    y += share * max(1.0 - 0.5 * abs(target_y - y) / (wide * HALF_WIDTH), 0.0) * (target_y - y)
-    draw = near * max(1.0 - far / NEAR, 0.0)
+    target_y = block.focus_y * ball.y
+    share = pull_y * (DRAW.across_least + DRAW.across_more * abs(target_y) / HALF_WIDTH)
+    fades = DRAW.across_fades * abs(target_y - y) / (block.wide * HALF_WIDTH)
+    y += share * max(1.0 - fades, 0.0) * (target_y - y)
+    draw = block.near * max(1.0 - far / DRAW.near, 0.0)
     ahead += draw * (way * ball.x - ahead)
-    y += draw * 0.6 * (ball.y - y)
-    limit_x, limit_y = HALF_LENGTH - 1.0, HALF_WIDTH - 1.0
+    y += draw * DRAW.near_across * (ball.y - y)
+    limit_x, limit_y = HALF_LENGTH - DRAW.inside, HALF_WIDTH - DRAW.inside
     return way * min(max(ahead, -limit_x), limit_x), min(max(y, -limit_y), limit_y)
-
-
-@kernel
-def block(mode, taking, ball):
-    """Return the block of a team, for a ball this far ahead.
-
-    Back, front, focus ahead (m) and its pull; half its width as a share of the pitch's; the focus across as a share of
-    the ball's y, its pull; and the pull of the ball itself.
-    """
-    along = 0.5 + 0.5 * min(max(ball / HALF_LENGTH, -1.0), 1.0)  # 0 at the own goal, 1 at the other
-    if mode == GOAL_KICK:
-        back, front = (-27.5, 11.0) if taking else (-22.0, 5.5)
-        return back, front, back, 0.0, 0.7, 0.0, 0.0, 0.0
-    if mode == CORNER:
-        if taking:
-            return 11.0, 52.8, 44.9, 0.7, 0.6, 0.1, 0.7, 0.3
-        return -53.9, -27.5, -50.7, 0.8, 0.6, 0.1, 0.9, 0.3
-    if mode == THROW_IN:
-        if taking:
-            return ball - 30.0, ball + 20.0, ball + 4.0, 0.4, 0.75, 0.996, 0.6, 0.7
-        return ball - 30.0, ball + 15.0, ball - 16.0, 0.2, 0.75, 0.95, 0.5, 0.7
-    if mode == FREE_KICK:
-        if taking:
-            back, front = -38.5 + 38.5 * along, 16.5 + 38.5 * along
-            return back, front, ball + 10.0, 0.5 + 0.2 * along, 0.7, 0.4, 0.6 + 0.2 * along, 0.4
-        back, front = -55.0 + 33.0 * along, -27.5 + 44.0 * along
-        return back, front, ball - 20.0, 0.6 - 0.4 * along, 0.7, 0.2, 0.8 - 0.4 * along, 0.4
-    if taking:  # a penalty
-        return ball - 50.0, ball + 10.0, ball, 0.6, 0.8, 0.0, 0.8, 0.0
-    return ball - 11.0, ball + 20.0, ball, 1.0, 0.8, 0.0, 1.0, 0.0
 
 
 @kernel
@@ -109,7 +153,7 @@ def untangle(match):
     for i in range(1, match.num_players):
         player = match.players[i]
         back = player.x - match.ball.x
-        step = math.copysign(SIDESTEP, back if back != 0.0 else -forward(player.team))
+        step = math.copysign(KEEP.sidestep, back if back != 0.0 else -forward(player.team))
         for _ in range(i):
             if not shares_place(match, i):
                 break
@@ -121,7 +165,7 @@ def shares_place(match, i):
     """Return whether somebody before player i stands where he does."""
     player, others = match.players[i], 0
     for j in range(i):
-        others += apart(player, match.players[j]) < SAME_PLACE
+        others += apart(player, match.players[j]) < KEEP.same_place
     return others > 0 and not player.has_left
 
 
@@ -129,12 +173,12 @@ def shares_place(match, i):
 def kept_away(match, x, y, way):
     """Return the place nearest to (x, y) that is far enough from the ball; at a penalty, outside the box too."""
     ball = match.ball
-    distance = THROW_IN_DISTANCE if match.game_mode == THROW_IN else DISTANCE
+    distance = KEEP.throw if match.game_mode == THROW_IN else KEEP.ball
     if match.game_mode > THROW_IN:
-        distance += PENALTY_ROOM
-        over = abs(x) - BOX_X + PENALTY_ROOM
+        distance += KEEP.penalty_room
+        over = abs(x) - KEEP.box_x + KEEP.penalty_room
         if over > 0.0:  # a little further out the further in they were, so that nobody stands on another
-            x = math.copysign(BOX_X - PENALTY_ROOM - FOLD * over, x)
+            x = math.copysign(KEEP.box_x - KEEP.penalty_room - KEEP.fold * over, x)
     dx, dy = x - ball.x, y - ball.y
     away = length(dx, dy)
     if away >= distance:
@@ -145,7 +189,7 @@ def kept_away(match, x, y, way):
     if abs(x) < HALF_LENGTH and abs(y) < HALF_WIDTH:
         return x, y
     inward = math.copysign(1.0, -ball.y)  # the other way is off the pitch: into it, across
-    return ball.x - math.copysign(0.5 * distance, ball.x), ball.y + inward * 0.9 * distance
+    return ball.x - math.copysign(KEEP.corner_back * distance, ball.x), ball.y + inward * KEEP.corner_in * distance
 
 
 @kernel
@@ -153,11 +197,11 @@ def build_wall(match):
     """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal."""
     ball, team = match.ball, 1 - match.restart_team
     goal_x = own_goal_x(team)
-    if length(goal_x - ball.x, ball.y) >= WALL_RANGE:
+    if length(goal_x - ball.x, ball.y) >= WALL.range:
         return
     angle = math.atan2(-ball.y, goal_x - ball.x)
     chosen, side = 0, 0.0
-    for k in range(WALL_SIZE):
+    for k in range(WALL.size):
         best, nearest = NOBODY, math.inf
         for i in range(match.num_players):
             player = match.players[i]
@@ -172,6 +216,6 @@ def build_wall(match):
         if k == 1:  # the second nearest goes to his own side of the first, the third to the other
             player = match.players[best]
             across = (player.y - ball.y) * math.cos(angle) - (player.x - ball.x) * math.sin(angle)
-            side = WALL_ANGLE if across >= 0.0 else -WALL_ANGLE
+            side = WALL.angle if across >= 0.0 else -WALL.angle
         here = angle + (0.0, side, -side)[k]
-        move_to(match, best, ball.x + DISTANCE * math.cos(here), ball.y + DISTANCE * math.sin(here))
+        move_to(match, best, ball.x + KEEP.ball * math.cos(here), ball.y + KEEP.ball * math.sin(here))
