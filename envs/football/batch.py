@@ -15,7 +15,8 @@ from envs.football.constants import NO_FAULT
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
-from envs.football.simulator import step_match
+from envs.football.scenic.scripted_step import run_program_monitors
+from envs.football.simulator import choose_actions, play
 from envs.football.state import MATCH
 from scenic_lite.kernels.jit import kernel
 
@@ -90,16 +91,40 @@ def step_batch(batch, actions, outcome, seen, final, settings, code):
 @kernel
 def _step_row(batch, actions, outcome, seen, final, settings, code, index):
     """Step, reward, observe and if need be restart one match."""
+    if open_row(batch, actions, settings, code, index):
+        play(batch.matches[index])
+        watch_row(batch, settings, code, index)
+    close_row(batch, outcome, seen, final, settings, index)
+
+
+@kernel
+def open_row(batch, actions, settings, code, index):
+    """Give every player of a match his action; return whether it is to be played."""
+    if batch.idle[index]:
+        return False
+    match = batch.matches[index]
+    if settings.scripted:
+        registers, commands = batch.registers[index], batch.commands[index]
+        return choose_actions(match, actions[index], code, settings.object_to_player, registers, commands)
+    return choose_actions(match, actions[index], None, None, None, None)
+
+
+@kernel
+def watch_row(batch, settings, code, index):
+    """Let the program's monitors see what has been played."""
+    if settings.scripted:
+        registers, commands = batch.registers[index], batch.commands[index]
+        run_program_monitors(batch.matches[index], code, settings.object_to_player, registers, commands)
+
+
+@kernel
+def close_row(batch, outcome, seen, final, settings, index):
+    """Reward, observe and if need be restart a match, whether it was to be played or not."""
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
         return
     match = batch.matches[index]
-    if settings.scripted:
-        registers, commands = batch.registers[index], batch.commands[index]
-        step_match(match, actions[index], code, settings.object_to_player, registers, commands)
-    else:
-        step_match(match, actions[index], None, None, None, None)
     outcome.rewards[index] = team_reward(match, settings.checkpoints)
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)

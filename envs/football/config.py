@@ -11,6 +11,7 @@ from envs.football.constants import CONTROL_MODES
 
 REPRESENTATIONS = ("features", "simple115", "smm", "smm_stacked", "raw")
 REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names
+ENGINES = ("regista", "grf")
 
 
 @dataclass(frozen=True)
@@ -29,14 +30,24 @@ class FootballConfig:
     dialect: int | None = field(
         default=None, metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
     )
+    engine: str = field(
+        default="regista", metadata={"help": "what plays: regista, our simulator, or grf, Google Research Football"}
+    )
+    grf_python: str | None = field(default=None, metadata={"help": "the Python that has gfootball; else looked for"})
+    grf_workers: int = field(default=0, metadata={"help": "processes that hold engines of grf; 0: one for each core"})
 
     def __post_init__(self) -> None:
-        known = (("representation", REPRESENTATIONS), ("rewards", REWARDS), ("dialect", (None, 2, 3)))
+        known: tuple[tuple[str, tuple], ...] = (
+            *(("representation", REPRESENTATIONS), ("rewards", REWARDS), ("dialect", (None, 2, 3))),
+            ("engine", ENGINES),
+        )
         for name, values in known:
             if getattr(self, name) not in values:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")
         for name in ("control", "right_control"):
             check_control(getattr(self, name))
+        if self.grf_workers < 0:
+            raise ValueError(f"grf_workers must be 0 or more, got {self.grf_workers}")
         if self.control == self.right_control == "none":
             raise ValueError("control and right_control are both 'none': there must be an agent")
 

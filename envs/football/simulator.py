@@ -32,14 +32,21 @@ def step_match(match, actions, code, object_to_player, registers, commands):
     The other four are its program's (see `scenic.scripted_step`), None without one. A match that has ended stays as it
     is.
     """
+    if choose_actions(match, actions, code, object_to_player, registers, commands):
+        play(match)
+        run_program_monitors(match, code, object_to_player, registers, commands)
+
+
+@kernel
+def choose_actions(match, actions, code, object_to_player, registers, commands):
+    """Begin a step and give every player his action; return whether the match is to be played on."""
     if not begin_step(match):
-        return
+        return False
     if not run_program_behaviors(match, code, object_to_player, registers, commands):
-        return
+        return False
     assign_actions(match, actions)
     command_players(match, object_to_player, commands)
-    play(match)
-    run_program_monitors(match, code, object_to_player, registers, commands)
+    return True
 
 
 @kernel

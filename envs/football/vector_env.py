@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
-from envs.football.batch import BatchSettings, begin, empty_batch, empty_outcome, observe_batch, restart, step_batch
+from envs.football.batch import BatchSettings, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
 from envs.football.control.control_modes import release_agents
+from envs.football.engine import Engine, Simulator
 from envs.football.observation.observer import RAW, Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
@@ -69,13 +70,14 @@ class FootballVectorEnv(UPOMDP):
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
         self._observer = Observer(config.representation, self.lineup)
+        self._engine = make_engine(config, self.lineup, self.behaviors, num_envs)
         several = MultiDiscrete([NUM_ACTIONS] * self.num_agents)
         actions = Discrete(NUM_ACTIONS) if self.num_agents == 1 else several
         super().__init__(num_envs, self._observer.space, actions, self.program.draws)
         self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
             bool(self.lineup.config.deterministic),
-            self._observer.kind != RAW and not self.behaviors.has_records,
+            self._engine.restarts and self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
             self.behaviors.is_live,
             self.lineup.object_to_player,
@@ -123,7 +125,7 @@ class FootballVectorEnv(UPOMDP):
             release_agents(starts)
         batch.starts[where] = starts
         batch.start_registers[where] = self.behaviors.registers(levels["theta"])
-        begin(batch, where, self._settings)
+        self._engine.begin(batch, where, self._settings)
         self._started = True
         return self.observe()
 
@@ -132,7 +134,7 @@ class FootballVectorEnv(UPOMDP):
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
-        step_batch(self._batch, self._checked(actions), out, seen, final, self._settings, self.behaviors.code)
+        self._engine.step(self._batch, self._checked(actions), out, seen, final, self._settings)
         if out.faults.any():
             self._report_faults()
         ended = out.terminated | out.truncated
@@ -143,7 +145,8 @@ class FootballVectorEnv(UPOMDP):
             info["records"] = self.behaviors.recorded(self._batch.registers)
         if not self._settings.restart and ended.any():
             self.ended_matches = self.matches
-            self._restart(ended)
+            self._engine.restart(self._batch, np.flatnonzero(ended), self._settings)
+            seen = self._observer.room(self.num_envs)  # planes are drawn on nothing
             observe_batch(self._batch, seen, self._settings)
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
@@ -153,11 +156,6 @@ class FootballVectorEnv(UPOMDP):
         seen = self._observer.room(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
-
-    def _restart(self, ended: np.ndarray) -> None:
-        """Do what the kernel does otherwise: of `raw` the last observation and of records the last are taken before."""
-        for index in np.flatnonzero(ended):
-            restart(self._batch, self._settings, index)
 
     def _checked(self, actions: Any) -> np.ndarray:
         """Return the actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
@@ -178,7 +176,7 @@ class FootballVectorEnv(UPOMDP):
         match, level = batch.matches[index], self.levels[index]
         where = f"match {index} of {self.num_envs}, step {match['step']}; its level: {level}"
         error = self.behaviors.error(match, batch.registers[index], where)
-        self._restart(faulted)
+        self._engine.restart(batch, np.flatnonzero(faulted), self._settings)
         raise error
 
     def get_state(self) -> dict[str, Any]:
@@ -193,6 +191,7 @@ class FootballVectorEnv(UPOMDP):
             "minimap_agents": batch.minimap_agents.copy(),
             "levels": self.levels.copy(),
             "np_random": self.np_random.bit_generator.state,
+            **self._engine.get_state(),
         }
 
     def set_state(self, state: dict[str, Any]) -> Any:
@@ -213,6 +212,7 @@ class FootballVectorEnv(UPOMDP):
         check_state(state, pairs)
         for name, array in pairs.items():
             array[:] = state[name]
+        self._engine.set_state(state, batch)
         self.np_random.bit_generator.state = state["np_random"]
         self._started = True
         return self.observe()
@@ -245,6 +245,19 @@ class FootballVectorEnv(UPOMDP):
         twin._scripted = self._scripted
         twin.set_state(self.get_state())
         return twin
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let go of what the engine holds for these matches."""
+        self._engine.close()
+
+
+def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehaviors, num_envs: int) -> Engine:
+    """Make what plays so many matches. Raises `envs.grf.workers.GrfError` for the real engine where it is not."""
+    if config.engine == "grf":
+        from envs.grf.engine import GrfEngine
+
+        return GrfEngine(lineup, behaviors, config, num_envs)
+    return Simulator(behaviors.code)
 
 
 def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:

@@ -1,0 +1,75 @@
+"""What plays the matches of a batch: our own simulator, or another engine behind the same few calls.
+
+An engine begins matches, moves all of them on by a step, and starts them again; what it finds goes into `Batch` and
+`Outcome`, so that whoever calls it need not know which one it is. Read next: `batch`; `envs.grf.engine`, the other one.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
+from envs.football.observation.observer import View
+from scenic_lite.dynamics.machine.bytecode import Code
+
+
+class Engine(Protocol):
+    """What a batch of matches needs of whatever plays it."""
+
+    restarts: bool  # `step` itself starts ended matches again where the settings say so
+
+    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Put the matches `where` (indices `[k]`) at the start that `batch.starts` holds."""
+
+    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Begin the next episode of the matches `where` on the same level, with new luck."""
+
+    def step(
+        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
+    ) -> None:
+        """Move all matches on with actions `[N, A]`, as `batch.step_batch`."""
+
+    def get_state(self) -> dict[str, np.ndarray]:
+        """Return what changes beside the batch."""
+
+    def set_state(self, state: dict[str, Any], batch: Batch) -> None:
+        """Take back what `get_state` gave; the batch is already that of the same moment."""
+
+    def close(self) -> None:
+        """Let go of what the matches hold."""
+
+
+class Simulator:
+    """Our own simulator: everything that changes stands in the batch."""
+
+    restarts = True
+
+    def __init__(self, code: Code) -> None:
+        self._code = code
+
+    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Put the matches `where` at their start."""
+        begin(batch, where, settings)
+
+    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Begin the next episode of the matches `where`."""
+        for index in where:
+            restart(batch, settings, index)
+
+    def step(
+        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
+    ) -> None:
+        """Move all matches on."""
+        step_batch(batch, actions, outcome, seen, final, settings, self._code)
+
+    def get_state(self) -> dict[str, np.ndarray]:
+        """Return nothing."""
+        return {}
+
+    def set_state(self, state: dict[str, Any], batch: Batch) -> None:
+        """Take nothing."""
+
+    def close(self) -> None:
+        """Hold nothing."""

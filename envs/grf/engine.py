@@ -1,0 +1,217 @@
+"""The real engine behind a batch of matches: the program's part of a step is ours, the football between is its.
+
+    open_row     behaviors and agents choose the players' actions                              in our kernels
+    Workers      Google Research Football plays them                                           in its processes
+    close_row    what it shows becomes our record; endings, rewards, monitors, observations    in our kernels
+
+A team needs no agent of the engine's where its built-in AI moves everybody, one where our only agent is `active` and
+no behavior is at work, else one for every player; whoever has no command there takes the action that hands him back to
+the AI (19). Read next: `grf.workers`.
+"""
+
+from __future__ import annotations
+
+import os
+import weakref
+from typing import Any
+
+import numpy as np
+
+from envs.football.batch import Batch, BatchSettings, Outcome, begin, close_row, open_row, restart, watch_row
+from envs.football.config import FootballConfig
+from envs.football.constants import ACTIVE, LEFT, NO_AGENTS, RIGHT
+from envs.football.kick_off import MatchConfig
+from envs.football.observation.observer import View, remember_minimap
+from envs.football.observation.units import UNIT_X, UNIT_Y
+from envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from envs.football.scenic.lineup import Lineup
+from envs.grf.observed_match import read_start, read_step
+from envs.grf.worker import ROWS, TEAM
+from envs.grf.workers import Episode, Workers, grf_python, shared_workers
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
+
+# Metres that a scenario's units mean for players, whom the engine spreads a little; the ball has those of observations.
+PLAYER_X, PLAYER_Y = 55.0, -36.0 * 2.36
+SEEDS = 2_000_000_000  # that the engine's own environment draws from
+SETTINGS = (
+    *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
+    *("left_team_difficulty", "right_team_difficulty"),
+    *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
+)
+
+
+class GrfEngine:
+    """N matches in Google Research Football. Raises GrfError where it is not installed."""
+
+    restarts = False
+
+    def __init__(self, lineup: Lineup, behaviors: CompiledBehaviors, config: FootballConfig, count: int) -> None:
+        self.lineup = lineup
+        self._code = behaviors.code
+        teams = np.asarray(lineup.roster.teams)
+        shirts = np.concatenate([np.arange(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)])
+        self._rows = TEAM * teams + shirts
+        self._sizes = [int(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)]
+        self._commanded = commanded_teams(lineup, behaviors)
+        self._controllers = np.zeros((count, 2), np.int64)  # agents of the engine's per team, of each match
+        python = grf_python(config.grf_python)
+        self._workers = shared_workers(python, config.grf_workers or len(os.sched_getaffinity(0)))
+        self._played: dict[int, Episode] = {}  # by match
+        self.close = weakref.finalize(self, _let_go, self._workers, self._played)
+
+    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Put the matches `where` at their start."""
+        begin(batch, where, settings)
+        self._kick_off(batch, where, settings)
+
+    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Begin the next episode of the matches `where`."""
+        for index in where:
+            restart(batch, settings, index)
+        self._kick_off(batch, where, settings)
+
+    def step(
+        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
+    ) -> None:
+        """Move all matches on."""
+        playing = np.zeros(len(batch.matches), np.bool_)
+        open_rows(batch, actions, settings, self._code, playing)
+        where = np.flatnonzero(playing)
+        orders = np.zeros((len(where), ROWS), np.int64)
+        orders[:, self._rows] = batch.matches["players"]["action"][where, : len(self._rows)]
+        observed = self._workers.play([self._played[int(index)] for index in where], orders)
+        read_steps(batch, where, observed, self._controllers, settings, self._code)
+        close_rows(batch, outcome, seen, final, settings)
+
+    def get_state(self) -> dict[str, np.ndarray]:
+        """Return the episodes as they have been played; the scenes are in `batch.starts`."""
+        matches = sorted(self._played)
+        episodes = [self._played[index] for index in matches]
+        actions = [row for each in episodes for row in each.actions]
+        return {
+            "grf_matches": np.array(matches, np.int64),
+            "grf_seeds": np.array([each.seed for each in episodes], np.int64),
+            "grf_checks": np.array([each.check for each in episodes], np.int64),
+            "grf_lengths": np.array([len(each.actions) for each in episodes], np.int64),
+            "grf_actions": np.array(actions, np.int64).reshape(len(actions), ROWS),
+        }
+
+    def set_state(self, state: dict[str, Any], batch: Batch) -> None:
+        """Take episodes back; they are repeated when they are next played. Raises ValueError for a state without."""
+        if "grf_matches" not in state:
+            raise ValueError("this state is one of the simulator's, not of Google Research Football's")
+        self._forget(range(len(batch.matches)))
+        lengths = np.asarray(state["grf_lengths"])
+        parts = np.split(np.asarray(state["grf_actions"]), np.cumsum(lengths)[:-1]) if len(lengths) else []
+        rows = zip(state["grf_matches"], state["grf_seeds"], state["grf_checks"], parts, strict=True)
+        for index, seed, check, actions in rows:
+            scene = self._scene(batch.starts[index], int(index))
+            self._played[int(index)] = Episode(scene, int(seed), list(actions), int(check))
+
+    def _kick_off(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+        """Begin episodes of the engine's for the matches `where`, which are at their start."""
+        self._forget(where)
+        episodes = []
+        for index, seed in zip(where, draw_seeds(batch.matches, where), strict=True):
+            scene = self._scene(batch.starts[index], index)
+            self._played[int(index)] = episode = Episode(scene, int(seed))
+            episodes.append(episode)
+        read_starts(batch, where, self._workers.begin(episodes), self._controllers, settings)
+
+    def _forget(self, where: Any) -> None:
+        gone = [self._played.pop(int(index)) for index in where if int(index) in self._played]
+        self._workers.forget(gone)
+
+    def _scene(self, start: np.ndarray, index: int) -> dict[str, Any]:
+        """Return what the worker needs to set up the match number `index`, which begins as this record MATCH."""
+        agents = [self._agents_of(team, int(start["control"][team])) for team in (LEFT, RIGHT)]
+        if self._controls_all(agents):  # the engine then gives every player one agent for good
+            agents = [size if count else 0 for size, count in zip(self._sizes, agents, strict=True)]
+        self._controllers[index] = agents
+        ball = [float(start["ball"]["x"]) / UNIT_X, float(start["ball"]["y"]) / UNIT_Y]
+        teams: list[list[Any]] = [[], []]
+        for player in start["players"][: len(self._rows)]:
+            side = 1.0 if player["team"] == LEFT else -1.0  # a scenario has the right team in its own frame
+            place = [side * float(player["x"]) / PLAYER_X, side * float(player["y"]) / PLAYER_Y]
+            teams[player["team"]].append([*place, int(player["role"]), False, True])
+        settings = scenario_settings(self.lineup.config)
+        return {"settings": settings, "ball": ball, "left": teams[0], "right": teams[1], "agents": agents}
+
+    def _agents_of(self, team: int, control: int) -> int:
+        """Return how many agents of the engine's a team needs under a control mode of ours."""
+        if self._commanded[team] or control not in (NO_AGENTS, ACTIVE):
+            return self._sizes[team]
+        return int(control == ACTIVE)
+
+    def _controls_all(self, agents: list[int]) -> bool:
+        return any(count > 1 for count in agents)
+
+
+def scenario_settings(config: MatchConfig) -> dict[str, Any]:
+    """Return the settings of an episode as a scenario's.
+
+    The engine plays one step more than it is told (its first action is lost), and ours as many as the program says.
+    """
+    settings = {name: np.asarray(getattr(config, name)).item() for name in SETTINGS}
+    return (
+        settings
+        | {name: int(settings[name]) for name in ("second_half",)}
+        | {"game_duration": int(settings["game_duration"]) - 1}
+    )
+
+
+def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
+    """Return for both teams whether behaviors of the program move players of theirs."""
+    compiled = behaviors.compiled
+    objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.drivers}
+    players = {int(lineup.object_to_player[number]) for number in objects}
+    teams = {int(np.asarray(lineup.roster.teams)[player]) for player in players if player >= 0}
+    return [team in teams for team in (LEFT, RIGHT)]
+
+
+def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
+    """Tell the workers that an environment is gone."""
+    workers.forget(list(played.values()))
+    played.clear()
+
+
+@kernel
+def draw_seeds(matches, where):
+    """Draw a seed for the engine from each match's stream: `[k]` int64."""
+    seeds = np.zeros(len(where), np.int64)
+    for at in range(len(where)):
+        seeds[at] = int(uniform(matches[where[at]]) * SEEDS)
+    return seeds
+
+
+@kernel
+def open_rows(batch, actions, settings, code, playing):
+    """Give all players their actions; write which matches are to be played into `playing` [N]."""
+    for index in range(len(batch.matches)):
+        playing[index] = open_row(batch, actions, settings, code, index)
+
+
+@kernel
+def read_starts(batch, where, observed, controllers, settings):
+    """Write matches that the engine has begun, OBSERVED [k], into the records `where` [k]."""
+    for at in range(len(where)):
+        index = where[at]
+        read_start(batch.matches[index], observed[at], controllers[index])
+        remember_minimap(batch, index, settings.observation)
+
+
+@kernel
+def read_steps(batch, where, observed, controllers, settings, code):
+    """Write what the engine has played, OBSERVED [k], into the records `where` [k], and let the monitors see it."""
+    for at in range(len(where)):
+        index = where[at]
+        read_step(batch.matches[index], observed[at], controllers[index])
+        watch_row(batch, settings, code, index)
+
+
+@kernel
+def close_rows(batch, outcome, seen, final, settings):
+    """Reward and observe all matches."""
+    for index in range(len(batch.matches)):
+        close_row(batch, outcome, seen, final, settings, index)

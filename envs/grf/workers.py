@@ -1,0 +1,347 @@
+"""Workers that hold the real engine: several processes, each playing some of the episodes that are asked for.
+
+An episode is its scene, its seed and its actions: the engine repeats it from them bit for bit. So wherever the process
+that held an episode is gone, because it died, hung, answered nonsense, or was made by an environment that has been
+copied or resumed, another one repeats it before it plays on. Read next: `grf.worker`, the process.
+"""
+
+from __future__ import annotations
+
+import atexit
+import itertools
+import os
+import select
+import subprocess
+import tempfile
+import time
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from envs.grf import worker
+from envs.grf.worker import OBSERVED, PROTOCOL, ROWS, pack, unpack
+
+START_SECONDS = 120.0  # until a new worker has loaded the engine
+ANSWER_SECONDS = 60.0  # for an answer, and besides
+STEP_SECONDS = 0.5  # for each step that it takes, on a machine that is busy
+MOST_DEATHS = 3  # of one worker over one request
+LAST_WORDS = 1500  # characters of stderr that an error quotes
+
+HELP = "`make grf` installs it on Debian (README, The real engine); or name its Python by --grf-python or {variable}"
+VARIABLE, HOME = "REGISTA_GRF_PYTHON", "REGISTA_GRF_HOME"
+DEFAULT_HOME = Path("~/.local/share/regista/grf")
+
+
+class GrfError(RuntimeError):
+    """Google Research Football is not there, or cannot play what it is asked to; the message says what to do."""
+
+
+class WorkerGoneError(Exception):
+    """A worker that died, hung or answered nonsense."""
+
+
+def grf_python(chosen: str | None = None) -> Path:
+    """Return the Python that has gfootball: the chosen one, that of the environment, or where `make grf` puts it.
+
+    Raises GrfError where there is none.
+    """
+    home = Path(os.environ.get(HOME) or DEFAULT_HOME).expanduser()
+    path = Path(chosen or os.environ.get(VARIABLE) or home / "bin" / "python").expanduser()
+    if not os.access(path, os.X_OK) or path.is_dir():
+        raise GrfError(f"Google Research Football is not installed: no {path}. {HELP.format(variable=VARIABLE)}")
+    return path
+
+
+@dataclass(eq=False)
+class Episode:
+    """One match from its start: by these three it can be repeated.
+
+    `actions` are those of each step played, int64 `[22]` each; `check` is that of what was seen last, which a
+    repetition must show again.
+    """
+
+    scene: dict[str, Any]
+    seed: int
+    actions: list[np.ndarray] = field(default_factory=list)
+    check: int | None = None
+    slot: int = field(default_factory=itertools.count().__next__)
+    life: object = None  # of the worker that has it in its memory
+
+
+class WorkerProcess:
+    """One process, started when it is first asked. `life` is another object after each start."""
+
+    def __init__(self, python: Path) -> None:
+        self.python = python
+        self.process: subprocess.Popen | None = None
+        self.life: object = None
+        self.forgotten: list[int] = []  # slots that nobody plays any more
+        self._log: Any = None
+
+    def ask(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
+        """Send a request, to be answered within so many seconds. Raises WorkerGoneError."""
+        if self.process is None:
+            self._start()
+        forgotten, self.forgotten = self.forgotten, []
+        self._send(message | {"forget": forgotten}, seconds, **arrays)
+
+    def answer(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+        """Return the answer and its arrays. Raises WorkerGoneError, and GrfError for what the engine refuses."""
+        try:
+            message, arrays = unpack(self._read)
+        except worker.ProtocolError as error:
+            raise WorkerGoneError(str(error)) from error
+        if "error" in message:
+            raise GrfError(f"Google Research Football failed: {message['error'].strip()}")
+        return message, arrays
+
+    def kill(self) -> None:
+        """End the process at once."""
+        process, self.process, self.life = self.process, None, None
+        if process is not None:
+            process.kill()
+            process.wait()
+            for pipe in (process.stdin, process.stdout):
+                assert pipe is not None
+                pipe.close()
+
+    def last_words(self) -> str:
+        """Return the end of what the process has written on stderr."""
+        if self._log is None:
+            return ""
+        self._log.seek(max(self._log.seek(0, os.SEEK_END) - LAST_WORDS, 0))
+        return self._log.read().decode(errors="replace").strip()
+
+    def _start(self) -> None:
+        self._log = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
+        command = [str(self.python), worker.__file__]
+        settings = os.environ | {"OMP_NUM_THREADS": "1", "SDL_VIDEODRIVER": "dummy", "PYTHONDONTWRITEBYTECODE": "1"}
+        try:
+            self.process = subprocess.Popen(
+                command,
+                bufsize=0,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self._log,
+                env=settings,
+                start_new_session=True,  # a Ctrl-C is for us alone: we close it
+            )
+        except OSError as error:
+            raise GrfError(f"{self.python} cannot be run: {error}") from error
+        assert self.process.stdin is not None
+        os.set_blocking(self.process.stdin.fileno(), False)  # a hung worker leaves the pipe full
+        self.life = object()
+        self._send({"do": "hello"}, START_SECONDS)
+        message, _ = self.answer()
+        if message.get("protocol") != PROTOCOL:
+            raise GrfError(f"the worker speaks version {message.get('protocol')}, not {PROTOCOL}")
+
+    def _send(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
+        assert self.process is not None and self.process.stdin is not None
+        self._until = time.monotonic() + seconds
+        data = memoryview(pack(message, **arrays))
+        try:
+            while data:
+                if not select.select([], [self.process.stdin], [], max(self._until - time.monotonic(), 0))[1]:
+                    raise WorkerGoneError("it does not listen")
+                data = data[os.write(self.process.stdin.fileno(), data) :]
+        except OSError as error:
+            raise WorkerGoneError(f"it does not listen: {error}") from error
+
+    def _read(self, count: int) -> bytes:
+        assert self.process is not None and self.process.stdout is not None
+        parts = b""
+        while len(parts) < count:
+            left = self._until - time.monotonic()
+            if left <= 0 or not select.select([self.process.stdout], [], [], left)[0]:
+                raise WorkerGoneError("it does not answer")
+            more = os.read(self.process.stdout.fileno(), count - len(parts))
+            if not more:
+                raise WorkerGoneError("it has died")
+            parts += more
+        return parts
+
+
+class Workers:
+    """So many processes; each episode belongs to one of them by its slot.
+
+    `begin` and `play` raise GrfError where the engine refuses, or where workers die over the same request again and
+    again.
+    """
+
+    def __init__(self, python: Path, count: int) -> None:
+        self.processes = [WorkerProcess(python) for _ in range(count)]
+
+    def begin(self, episodes: Sequence[Episode]) -> np.ndarray:
+        """Start these episodes, or repeat what has been played of them; return OBSERVED `[K]`."""
+        for episode in episodes:
+            episode.life = None
+        return self._serve(episodes, None)
+
+    def play(self, episodes: Sequence[Episode], actions: np.ndarray) -> np.ndarray:
+        """Play a step of each with actions `[K, 22]`; return OBSERVED `[K]`."""
+        observed = self._serve(episodes, actions)
+        for episode, own, seen in zip(episodes, actions, observed, strict=True):
+            episode.actions.append(own.copy())
+            episode.check = zlib.crc32(seen.tobytes())
+        return observed
+
+    def forget(self, episodes: Sequence[Episode]) -> None:
+        """Let go of episodes that nobody plays any more."""
+        for episode in episodes:
+            self._home(episode).forgotten.append(episode.slot)
+            episode.life = None
+
+    def close(self) -> None:
+        """End all processes; a later request starts them again."""
+        for process in self.processes:
+            process.kill()
+
+    def _home(self, episode: Episode) -> WorkerProcess:
+        return self.processes[episode.slot % len(self.processes)]
+
+    def _serve(self, episodes: Sequence[Episode], actions: np.ndarray | None) -> np.ndarray:
+        """Do one request on every worker, again where it fails."""
+        observed = np.zeros(len(episodes), OBSERVED)
+        waiting: dict[WorkerProcess, list[int]] = {}
+        for index, episode in enumerate(episodes):
+            waiting.setdefault(self._home(episode), []).append(index)
+        try:
+            for _ in range(MOST_DEATHS):
+                failed = self._bring_back(waiting, episodes, observed)
+                if actions is not None:
+                    failed |= self._step(waiting, episodes, actions, observed, failed)
+                waiting = {process: waiting[process] for process in failed}
+                if not waiting:
+                    return observed
+        except BaseException:  # an answer may be under way that nobody will read: the next one would be taken for it
+            for process in self.processes:
+                process.kill()
+            raise
+        process, reason = next(iter(failed.items()))
+        words = process.last_words()
+        raise GrfError(
+            f"a worker of Google Research Football failed {MOST_DEATHS} times over the same step: {reason}"
+            + (f"; its last words: {words}" if words else "")
+        )
+
+    def _bring_back(
+        self, waiting: dict[WorkerProcess, list[int]], episodes: Sequence[Episode], observed: np.ndarray
+    ) -> dict[WorkerProcess, str]:
+        """Let the workers begin or repeat the episodes that they do not hold; return whom that killed, and why."""
+        rounds = _Round()
+        for process, indices in waiting.items():
+            lost = [i for i in indices if episodes[i].life is None or episodes[i].life is not process.life]
+            if lost:
+                rounds.ask(process, lost, *_begin_request([episodes[i] for i in lost]))
+        for process, indices, answer in rounds.answers():
+            observed[indices] = answer
+            for i, seen in zip(indices, answer, strict=True):
+                episodes[i].life = process.life
+                check_repeated(episodes[i], seen)
+        return rounds.failed
+
+    def _step(
+        self,
+        waiting: dict[WorkerProcess, list[int]],
+        episodes: Sequence[Episode],
+        actions: np.ndarray,
+        observed: np.ndarray,
+        failed: dict[WorkerProcess, str],
+    ) -> dict[WorkerProcess, str]:
+        rounds = _Round()
+        for process, indices in waiting.items():
+            if process not in failed:
+                slots = [episodes[i].slot for i in indices]
+                seconds = ANSWER_SECONDS + STEP_SECONDS * len(slots)
+                rounds.ask(process, indices, {"do": "step", "slots": slots}, seconds, {"actions": actions[indices]})
+        for _, indices, answer in rounds.answers():
+            observed[indices] = answer
+        return rounds.failed
+
+
+class _Round:
+    """One request to each of some workers, which work at the same time."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[WorkerProcess, list[int]]] = []
+        self.failed: dict[WorkerProcess, str] = {}
+
+    def ask(
+        self,
+        process: WorkerProcess,
+        indices: list[int],
+        message: dict[str, Any],
+        seconds: float,
+        arrays: dict[str, np.ndarray],
+    ) -> None:
+        try:
+            process.ask(message, seconds, **arrays)
+            self.asked.append((process, indices))
+        except WorkerGoneError as error:
+            self._lose(process, error)
+
+    def answers(self) -> Any:
+        """Yield process, indices and OBSERVED `[k]` of all that answer."""
+        for process, indices in self.asked:
+            try:
+                observed = process.answer()[1].get("observed")
+                if observed is None or observed.dtype != OBSERVED or observed.shape != (len(indices),):
+                    raise WorkerGoneError("it answered something else")
+            except WorkerGoneError as error:
+                self._lose(process, error)
+            else:
+                yield process, indices, observed
+
+    def _lose(self, process: WorkerProcess, error: WorkerGoneError) -> None:
+        process.kill()
+        self.failed[process] = str(error)
+
+
+def _begin_request(episodes: Sequence[Episode]) -> tuple[dict[str, Any], float, dict[str, np.ndarray]]:
+    """Return the request that begins or repeats episodes, the seconds that it may take, and its arrays."""
+    lengths = np.array([len(each.actions) for each in episodes], np.int64)
+    played = [row for each in episodes for row in each.actions]
+    actions = np.array(played, np.int64).reshape(len(played), ROWS)
+    message = {
+        "do": "begin",
+        "slots": [each.slot for each in episodes],
+        "scenes": [each.scene for each in episodes],
+        "seeds": [each.seed for each in episodes],
+    }
+    seconds = ANSWER_SECONDS + STEP_SECONDS * (20 * len(episodes) + len(played))
+    return message, seconds, {"lengths": lengths, "actions": actions}
+
+
+def check_repeated(episode: Episode, seen: np.ndarray) -> None:
+    """Raise GrfError if a repeated episode shows something else than when it was first played."""
+    check = zlib.crc32(seen.tobytes())
+    if episode.check is not None and episode.check != check:
+        raise GrfError(
+            f"Google Research Football plays an episode differently the second time (seed {episode.seed}, step "
+            f"{len(episode.actions)}): another version than the one that it was begun with?"
+        )
+    episode.check = check
+
+
+_SHARED: dict[tuple[int, Path, int], Workers] = {}
+
+
+def shared_workers(python: Path, count: int) -> Workers:
+    """Return the workers of this process for one Python and number: all environments share them."""
+    key = os.getpid(), python, count  # a forked process has workers of its own
+    if key not in _SHARED:
+        _SHARED[key] = Workers(python, count)
+    return _SHARED[key]
+
+
+@atexit.register
+def close_all() -> None:
+    """End all workers of this process."""
+    for (owner, _, _), workers in _SHARED.items():
+        if owner == os.getpid():
+            workers.close()
