@@ -26,18 +26,11 @@ from scenic_lite.core.types import (
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.builtins import CLASS_METHODS, DICTIONARIES, LISTS, TUPLES
 from scenic_lite.evaluation.strings import no_method
-from scenic_lite.language.classes import ORIENTATION, SIDES, is_object, is_oriented, side_of
-from scenic_lite.language.region_members import (
-    CLASS_FUNCTIONS,
-    FIELD_FIELDS,
-    FIELD_METHODS,
-    REGION_FIELDS,
-    REGION_METHODS,
-)
-from scenic_lite.values.geometry import Vector, angle_between, as_vector, distance_between, is_scalar
+from scenic_lite.language.classes import ORIENTATION, SIDES, is_object, is_oriented, side_of, vector_of
+from scenic_lite.language.regions import CLASS_FUNCTIONS, REGION_FIELDS, REGION_METHODS
+from scenic_lite.values.geometry import Vector, angle_between, distance_between, is_scalar
 from scenic_lite.values.graph import Value, apply, kind_of
 from scenic_lite.values.operations import ABSOLUTE, MAXIMUM
-from scenic_lite.values.regions import Region, VectorField
 
 
 @broadcasts_over_choices(1)
@@ -128,19 +121,12 @@ def methods_of(value: Value) -> dict[str, Builtin]:
     return next((table for kind, table in METHODS if isinstance(value, kind)), {})
 
 
-def vector(value: Value) -> Vector:
-    result = as_vector(value)
-    if result is None:
-        raise ScenicError("type", f"a vector is needed here, not {describe_kind(value)}")
-    return result
-
-
 def rotated_by(self: Vector, angle: Value) -> Vector:
     return self.rotated(angle)
 
 
 def offset_rotated(self: Vector, heading: Value, offset: Value) -> Vector:
-    return self + vector(offset).rotated(heading)
+    return self + vector_of(offset).rotated(heading)
 
 
 def offset_radially(self: Vector, radius: Value, heading: Value) -> Vector:
@@ -148,7 +134,7 @@ def offset_radially(self: Vector, radius: Value, heading: Value) -> Vector:
 
 
 def dot(self: Vector, other: Value) -> Value:
-    other = vector(other)
+    other = vector_of(other)
     return self.x * other.x + self.y * other.y
 
 
@@ -157,19 +143,19 @@ def normalized(self: Vector) -> Vector:
 
 
 def distance_to(self: Vector, other: Value) -> Value:
-    return distance_between(self, vector(other))
+    return distance_between(self, vector_of(other))
 
 
 def distance_to_outline(self: Instance, other: Value) -> Value:
     """Dialect 3: `object.distanceTo(point)` counts from the object's rectangle, 0 inside."""
     p = self.properties
-    offset = (vector(other) - p["position"]).rotated(-p["heading"])
+    offset = (vector_of(other) - p["position"]).rotated(-p["heading"])
     sides = ((offset.x, p["width"]), (offset.y, p["length"]))
     return Vector(*(apply(MAXIMUM, apply(ABSOLUTE, part) - extent / 2, 0.0) for part, extent in sides)).length()
 
 
 def angle_to(self: Vector, other: Value) -> Value:
-    return angle_between(self, vector(other))
+    return angle_between(self, vector_of(other))
 
 
 DISTANCE_TO_OUTLINE = Builtin("distanceTo", distance_to_outline)
@@ -182,12 +168,11 @@ VECTOR_METHODS = of_values(
     rotatedBy=rotated_by,
     offsetRotated=offset_rotated,
     offsetRadially=offset_radially,
-    offsetBy=lambda self, offset: self + vector(offset),
+    offsetBy=lambda self, offset: self + vector_of(offset),
 )
 METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
     (Vector, VECTOR_METHODS),
-    (Region, REGION_METHODS),
-    (VectorField, FIELD_METHODS),
+    *REGION_METHODS,
     (list, LISTS),
     (tuple, TUPLES),
     (dict, DICTIONARIES),
@@ -195,6 +180,5 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
 VECTOR_FIELDS = {"x": lambda v: v.x, "y": lambda v: v.y, "z": lambda v: 0.0, "coordinates": lambda v: (v.x, v.y)}
 FIELDS: tuple[tuple[Any, dict[str, Callable[[Any], Value]]], ...] = (
     (Vector, VECTOR_FIELDS),
-    (Region, REGION_FIELDS),
-    (VectorField, FIELD_FIELDS),
+    *REGION_FIELDS,
 )

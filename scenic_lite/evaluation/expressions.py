@@ -30,7 +30,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.attributes import attribute
 from scenic_lite.evaluation.comparisons import comparison
 from scenic_lite.evaluation.strings import concatenate, text_of
-from scenic_lite.language.region_members import item_of as element_of
+from scenic_lite.language.regions import item_of as element_of
 from scenic_lite.language.scenic_operators import OPERATORS, ego_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector, as_vector

@@ -13,8 +13,8 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.builtins import PYTHON, left_out
 from scenic_lite.evaluation.math_builtins import MATH, NUMBERS, of_one, of_two
 from scenic_lite.language import distributions as draw
-from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT
-from scenic_lite.language.region_functions import REGIONS, number
+from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT, number_of
+from scenic_lite.language.regions import REGIONS
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import Value, is_number
 from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, NORMALISE, SINE, SQUARE_ROOT
@@ -33,7 +33,7 @@ def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
     """`Vector(x, y)`; programs for three dimensions give a third coordinate, which must be 0."""
     if not is_number(z) or z != 0:
         raise ScenicError("unsupported", "the third coordinate of a vector must be 0 in two dimensions")
-    return Vector(number(x), number(y))
+    return Vector(number_of(x), number_of(y))
 
 
 def random_unit(scope: Scope, node: ast.AST) -> Value:

@@ -13,7 +13,7 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
 from scenic_lite.values.operations import OR, SECTOR_MEETS
-from scenic_lite.values.regions import SectorRegion
+from scenic_lite.values.regions import Region, SectorRegion
 
 
 def constants(**values: Value) -> dict[str, Default]:
@@ -110,6 +110,34 @@ def as_orientation(value: Value) -> Value:
             raise ScenicError("unsupported", "an orientation in two dimensions is (yaw, 0, 0)")
         return value[0]
     return as_heading(value)
+
+
+def needed(words: str, noun: str, value: Value, found: Value, hint: str = "") -> Value:
+    """Return what was found in a value. Raises ScenicError if that is None, naming the words that need it."""
+    if found is None:
+        message = f"`{words}` needs {noun}" if words else f"{noun} is needed here"
+        raise ScenicError("type", f"{message}, not {describe_kind(value)}", hint=hint)
+    return found
+
+
+def vector_of(value: Value, words: str = "") -> Vector:
+    """Return what a value is as a vector. Raises ScenicError."""
+    hint = "a vector is written x @ y" if words and is_scalar(value) else ""
+    hint = "a point of a region is written `in region`" if isinstance(value, Region) else hint
+    return needed(words, "a vector", value, as_vector(value), hint)
+
+
+def heading_of(value: Value, words: str) -> Value:
+    """Return the heading that a value stands for. Raises ScenicError."""
+    return needed(words, "a heading", value, as_heading(value))
+
+
+def number_of(value: Value) -> Value:
+    return needed("", "a number", value, as_heading(value))
+
+
+def region_of(value: Value, words: str = "") -> Region:
+    return needed(words, "a region", value, value if isinstance(value, Region) else None)
 
 
 # What an oriented object of dialect 3 knows of its orientation besides its heading.

@@ -19,7 +19,7 @@ from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import PathEnumerator
 from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.values.geometry import Vector, is_scalar
+from scenic_lite.values.geometry import Vector, is_scalar, vector_by
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.regions import Region, VectorField, patched
 
@@ -142,8 +142,7 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
 def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
     """Return the same in every scene; one node, however many steps."""
     walk = Walk(field)
-    end = RandomExpr(walk, (start.x, start.y, distance, *walk.others), "any")
-    return Vector(RandomExpr(walk.x_of, (end,)), RandomExpr(walk.y_of, (end,)))
+    return vector_by(walk, start.x, start.y, distance, *walk.others)
 
 
 def steps_of(field: VectorField, distance: Any) -> Any:
@@ -184,11 +183,3 @@ class Walk:
         if self.tape is None:
             return self.heading
         return self.tape.run([x, y, *others])[self.tape.slot(self.heading)]
-
-    @staticmethod
-    def x_of(end: Any) -> Any:
-        return end[0]
-
-    @staticmethod
-    def y_of(end: Any) -> Any:
-        return end[1]

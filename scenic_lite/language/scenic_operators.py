@@ -14,17 +14,20 @@ from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_k
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import (
     SIDES,
-    as_heading,
     can_see,
+    heading_of,
     is_object,
     is_oriented,
     oriented_point,
     rectangle_of,
+    region_of,
     side_of,
+    vector_of,
     view_of,
 )
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifier_rules import ego_of, vector_of, viewer_of
+from scenic_lite.language.specifier_rules import ego_of, viewer_of
+from scenic_lite.values import polygons
 from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET
@@ -44,50 +47,43 @@ def distance(scope: Scope, start: Value, end: Value) -> Value:
     end = ego_of(scope) if end is None else end
     for region, other in ((start, end), (end, start)):
         if isinstance(region, Region):
-            return region.distance(vector_of("distance to", other))
-    return distance_between(vector_of("distance from", start), vector_of("distance to", end))
+            return region.distance(vector_of(other, "distance to"))
+    return distance_between(vector_of(start, "distance from"), vector_of(end, "distance to"))
 
 
 def angle(scope: Scope, start: Value, end: Value) -> Value:
     start = ego_of(scope) if start is None else start
     end = ego_of(scope) if end is None else end
-    return angle_between(vector_of("angle from", start), vector_of("angle to", end))
+    return angle_between(vector_of(start, "angle from"), vector_of(end, "angle to"))
 
 
 def relative_heading(scope: Scope, heading: Value, base: Value) -> Value:
     base = ego_of(scope) if base is None else base
-    return normalised(heading_of("relative heading of", heading) - heading_of("relative heading ... from", base))
+    return normalised(heading_of(heading, "relative heading of") - heading_of(base, "relative heading ... from"))
 
 
 def apparent_heading(scope: Scope, seen: Value, viewpoint: Value) -> Value:
     viewpoint = ego_of(scope) if viewpoint is None else viewpoint
-    line = angle_between(vector_of("apparent heading ... from", viewpoint), vector_of("apparent heading of", seen))
-    return normalised(heading_of("apparent heading of", seen) - line)
+    line = angle_between(vector_of(viewpoint, "apparent heading ... from"), vector_of(seen, "apparent heading of"))
+    return normalised(heading_of(seen, "apparent heading of") - line)
 
 
 def relative_position(scope: Scope, place: Value, base: Value) -> Value:
     base = ego_of(scope) if base is None else base
-    return vector_of("relative position of", place) - vector_of("relative position ... from", base)
+    return vector_of(place, "relative position of") - vector_of(base, "relative position ... from")
 
 
 def distance_past(scope: Scope, place: Value, base: Value) -> Value:
     base = ego_of(scope) if base is None else base
-    offset = vector_of("distance past ... of", base) - vector_of("distance past", place)
-    return offset.rotated(-heading_of("distance past ... of", base)).y
-
-
-def heading_of(words: str, value: Value) -> Value:
-    heading = as_heading(value)
-    if heading is None:
-        raise ScenicError("type", f"`{words}` needs a heading, not {describe_kind(value)}")
-    return heading
+    offset = vector_of(base, "distance past ... of") - vector_of(place, "distance past")
+    return offset.rotated(-heading_of(base, "distance past ... of")).y
 
 
 def field_at(scope: Scope, field: Value, place: Value) -> Value:
     if not isinstance(field, VectorField):
         hint = "write `new` before it" if scope.state.dialect == 3 else ""
         raise ScenicError("type", f"`X at Y` needs a vector field or a class, not {describe_kind(field)}", hint=hint)
-    return field.heading_at(vector_of("at", place))
+    return field.heading_at(vector_of(place, "at"))
 
 
 def relative_to(scope: Scope, x: Value, y: Value) -> Value:
@@ -107,7 +103,7 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
         return x.map_options([relative_to(scope, option, y) for option in x.options])
     if scope.state.dialect == 3 and is_random_frame(y):
         return y.map_options([relative_to(scope, x, option) for option in y.options])
-    return vector_of("relative to", x) + vector_of("relative to", y)
+    return vector_of(x, "relative to") + vector_of(y, "relative to")
 
 
 def is_random_frame(value: Value) -> bool:
@@ -138,17 +134,17 @@ def late_heading(value: Value) -> tuple[frozenset[str], Callable[[Instance], Val
         return frozenset({"position"}), lambda self: value.heading_at(self.properties["position"])
     if isinstance(value, LazyValue):
         return value.needs, value.compute
-    heading = heading_of("relative to", value)
+    heading = heading_of(value, "relative to")
     return frozenset(), lambda self: heading
 
 
 def offset_along(scope: Scope, start: Value, direction: Value, offset: Value) -> Value:
-    vector = vector_of("offset along", start)
+    vector = vector_of(start, "offset along")
     if isinstance(direction, VectorField):
         turn = direction.heading_at(vector)
     else:
-        turn = heading_of("offset along", direction)
-    return vector + vector_of("offset along ... by", offset).rotated(turn)
+        turn = heading_of(direction, "offset along")
+    return vector + vector_of(offset, "offset along ... by").rotated(turn)
 
 
 def sees(scope: Scope, viewer: Value, seen: Value) -> Value:
@@ -183,7 +179,7 @@ def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) 
 
 def follow_field(scope: Scope, field: Value, start: Value, length: Value) -> Value:
     base = ego_of(scope) if start is None else start
-    point, heading = follow(field, vector_of("follow ... from", base), length)
+    point, heading = follow(field, vector_of(base, "follow ... from"), length)
     place = base.place if isinstance(base, Instance) else SourceSpan(scope.source.file, 1, 0, 1, 1)
     return oriented_point(point, heading, place)
 
@@ -193,21 +189,11 @@ def visible_part(scope: Scope, region: Value) -> Region:
 
 
 def visible_from(scope: Scope, region: Value, viewer: Value) -> Region:
-    from scenic_lite.values import algebra
-
-    return algebra.common_part(region_of("visible", region), view_of(viewer_of(scope, viewer)), scope.state.dialect)
+    return polygons.common_part(region_of(region, "visible"), view_of(viewer_of(scope, viewer)), scope.state.dialect)
 
 
 def hidden_part(scope: Scope, region: Value) -> Region:
-    from scenic_lite.values import algebra
-
-    return algebra.remainder(region_of("not visible", region), view_of(ego_of(scope)))
-
-
-def region_of(words: str, value: Value) -> Region:
-    if not isinstance(value, Region):
-        raise ScenicError("type", f"`{words}` needs a region, not {describe_kind(value)}")
-    return value
+    return polygons.remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
 
 
 def side(words: str) -> Callable[[Scope, Value], Value]:

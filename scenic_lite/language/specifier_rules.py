@@ -13,7 +13,7 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Sight
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.classes import as_heading, as_orientation, is_object, view_of
+from scenic_lite.language.classes import as_heading, as_orientation, is_object, vector_of, view_of
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifiers import OPTIONAL, REQUIRED, ResolvedSpecifier
@@ -44,19 +44,6 @@ def placing(
     return ResolvedSpecifier(words, node, gives, lambda self: values)
 
 
-def vector_of(words: str, value: Value) -> Vector:
-    vector = as_vector(value)
-    if vector is None:
-        raise ScenicError("type", f"`{words}` needs a vector, not {describe_kind(value)}", hint=vector_hint(value))
-    return vector
-
-
-def vector_hint(value: Value) -> str:
-    if isinstance(value, Region):
-        return "a point of a region is written `in region`"
-    return "a vector is written x @ y" if is_scalar(value) else ""
-
-
 def ego_of(scope: Scope) -> Instance:
     if scope.state.ego is None:
         raise ScenicError("name", "there is no ego yet", hint="write ego = ... before this line")
@@ -67,7 +54,7 @@ def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
     if isinstance(place, LazyValue):
         delayed = place
         return ResolvedSpecifier("at", node, POSITION, lambda self: {"position": delayed.compute(self)}, place.needs)
-    return placing(scope, node, "at", vector_of("at", place))
+    return placing(scope, node, "at", vector_of(place, "at"))
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
@@ -81,7 +68,7 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
             p = region.properties
             region = RectangularRegion(p["position"], p["heading"], p["width"], p["length"])
         elif as_vector(region) is not None:
-            return placing(scope, node, words, vector_of("on", region))
+            return placing(scope, node, words, vector_of(region, "on"))
     oriented = check_region(words, region)
     point, heading = point_in(scope, node, region)
     priority = 2 if words == "on" and scope.state.dialect == 3 else OPTIONAL
@@ -112,7 +99,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
     step_x, step_y = DIRECTIONS[words]
     extent = "width" if step_x else "length"
     gap = 0.0 if gap is None else gap
-    shift = Vector(gap * abs(step_x), gap * abs(step_y)) if is_scalar(gap) else vector_of(f"{words} ... by", gap)
+    shift = Vector(gap * abs(step_x), gap * abs(step_y)) if is_scalar(gap) else vector_of(gap, f"{words} ... by")
 
     def offset(self: Instance, other: Value) -> Vector:
         half = (self.properties[extent] + other) / 2
@@ -122,7 +109,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
 
     heading = as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
     if heading is None or (isinstance(anchor, RandomChoice) and scope.state.dialect == 2):
-        vector = vector_of(words, anchor)
+        vector = vector_of(anchor, words)
         return ResolvedSpecifier(
             words,
             node,
@@ -130,7 +117,7 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             lambda self: {"position": vector + offset(self, 0.0).rotated(self.properties["heading"])},
             frozenset({extent, "heading"}),
         )
-    centre, name = vector_of(words, anchor), optional_heading(scope)
+    centre, name = vector_of(anchor, words), optional_heading(scope)
     other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
     return ResolvedSpecifier(
         words,
@@ -151,7 +138,7 @@ def own_extent(anchor: Value, extent: str) -> Value:
 def offset_by(scope: Scope, node: ast.AST, offset: Value) -> ResolvedSpecifier:
     ego = ego_of(scope)
     heading = ego.properties["heading"]
-    place = ego.properties["position"] + vector_of("offset by", offset).rotated(heading)
+    place = ego.properties["position"] + vector_of(offset, "offset by").rotated(heading)
     return at_with_heading(scope, node, place, heading)
 
 
@@ -161,15 +148,15 @@ def offset_along(scope: Scope, node: ast.AST, direction: Value, offset: Value) -
     turn = direction.heading_at(start) if isinstance(direction, VectorField) else as_heading(direction)
     if turn is None:
         raise ScenicError("type", f"`offset along` needs a heading, not {describe_kind(direction)}")
-    place = start + vector_of("offset along ... by", offset).rotated(turn)
+    place = start + vector_of(offset, "offset along ... by").rotated(turn)
     return at_with_heading(scope, node, place, ego.properties["heading"])
 
 
 def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
     viewpoint = ego_of(scope) if viewpoint is None else viewpoint
-    far, near_end = vector_of("beyond", anchor), vector_of("beyond ... from", viewpoint)
-    shift = Vector(0.0, gap) if is_scalar(gap) else vector_of("beyond ... by", gap)
+    far, near_end = vector_of(anchor, "beyond"), vector_of(viewpoint, "beyond ... from")
+    shift = Vector(0.0, gap) if is_scalar(gap) else vector_of(gap, "beyond ... by")
     place = far + shift.rotated(angle_between(near_end, far))
     return at_with_heading(scope, node, place, 0.0)
 
@@ -227,7 +214,7 @@ def viewer_of(scope: Scope, viewer: Value) -> Instance:
 
 
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
-    start = vector_of("following ... from", ego_of(scope) if start is None else start)
+    start = vector_of(ego_of(scope) if start is None else start, "following ... from")
     end, heading = follow(field, start, distance)
     return placing(scope, node, "following", end, heading)
 
@@ -251,18 +238,18 @@ def facing_hint(value: Value) -> str:
 
 
 def facing_toward(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
-    vector = vector_of("facing toward", target)
+    vector = vector_of(target, "facing toward")
     return heading_specifier(scope, node, lambda self: angle_between(self.properties["position"], vector), {"position"})
 
 
 def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
-    vector = vector_of("facing away from", target)
+    vector = vector_of(target, "facing away from")
     return heading_specifier(scope, node, lambda self: angle_between(vector, self.properties["position"]), {"position"})
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """Heading `turn` as seen from the viewpoint; dialect 3 sets the yaw, on top of the parent's heading."""
-    start = vector_of("apparently facing ... from", ego_of(scope) if viewpoint is None else viewpoint)
+    start = vector_of(ego_of(scope) if viewpoint is None else viewpoint, "apparently facing ... from")
     name = "yaw" if scope.state.dialect == 3 else "heading"
 
     def compute(self: Instance) -> dict[str, Value]:

@@ -17,12 +17,12 @@ from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.distributions import Integers, show_coordinates, span_between
 from scenic_lite.scene.constraints import containers
+from scenic_lite.values import shapes
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Table, Tape, ThetaColumn, Value, columns_of, is_number
-from scenic_lite.values.intervals import UNBOUNDED, Interval, of_fixed, ordered
-from scenic_lite.values.operations import row_of
-from scenic_lite.values.polygons import PolygonalRegion
+from scenic_lite.values.operations import UNBOUNDED, Interval, interval_of_fixed, ordered, row_of
+from scenic_lite.values.polygons import PolygonalRegion, region_of
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
@@ -130,7 +130,7 @@ def least(value: Value) -> float:
 def bounds_of(tape: Tape, columns: list[ThetaColumn]) -> list[Interval]:
     """Return the interval of every register, unbounded where nothing is known."""
     computed = {out for _, _, out in tape.steps}
-    bounds = [UNBOUNDED if slot in computed else of_fixed(value) for slot, value in enumerate(tape.registers)]
+    bounds = [UNBOUNDED if slot in computed else interval_of_fixed(value) for slot, value in enumerate(tape.registers)]
     for slot, column in enumerate(columns):
         bounds[slot] = ordered(column.offset, column.offset + column.span)
     for operation, inputs, out in tape.steps:
@@ -219,8 +219,6 @@ def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
 
 def common_shape(base: Region, demand: Demand) -> Region | None:
     """Return the common part of regions of any shape."""
-    from scenic_lite.values import algebra, shapes
-
     room = circumscribed(demand.container).shape()
     if demand.radius > 0:
         room = shapes.GROWN.scalar(room, -demand.radius)
@@ -228,7 +226,7 @@ def common_shape(base: Region, demand: Demand) -> Region | None:
     part = shapes.INTERSECTION.scalar(whole, shapes.moved(room, -demand.right, -demand.up))
     if part.area >= (1 - ROUGH) * whole.area:
         return base
-    return algebra.region_of(part, base.orientation) if part.area > 0 else None
+    return region_of(part, base.orientation) if part.area > 0 else None
 
 
 def circumscribed(region: Region) -> Region:

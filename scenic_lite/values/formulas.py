@@ -35,6 +35,28 @@ def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, len
     return (abs(across) <= width / 2 + CLOSENESS) & (abs(along) <= length / 2 + CLOSENESS)
 
 
+def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
+    """Return the distance of points from an oriented rectangle, 0 inside."""
+    across, along = in_frame(x - cx, y - cy, heading)
+    return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
+
+
+def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
+    """Return whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
+    p, q = (x, y), (end_x, end_y)
+    points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
+    crossed: Any = False
+    for a, b in zip(points, points[1:] + points[:1], strict=True):
+        apart = turn_of(p, q, a) * turn_of(p, q, b) < -CLOSENESS
+        crossed = crossed | (apart & (turn_of(a, b, p) * turn_of(a, b, q) < -CLOSENESS))
+    return np.logical_not(crossed)
+
+
+def turn_of(a: Any, b: Any, c: Any) -> Any:
+    """Return twice the signed area of a triangle: positive if it runs anticlockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
 def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
     """Return whether points at (delta_x, delta_y) from the apex lie in a sector; arrays [N] or scalars."""
     bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading
@@ -51,7 +73,7 @@ def sector_meets_rectangle(*numbers: Any) -> Any:
     """
     x, y, radius, heading, angle, cx, cy, turn, width, length = numbers
     c, s = np.cos(turn), np.sin(turn)
-    local_x, local_y = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
+    local_x, local_y = in_frame(x - cx, y - cy, turn)
     meets = (np.abs(local_x) <= width / 2) & (np.abs(local_y) <= length / 2)
     points = []  # corners relative to the apex
     for sign_x, sign_y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
@@ -106,6 +128,29 @@ def rectangles_meet(
         & (abs(dx * cb + dy * sb) <= across_b + across_a * c + along_a * s)
         & (abs(dy * cb - dx * sb) <= along_b + across_a * s + along_a * c)
     )
+
+
+def edges_clear(edges: Any, corners: Any) -> Any:
+    """Return whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
+
+    An edge stays out exactly if it is apart from the rectangle along one of its two sides, or along its own normal.
+    """
+    x, y = (corners[0] + corners[4]) / 2, (corners[1] + corners[5]) / 2
+    across_x, across_y = (corners[0] - corners[2]) / 2, (corners[1] - corners[3]) / 2  # half the width
+    along_x, along_y = (corners[2] - corners[4]) / 2, (corners[3] - corners[5]) / 2  # half the length
+    clear = np.ones(len(x), dtype=bool)
+    for start_x, start_y, end_x, end_y in edges:
+        step_x, step_y = (end_x - start_x) / 2, (end_y - start_y) / 2
+        dx, dy = (start_x + end_x) / 2 - x, (start_y + end_y) / 2 - y
+        apart = np.zeros(len(x), dtype=bool)
+        for side_x, side_y in ((across_x, across_y), (along_x, along_y)):
+            square = side_x * side_x + side_y * side_y
+            reach = square + np.abs(step_x * side_x + step_y * side_y)
+            apart |= np.abs(dx * side_x + dy * side_y) >= reach - CLOSENESS * np.sqrt(square)
+        reach = np.abs(across_x * step_y - across_y * step_x) + np.abs(along_x * step_y - along_y * step_x)
+        apart |= np.abs(dx * step_y - dy * step_x) >= reach - CLOSENESS * np.hypot(step_x, step_y)
+        clear &= apart
+    return clear
 
 
 def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: int = ARC_SEGMENTS) -> Any:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+from typing import Any
 
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
-from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, HYPOTENUSE, NORMALISE, SINE
+from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, HYPOTENUSE, NORMALISE, SINE, Operation, quietly
 
 
 class Vector:
@@ -135,3 +137,24 @@ def corners(position: Vector, heading: Value, width: Value, length: Value) -> li
     """Return the corners of an oriented rectangle, anticlockwise from the front right."""
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
     return [position + Vector(width * x, length * y).rotated(heading) for x, y in signs]
+
+
+def coordinates(points: Iterable[Vector]) -> list[Value]:
+    """Return x and y of each point in turn."""
+    return [part for point in points for part in (point.x, point.y)]
+
+
+def vector_by(function: Callable[..., tuple[Any, Any]], *operands: Value) -> Vector:
+    """Return the vector whose x and y a function written for arrays computes at once."""
+    both = apply(Operation(quietly(function, tuple), function), *operands, kind="any")
+    if isinstance(both, RandomExpr):
+        return Vector(RandomExpr(x_of, (both,)), RandomExpr(y_of, (both,)))
+    return Vector(*map(float, both))
+
+
+def x_of(pair: Any) -> Any:
+    return pair[0]
+
+
+def y_of(pair: Any) -> Any:
+    return pair[1]

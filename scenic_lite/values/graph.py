@@ -8,7 +8,7 @@ then holds the nodes in topological order, so that N scenes cost one array opera
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,18 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.operations import (
     ABSOLUTE,
     ADD,
+    AND,
     DIVIDE,
     FLOOR_DIVIDE,
     MODULO,
     MULTIPLY,
     NEGATE,
+    OR,
     POWER,
     SELECT,
     SUBTRACT,
     Operation,
+    quietly,
     to_integers,
 )
 
@@ -126,6 +129,24 @@ def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
     if any(isinstance(operand, RandomExpr) for operand in operands):
         return RandomExpr(operation.array, operands, kind or operation.kind)
     return operation.scalar(*operands)
+
+
+def number_by(function: Callable[..., Any], *operands: Value) -> Value:
+    """Return a number computed by a function written for arrays."""
+    return apply(Operation(quietly(function, float), function), *operands)
+
+
+def truth_by(test: Callable[..., Any], *operands: Value) -> Value:
+    """Return a test written for arrays, on numbers or random values."""
+    return apply(Operation(quietly(test, bool), test, kind="truth"), *operands)
+
+
+def all_of(*truths: Value) -> Value:
+    return reduce(lambda some, truth: apply(AND, some, truth), truths)
+
+
+def any_of(*truths: Value) -> Value:
+    return reduce(lambda some, truth: apply(OR, some, truth), truths)
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:

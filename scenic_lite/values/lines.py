@@ -1,22 +1,23 @@
 """Regions without area: polylines, sets of points, grids.
 
-Read next: `values.shapes`.
+Read next: `values.polygons`, regions of any shape.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.errors import ScenicError
+from scenic_lite.values import shapes
 from scenic_lite.values.formulas import in_frame
-from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import AND, NORMALISE
-from scenic_lite.values.regions import Point2, Region, VectorField, numbers_of, truth_of
+from scenic_lite.values.geometry import Vector, coordinates, vector_by
+from scenic_lite.values.graph import Value, all_of, number_by, truth_by
+from scenic_lite.values.operations import NORMALISE
+from scenic_lite.values.regions import Point2, Region, VectorField
 
 NEAR = 1e-6  # a point so near a polyline or a point lies on it
 
@@ -27,12 +28,11 @@ class PolylineRegion(Region):
     columns = 1
     dimension = 1
 
-    def __init__(self, chains: list[list[Point2]], orientation: VectorField | bool | None = True) -> None:
-        """Take chains, each of two points or more. `orientation` True: along the segments; None: there is none."""
-        points = [np.array(chain, dtype=float) for chain in chains]
-        self.chains = points
-        self.starts = np.concatenate([chain[:-1] for chain in points])  # [S, 2]
-        self.steps = np.concatenate([np.diff(chain, axis=0) for chain in points])
+    def __init__(self, chains: Sequence[Any], orientation: VectorField | bool | None = True) -> None:
+        """Take chains [n, 2] of two points or more. `orientation` True: along the segments; None: there is none."""
+        self.chains = [np.array(chain, dtype=float) for chain in chains]
+        self.starts = np.concatenate([chain[:-1] for chain in self.chains])  # [S, 2]
+        self.steps = np.concatenate([np.diff(chain, axis=0) for chain in self.chains])
         self.lengths = np.hypot(self.steps[:, 0], self.steps[:, 1])
         self.length = float(self.lengths.sum())
         if not self.length > 0:
@@ -46,26 +46,21 @@ class PolylineRegion(Region):
     def _segment(self, u: Any) -> Any:
         return np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
 
-    def _coordinate(self, u: Any, axis: int) -> Any:
+    def _at(self, u: Any) -> Any:
+        """Return x and y of the point at a share of the length."""
         which = self._segment(u)
         left = u - (self.ends[which] - self.lengths[which] / self.length)
         share = np.clip(left * self.length / np.maximum(self.lengths[which], 1e-300), 0.0, 1.0)
-        return self.starts[which, axis] + share * self.steps[which, axis]
-
-    def _x(self, u: Any) -> Any:
-        return self._coordinate(u, 0)
-
-    def _y(self, u: Any) -> Any:
-        return self._coordinate(u, 1)
+        return tuple(self.starts[which, axis] + share * self.steps[which, axis] for axis in (0, 1))
 
     def _heading(self, u: Any) -> Any:
         return self.headings[self._segment(u)]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
+        return vector_by(self._at, u)
 
     def heading_of(self, point: Vector, u: Value) -> Value:
-        return RandomExpr(self._heading, (u,)) if self.own_direction else super().heading_of(point, u)
+        return number_by(self._heading, u) if self.own_direction else super().heading_of(point, u)
 
     def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
         """Return the nearest segment of each point, how far along it, and the distance."""
@@ -78,63 +73,58 @@ class PolylineRegion(Region):
         return which, np.take_along_axis(along, at, -1)[..., 0], np.take_along_axis(gaps, at, -1)[..., 0]
 
     def _heading_near(self, point: Vector) -> Value:
-        return numbers_of(lambda x, y: self.headings[self.nearest(x, y)[0]], point.x, point.y)
+        return number_by(lambda x, y: self.headings[self.nearest(x, y)[0]], point.x, point.y)
 
     def contains(self, point: Vector) -> Value:
-        return truth_of(lambda x, y: self.nearest(x, y)[2] <= NEAR, point.x, point.y)
+        return truth_by(lambda x, y: self.nearest(x, y)[2] <= NEAR, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         return False
 
     def distance(self, point: Vector) -> Value:
-        return numbers_of(lambda x, y: self.nearest(x, y)[2], point.x, point.y)
+        return number_by(lambda x, y: self.nearest(x, y)[2], point.x, point.y)
 
     def signed_distance(self, point: Vector) -> Value:
         """Return the distance, positive on the left of the nearest segment."""
-        return numbers_of(self._signed, point.x, point.y)
 
-    def _signed(self, x: Any, y: Any) -> Any:
-        which, _, distance = self.nearest(x, y)
-        start, step = self.starts[which], self.steps[which]
-        side = step[..., 0] * (y - start[..., 1]) - step[..., 1] * (x - start[..., 0])
-        return np.where(side >= 0, distance, -distance)
+        def signed(x: Any, y: Any) -> Any:
+            which, _, distance = self.nearest(x, y)
+            start, step = self.starts[which], self.steps[which]
+            side = step[..., 0] * (y - start[..., 1]) - step[..., 1] * (x - start[..., 0])
+            return np.where(side >= 0, distance, -distance)
+
+        return number_by(signed, point.x, point.y)
 
     def projected(self, point: Vector) -> Vector:
         """Return the nearest point of the polyline."""
-        return Vector(*(numbers_of(self._project(axis), point.x, point.y) for axis in (0, 1)))
 
-    def _project(self, axis: int) -> Callable[[Any, Any], Any]:
-        def coordinate(x: Any, y: Any) -> Any:
+        def project(x: Any, y: Any) -> Any:
             which, along, _ = self.nearest(x, y)
-            return self.starts[which, axis] + along * self.steps[which, axis]
+            return tuple(self.starts[which, axis] + along * self.steps[which, axis] for axis in (0, 1))
 
-        return coordinate
+        return vector_by(project, point.x, point.y)
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
         """Return the point so far along the polyline from its start (or that share of its length)."""
-        share = distance if normalized else distance / self.length
-        x = numbers_of(lambda u: self._x(np.clip(u, 0.0, 1.0)), share)
-        return Vector(x, numbers_of(lambda u: self._y(np.clip(u, 0.0, 1.0)), share))
+        return vector_by(lambda u: self._at(np.clip(u, 0.0, 1.0)), distance if normalized else distance / self.length)
 
     def __add__(self, other: Value) -> PolylineRegion:
         """Return both, each part keeping its direction."""
         if not isinstance(other, PolylineRegion):
             raise TypeError("a polyline and something else")
-        return PolylineRegion([chain.tolist() for chain in (*self.chains, *other.chains)])
+        return PolylineRegion([*self.chains, *other.chains])
 
     def vertices(self) -> list[Point2]:
         """Return its points in order; where one chain ends as the next begins, once."""
         points: list[Point2] = []
         for chain in self.chains:
-            own = [(float(x), float(y)) for x, y in chain]
+            own = [(x, y) for x, y in chain.tolist()]
             points += own[1:] if points and points[-1] == own[0] else own
         return points
 
     def shape(self) -> Any:
-        import shapely
-
-        lines = [shapely.LineString(chain) for chain in self.chains]
-        return lines[0] if len(lines) == 1 else shapely.MultiLineString(lines)
+        lines = [shapes.shapely.LineString(chain) for chain in self.chains]
+        return lines[0] if len(lines) == 1 else shapes.shapely.MultiLineString(lines)
 
     def outlines(self) -> list[Any]:
         return self.chains
@@ -146,44 +136,42 @@ class PointSetRegion(Region):
     columns = 1
     dimension = 0
 
-    def __init__(self, points: list[Point2], orientation: VectorField | None = None, tolerance: float = NEAR) -> None:
-        if not points:
+    def __init__(self, points: Any, orientation: VectorField | None = None, tolerance: float = NEAR) -> None:
+        """Take points [n, 2]."""
+        if not len(points):
             raise ScenicError("value", "the region is empty")
         self.points = np.array(points, dtype=float)
         self.orientation = orientation
         self.tolerance = tolerance
 
-    def _index(self, u: Any) -> Any:
-        return np.minimum((u * len(self.points)).astype(np.int64), len(self.points) - 1)
+    def vectors(self) -> list[Vector]:
+        return [Vector(x, y) for x, y in self.points.tolist()]
 
-    def _x(self, u: Any) -> Any:
-        return self.points[self._index(u), 0]
-
-    def _y(self, u: Any) -> Any:
-        return self.points[self._index(u), 1]
+    def _at(self, u: Any) -> Any:
+        index = np.minimum((u * len(self.points)).astype(np.int64), len(self.points) - 1)
+        return self.points[index, 0], self.points[index, 1]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return Vector(RandomExpr(self._x, (u,)), RandomExpr(self._y, (u,)))
+        return vector_by(self._at, u)
 
-    def _gaps(self, x: Any, y: Any) -> Any:
-        return np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])
+    def _gap(self, x: Any, y: Any) -> Any:
+        gaps = np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])
+        return gaps.min(axis=-1)
 
     def contains(self, point: Vector) -> Value:
-        return truth_of(lambda x, y: self._gaps(x, y).min(axis=-1) <= self.tolerance, point.x, point.y)
+        return truth_by(lambda x, y: self._gap(x, y) <= self.tolerance, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         return False
 
     def distance(self, point: Vector) -> Value:
-        return numbers_of(lambda x, y: self._gaps(x, y).min(axis=-1), point.x, point.y)
+        return number_by(self._gap, point.x, point.y)
 
     def outlines(self) -> list[Any]:
         return [point[None] for point in self.points]
 
     def shape(self) -> Any:
-        import shapely
-
-        return shapely.MultiPoint(self.points)
+        return shapes.shapely.MultiPoint(self.points)
 
 
 class GridRegion(PointSetRegion):
@@ -212,13 +200,12 @@ class GridRegion(PointSetRegion):
         return inside & (self.grid[j, i] == 0)
 
     def contains(self, point: Vector) -> Value:
-        return truth_of(self._free, point.x, point.y)
+        return truth_by(self._free, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         """Return the corners are free, and no obstacle's grid point lies in the rectangle."""
-        inside = Region.contains_corners(self, corners)
-        numbers = [part for corner in corners for part in (corner.x, corner.y)]
-        return apply(AND, inside, truth_of(self._unobstructed, *numbers))
+        unobstructed = truth_by(self._unobstructed, *coordinates(corners))
+        return all_of(*(self.contains(corner) for corner in corners), unobstructed)
 
     def _unobstructed(self, *numbers: Any) -> Any:
         x0, y0, x1, y1, x2, y2 = (np.asarray(number)[..., None] for number in numbers[:6])

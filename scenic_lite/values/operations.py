@@ -17,10 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.values import formulas, intervals
+from scenic_lite.values import formulas
 from scenic_lite.values.formulas import TURN
 
 KEPT, ALWAYS = "kept", "always"  # of integers an integer; an integer of whatever
+Interval = tuple[float, float]
+UNBOUNDED: Interval = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,9 +48,40 @@ class Operation:
     opcode: str = ""
     integers: str = ""
     fails: Callable[..., Any] | None = None
-    interval: Callable[..., intervals.Interval] | None = None
+    interval: Callable[..., Interval] | None = None
     kind: str = "number"
     swapped: bool = False
+
+
+# ------------------------------------------------------------ between which numbers their results lie
+
+
+def ordered(a: float, b: float) -> Interval:
+    return (a, b) if a <= b else (b, a)
+
+
+def interval_of_fixed(value: Any) -> Interval:
+    known = isinstance(value, int | float) and math.isfinite(value)
+    return (float(value), float(value)) if known else UNBOUNDED
+
+
+def interval_of_product(a: Interval, b: Interval) -> Interval:
+    """Bound a product where both factors are known, or one of them is fixed."""
+    if math.isfinite(a[0] + a[1] + b[0] + b[1]):
+        corners = [x * y for x in a for y in b]
+        return min(corners), max(corners)
+    if a[0] == a[1]:
+        a, b = b, a
+    return ordered(a[0] * b[0], a[1] * b[0]) if b[0] == b[1] and b[0] != 0 else UNBOUNDED
+
+
+def increasing(operation: Callable[..., float]) -> Callable[..., Interval]:
+    """Return the interval of what grows with every operand."""
+    return lambda *intervals: (operation(*(low for low, _ in intervals)), operation(*(high for _, high in intervals)))
+
+
+def clipped(x: float, low: float, high: float) -> float:
+    return min(max(x, low), high)
 
 
 # ------------------------------------------------------------ where they fail
@@ -123,17 +156,18 @@ def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callabl
 
 # fmt: off
 # ------------------------------------------------------------ the table: signs
-ADD = Operation(operator.add, np.add, "add", 2, "ADD", KEPT, None, intervals.of_sum)
-SUBTRACT = Operation(operator.sub, np.subtract, "subtract", 2, "SUBTRACT", KEPT, None, intervals.of_difference)
-MULTIPLY = Operation(operator.mul, np.multiply, "multiply", 2, "MULTIPLY", KEPT, None, intervals.of_product)
+ADD = Operation(operator.add, np.add, "add", 2, "ADD", KEPT, None, increasing(operator.add))
+SUBTRACT = Operation(
+    operator.sub, np.subtract, "subtract", 2, "SUBTRACT", KEPT, None, lambda a, b: (a[0] - b[1], a[1] - b[0]))
+MULTIPLY = Operation(operator.mul, np.multiply, "multiply", 2, "MULTIPLY", KEPT, None, interval_of_product)
 DIVIDE = Operation(operator.truediv, np.true_divide, "divide", 2, "DIVIDE", "", zero_divisor)
 FLOOR_DIVIDE = Operation(operator.floordiv, np.floor_divide, "floor divide", 2, "FLOOR_DIVIDE", KEPT, zero_divisor)
 MODULO = Operation(operator.mod, np.mod, "modulo", 2, "MODULO", KEPT, zero_divisor)
 POWER = Operation(real_power, array_power, "power", 2, "POWER", "", not_finite)
-NEGATE = Operation(operator.neg, np.negative, "negate", 1, "NEGATE", KEPT, None, intervals.of_negative)
+NEGATE = Operation(operator.neg, np.negative, "negate", 1, "NEGATE", KEPT, None, lambda a: (-a[1], -a[0]))
 ABSOLUTE = Operation(abs, np.absolute, "abs", 1, "ABSOLUTE", KEPT)
-MINIMUM = Operation(min, np.minimum, "min", 2, "MINIMUM", KEPT, None, intervals.of_minimum)
-MAXIMUM = Operation(max, np.maximum, "max", 2, "MAXIMUM", KEPT, None, intervals.of_maximum)
+MINIMUM = Operation(min, np.minimum, "min", 2, "MINIMUM", KEPT, None, increasing(min))
+MAXIMUM = Operation(max, np.maximum, "max", 2, "MAXIMUM", KEPT, None, increasing(max))
 # ------------------------------------------------------------ truth
 LESS = Operation(operator.lt, np.less, "less", 2, "LESS", kind="truth")
 LESS_EQUAL = Operation(operator.le, np.less_equal, "not greater", 2, "LESS_EQUAL", kind="truth")
@@ -150,8 +184,10 @@ IS_INFINITE = Operation(math.isinf, np.isinf, "isinf", 1, kind="truth")
 IS_FINITE = Operation(math.isfinite, np.isfinite, "isfinite", 1, kind="truth")
 # ------------------------------------------------------------ choices
 WHERE = Operation(lambda c, a, b: a if c else b, np.where, "where", 3)
-SELECT = Operation(lambda index, *options: options[index], array_select, "select", interval=intervals.of_selection)
-CLIP = Operation(lambda x, low, high: min(max(x, low), high), np.clip, "clip", 3, interval=intervals.of_clip)
+SELECT = Operation(
+    lambda index, *options: options[index], array_select, "select",
+    interval=lambda _, *options: (min(low for low, _ in options), max(high for _, high in options)))
+CLIP = Operation(clipped, np.clip, "clip", 3, interval=increasing(clipped))
 # ------------------------------------------------------------ kinds of numbers
 INTEGER = Operation(int, to_integers, "int", 1, "TRUNCATE", ALWAYS)
 FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float), "float", 1, "COPY")
@@ -182,7 +218,7 @@ HYPERBOLIC_TANGENT = Operation(math.tanh, np.tanh, "tanh", 1)
 AREA_SINE = Operation(math.asinh, np.arcsinh, "asinh", 1)
 AREA_COSINE = Operation(math.acosh, np.arccosh, "acosh", 1, "", "", not_finite)
 AREA_TANGENT = Operation(math.atanh, np.arctanh, "atanh", 1, "", "", not_finite)
-RADIANS = Operation(math.radians, np.radians, "radians", 1, interval=intervals.of_radians)
+RADIANS = Operation(math.radians, np.radians, "radians", 1, interval=increasing(math.radians))
 DEGREES = Operation(math.degrees, np.degrees, "degrees", 1)
 NORMALISE = Operation(
     lambda angle: angle - TURN * round(angle / TURN), lambda angle: angle - TURN * np.rint(angle / TURN),

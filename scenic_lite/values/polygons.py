@@ -1,22 +1,37 @@
-"""Regions of any shape: polygons with holes, fixed or different in every scene; membership of many points at once.
+"""Regions of any shape, and regions made of regions: polygons, intersections, differences, unions.
 
-Read next: `values.shapes`, the geometry; `values.lines`.
+Fixed regions are combined once. Regions that differ from scene to scene are combined in every scene (so that a point
+drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection. Read next:
+`values.shapes`, the geometry; `scene.pruning`.
 """
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Iterable
+from functools import cached_property, reduce
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.formulas import CLOSENESS
-from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import AND
-from scenic_lite.values.regions import Point2, Region, VectorField, truth_of
+from scenic_lite.values import shapes
+from scenic_lite.values.formulas import edges_clear
+from scenic_lite.values.geometry import Vector, coordinates, vector_by
+from scenic_lite.values.graph import RandomExpr, Value, all_of, any_of, apply, number_by, truth_by
+from scenic_lite.values.lines import GridRegion, PointSetRegion, PolylineRegion
+from scenic_lite.values.operations import NOT, Operation
+from scenic_lite.values.regions import (
+    Everywhere,
+    Filtered,
+    Nowhere,
+    RectangularRegion,
+    Region,
+    SectorRegion,
+    VectorField,
+    patchwork,
+)
+from scenic_lite.values.shapes import shapely
 
 MOST_CORNERS = 5000  # of one region
 FEW_EDGES = 60  # up to here plain arrays find faster than shapely whether an edge meets a rectangle
@@ -37,8 +52,6 @@ class PolygonalRegion(Region):
     @cached_property
     def rings(self) -> list[Any]:
         """Return its closed boundaries, each [n, 2]: outer ones and holes."""
-        import shapely
-
         return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(self._shape))]
 
     @cached_property
@@ -58,18 +71,16 @@ class PolygonalRegion(Region):
         return Holds(self._shape)
 
     def point(self, u: Value, v: Value) -> Vector:
-        both = RandomExpr(self._slabs, (u, v), "any")
-        return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
+        return vector_by(self._slabs, u, v)
 
     def contains(self, point: Vector) -> Value:
-        return truth_of(self._holds, point.x, point.y)
+        return truth_by(self._holds, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        numbers = [part for corner in corners for part in (corner.x, corner.y)]
         if len(self.edges) > FEW_EDGES:
-            return apply(AND, super().contains_corners(corners), truth_of(self._covers, *numbers))
+            return all_of(super().contains_corners(corners), truth_by(self._covers, *coordinates(corners)))
         centre = (corners[0] + corners[2]) / 2
-        return apply(AND, self.contains(centre), truth_of(self._clear, *numbers))
+        return all_of(self.contains(centre), truth_by(self._clear, *coordinates(corners)))
 
     def _covers(self, *numbers: Any) -> Any:
         return self._holds.rectangles(*numbers)
@@ -115,19 +126,15 @@ class Slabs:
         left, right = self.left[which], self.right[which]
         root = left + np.sqrt(left * left + (right * right - left * left) * share)
         t = np.minimum(share * (left + right) / np.maximum(root, 1e-300), 1.0)
-        low, height = self._stack(which, t)
+        high, at = self.high[which], t[:, None]
+        low = self.low[which] + at * self.low_step[which]  # of each trapezoid on the vertical, [N, K]
+        height = high[..., 0] * (1 - at) + high[..., 1] * at
         ends = np.cumsum(height, axis=1)
         target = v * ends[:, -1]
         level = np.minimum((target[:, None] > ends[:, :-1]).sum(axis=1), low.shape[1] - 1)
         rows = np.arange(len(which))
         y = low[rows, level] + target - (ends[rows, level] - height[rows, level])
         return self.start[which] + t * self.width[which], y
-
-    def _stack(self, which: Any, t: Any) -> tuple[Any, Any]:
-        """Return the lower ends and the heights of the trapezoids on the verticals at t of some slabs, each [N, K]."""
-        t = t[:, None]
-        height = self.high[which]
-        return self.low[which] + t * self.low_step[which], height[..., 0] * (1 - t) + height[..., 1] * t
 
 
 def stack_between(edges: Any, start: float, end: float) -> Any:
@@ -144,20 +151,17 @@ class Holds:
     """Whether points, or rectangles, lie in a fixed shape, boundaries included."""
 
     def __init__(self, shape: Any) -> None:
-        import shapely
-
-        self.shape = shapely.buffer(shape, CLOSENESS, join_style="mitre")
-        self.points = shapely.intersects_xy
+        self.shape = shapes.widened(shape)
         shapely.prepare(self.shape)
 
     def __call__(self, x: Any, y: Any) -> Any:
-        return self.points(self.shape, x, y)
+        return shapely.intersects_xy(self.shape, x, y)
 
     def rectangles(self, *numbers: Any) -> Any:
         """Return whether rectangles lie inside, given x and y of the corners in turn, [N] or scalars."""
-        from scenic_lite.values import shapes
-
-        return shapes.covers_rectangles(self.shape, *numbers)
+        corners = shapes.points_from(np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers)))
+        known = np.isfinite(corners).all(axis=(-2, -1))  # what stands nowhere is in no shape
+        return known & shapely.covers(self.shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))
 
 
 class ShapeRegion(Region):
@@ -180,30 +184,20 @@ class ShapeRegion(Region):
         return (self._shape,)
 
     def point(self, u: Value, v: Value) -> Vector:
-        from scenic_lite.values import shapes
-
-        both = RandomExpr(shapes.points_of, (self._shape, u, v), "any")
-        return Vector(RandomExpr(first, (both,)), RandomExpr(second, (both,)))
+        return vector_by(shapes.points_of, self._shape, u, v)
 
     def contains(self, point: Vector) -> Value:
-        from scenic_lite.values import shapes
-
-        return apply(shapes.HOLDS_POINT, self._shape, point.x, point.y)
+        return truth_by(shapes.holds_points, self._shape, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        from scenic_lite.values import shapes
-
-        numbers = [part for corner in corners for part in (corner.x, corner.y)]
-        outline = apply(shapes.POLYGON, *numbers)
-        return apply(shapes.HOLDS_SHAPE, self._shape, outline)
+        return truth_by(shapes.holds_shapes, self._shape, apply(shapes.POLYGON, *coordinates(corners)))
 
 
-def polygon_through(points: list[Point2], orientation: VectorField | None = None) -> PolygonalRegion:
-    """Return the polygon with fixed corners. Raises ScenicError if it crosses itself or has no area."""
-    import shapely
-
-    if len(points) < 3:
-        raise ScenicError("value", "a polygon needs three points that do not lie on a line")
+def polygon_through(corners: list[Vector], orientation: VectorField | None = None) -> Region:
+    """Return the polygon with these corners. Raises ScenicError if a fixed one crosses itself or has no area."""
+    if not all(corner.fixed for corner in corners):
+        return ShapeRegion(apply(shapes.POLYGON, *coordinates(corners)), orientation)
+    points = [(float(corner.x), float(corner.y)) for corner in corners]
     shape = shapely.Polygon(points)
     if len(set(points)) > 3 and not shape.is_valid and shape.convex_hull.area > 0:
         raise ScenicError("value", "the polygon crosses itself")
@@ -212,32 +206,139 @@ def polygon_through(points: list[Point2], orientation: VectorField | None = None
     return PolygonalRegion(shape, orientation)
 
 
-def edges_clear(edges: Any, corners: Any) -> Any:
-    """Return whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
+# ------------------------------------------------------------ combinations
 
-    An edge stays out exactly if it is apart from the rectangle along one of its two sides, or along its own normal.
+
+def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
+    """Return the intersection, with the orientation of `a` if it has one, else of `b`.
+
+    Dialect 2 draws from `b`, and rejects by `a`, where both are random rectangles, discs or sectors: so that those
+    which overlap more are the likelier ones.
     """
-    x, y = (corners[0] + corners[4]) / 2, (corners[1] + corners[5]) / 2
-    across_x, across_y = (corners[0] - corners[2]) / 2, (corners[1] - corners[3]) / 2  # half the width
-    along_x, along_y = (corners[2] - corners[4]) / 2, (corners[3] - corners[5]) / 2  # half the length
-    clear = np.ones(len(x), dtype=bool)
-    for start_x, start_y, end_x, end_y in edges:
-        step_x, step_y = (end_x - start_x) / 2, (end_y - start_y) / 2
-        dx, dy = (start_x + end_x) / 2 - x, (start_y + end_y) / 2 - y
-        apart = np.zeros(len(x), dtype=bool)
-        for side_x, side_y in ((across_x, across_y), (along_x, along_y)):
-            square = side_x * side_x + side_y * side_y
-            reach = square + np.abs(step_x * side_x + step_y * side_y)
-            apart |= np.abs(dx * side_x + dy * side_y) >= reach - CLOSENESS * np.sqrt(square)
-        reach = np.abs(across_x * step_y - across_y * step_x) + np.abs(along_x * step_y - along_y * step_x)
-        apart |= np.abs(dx * step_y - dy * step_x) >= reach - CLOSENESS * np.hypot(step_x, step_y)
-        clear &= apart
-    return clear
+    for region, other in ((a, b), (b, a)):
+        if isinstance(region, Everywhere) or isinstance(other, Nowhere):
+            return other
+    if a.dimension > b.dimension and b.dimension == 0:
+        a, b = b, a
+    if isinstance(a, PointSetRegion):
+        return chosen_points(a, b, kept=True)
+    if isinstance(a, Filtered) or isinstance(b, Filtered):
+        return Filtered(a, b.contains)
+    simple = RectangularRegion | SectorRegion
+    if dialect == 2 and isinstance(a, simple) and isinstance(b, simple) and not (a.fixed() and b.fixed()):
+        return Filtered(b, a.contains)
+    return combined(shapes.INTERSECTION, a, b, min(a.dimension, b.dimension), a.orientation or b.orientation)
 
 
-def first(pair: Any) -> Any:
-    return pair[0]
+def remainder(a: Region, b: Region) -> Region:
+    """Return what is in `a` and not in `b`; of a polyline it has no orientation."""
+    if isinstance(b, Everywhere):
+        return Nowhere()
+    if isinstance(b, Nowhere) or isinstance(a, Nowhere):
+        return a
+    if isinstance(a, PointSetRegion):
+        return chosen_points(a, b, kept=False)
+    if isinstance(a, Filtered | Everywhere) or isinstance(b, Filtered | PointSetRegion):
+        return outside(a, b)
+    return combined(shapes.DIFFERENCE, a, b, a.dimension, a.orientation if a.dimension == 2 else None)
 
 
-def second(pair: Any) -> Any:
-    return pair[1]
+def outside(region: Region, hole: Region) -> Region:
+    """Return the points of a region that another does not hold; others that are drawn are rejected."""
+    return Filtered(region, lambda point: apply(NOT, hole.contains(point)))
+
+
+def union(a: Region, b: Region) -> Region:
+    """Return a region uniform over the whole, also where the two overlap; each part keeps its orientation."""
+    for region, other in ((a, b), (b, a)):
+        if isinstance(region, Everywhere) or isinstance(other, Nowhere):
+            return region
+    return combined(shapes.UNION, a, b, max(a.dimension, b.dimension), patchwork([a, b]))
+
+
+def union_of(regions: Iterable[Region]) -> Region:
+    """Return the union of any number of regions."""
+    nothing: Region = Nowhere()
+    return reduce(union, regions, nothing)
+
+
+def combined(
+    operation: Operation, a: Region, b: Region, dimension: int, orientation: VectorField | None = None
+) -> Region:
+    """Return the region of the shape that an operation makes of two shapes."""
+    return region_of(apply(operation, a.shape(), b.shape()), orientation, dimension)
+
+
+def region_of(shape: Value, orientation: VectorField | None = None, dimension: int = 2) -> Region:
+    """Return the region of a shape: whatever it turned out to be if it is fixed, else one of a known dimension."""
+    if isinstance(shape, RandomExpr):
+        return ShapeRegion(shape, orientation, dimension)
+    if shape.is_empty:
+        return Nowhere()
+    if shapely.get_num_coordinates(shape) > MOST_CORNERS:
+        raise ScenicError("budget", f"evaluation budget exceeded: a region of more than {MOST_CORNERS:,} corners")
+    if shape.area > 0:
+        return PolygonalRegion(shape, orientation)
+    if shape.length > 0:
+        return PolylineRegion([line.coords for line in shapely.get_parts(shape)], orientation)
+    return PointSetRegion(shapely.get_coordinates(shape), orientation)
+
+
+def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
+    """Return the points of a set that lie in another region, or those that do not."""
+    inside = [other.contains(point) for point in points.vectors()]
+    if any(isinstance(truth, RandomExpr) for truth in inside):
+        return Filtered(points, other.contains) if kept else outside(points, other)
+    left = points.points[[bool(held) is kept for held in inside]]
+    return PointSetRegion(left, points.orientation or other.orientation) if len(left) else Nowhere()
+
+
+def meet(a: Region, b: Region) -> Value:
+    """Return whether two regions have a common point."""
+    for first, second in ((a, b), (b, a)):
+        if isinstance(first, Everywhere | Nowhere):
+            return isinstance(first, Everywhere) and not isinstance(second, Nowhere)
+        if isinstance(first, PointSetRegion):
+            return any_of(*(second.contains(point) for point in first.vectors()))
+    return truth_by(shapely.intersects, a.shape(), b.shape())
+
+
+def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
+    """Return whether all of `b` lies in `a`, or within `tolerance` of it."""
+    if isinstance(a, Everywhere) or isinstance(b, Nowhere):
+        return True
+    if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
+        return False
+    shape = a.shape() if tolerance == 0 else apply(shapes.GROWN, a.shape(), tolerance)
+    return truth_by(shapes.holds_shapes, shape, b.shape())
+
+
+def grown(region: Region, by: Value) -> Region:
+    """Return the region and all points within a distance of it (for a negative one, what is so deep inside)."""
+    return region_of(apply(shapes.GROWN, region.shape(), by))
+
+
+def boundary(region: Region) -> Region:
+    """Return the boundary of a fixed polygon, as polylines."""
+    shape = region.shape()
+    if isinstance(shape, RandomExpr):
+        raise ScenicError("unsupported", "this can be asked of a fixed region only")
+    return PolylineRegion([line.coords for line in shapely.get_parts(shape.boundary)])
+
+
+def size_of(region: Region) -> Value:
+    """Return area, length or number of points."""
+    if isinstance(region, PointSetRegion):
+        return len(region.points)
+    return number_by(shapely.area if region.dimension == 2 else shapely.length, region.shape())
+
+
+def depth_of_middle(region: Region) -> Value:
+    """Return how far the middle of a region's bounds is from its boundary; 0 outside."""
+    return number_by(middle_depths, region.shape())
+
+
+def middle_depths(shape: Any) -> Any:
+    low_x, low_y, high_x, high_y = np.moveaxis(shapely.bounds(shape), -1, 0)
+    middle = shapely.points((low_x + high_x) / 2, (low_y + high_y) / 2)
+    return np.where(shapely.contains(shape, middle), shapely.distance(shapely.boundary(shape), middle), 0.0)

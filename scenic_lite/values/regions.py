@@ -1,8 +1,8 @@
 """Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
 
 Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), and says whether
-points and rectangles lie in it. Read next: `values.polygons`, for regions of any shape;
-`language.fields`; `values.algebra`, which combines regions.
+points and rectangles lie in it. Read next: `values.lines`, those without area;
+`values.polygons`, those of any shape; `language.fields`.
 """
 
 from __future__ import annotations
@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.formulas import CLOSENESS, TURN, in_frame, sector_rings
-from scenic_lite.values.geometry import Vector, corners, cosine, sine
-from scenic_lite.values.graph import Value, apply, is_number
-from scenic_lite.values.operations import AND, IN_RECTANGLE, IN_SECTOR, MAXIMUM, SQUARE_ROOT, WHERE, Operation, quietly
+from scenic_lite.values import shapes
+from scenic_lite.values.formulas import CLOSENESS, TURN, from_rectangle, sector_rings, stays_aside
+from scenic_lite.values.geometry import Vector, coordinates, corners, cosine, sine
+from scenic_lite.values.graph import Value, all_of, apply, is_number, number_by, truth_by
+from scenic_lite.values.operations import IN_RECTANGLE, IN_SECTOR, MAXIMUM, SQUARE_ROOT, WHERE
 
 Point2 = tuple[float, float]
 
@@ -56,20 +57,15 @@ class Region:
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         """Return whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
-        inside = self.contains(corners[0])
-        for corner in corners[1:]:
-            inside = apply(AND, inside, self.contains(corner))
-        return inside
+        return all_of(*(self.contains(corner) for corner in corners))
 
     def distance(self, point: Vector) -> Value:
         """Return the distance from a point, 0 inside. Raises ScenicError where it is endless."""
-        from scenic_lite.values import shapes
-
-        return apply(shapes.DISTANCE, self.shape(), point.x, point.y)
+        return number_by(shapes.distances, self.shape(), point.x, point.y)
 
     def shape(self) -> Value:
         """Return its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
-        raise ScenicError("unsupported", f"{title(self)} cannot be combined with another region here")
+        raise ScenicError("unsupported", f"{type(self).__name__} cannot be combined with another region here")
 
     def bounds(self) -> tuple[float, float, float, float] | None:
         """Return low x, high x, low y, high y; None if random or endless."""
@@ -82,7 +78,7 @@ class Region:
 
     def outlines(self) -> list[Any]:
         """Return its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
-        raise ScenicError("unsupported", f"{title(self)} has no fixed outline")
+        raise ScenicError("unsupported", f"{type(self).__name__} has no fixed outline")
 
     def vertices(self) -> list[Point2] | None:
         """Return the points of a polyline, which can be counted and walked through; None for other regions."""
@@ -125,17 +121,15 @@ class RectangularRegion(Region):
         return apply(IN_RECTANGLE, point.x, point.y, *self.parameters())
 
     def distance(self, point: Vector) -> Value:
-        return numbers_of(from_rectangle, point.x, point.y, *self.parameters())
+        return number_by(from_rectangle, point.x, point.y, *self.parameters())
 
     def outlines(self) -> list[Any]:
         if not self.fixed():
             return super().outlines()
-        corners = [(corner.x, corner.y) for corner in self.corners()]
-        return [np.array([*corners, corners[0]])]
+        corners = self.corners()
+        return [np.array([(corner.x, corner.y) for corner in [*corners, corners[0]]])]
 
     def shape(self) -> Value:
-        from scenic_lite.values import shapes
-
         return apply(shapes.RECTANGLE, *self.parameters())
 
 
@@ -153,8 +147,9 @@ class SectorRegion(Region):
         return is_number(self.angle) and self.angle >= TURN
 
     def point(self, u: Value, v: Value) -> Vector:
-        turn = self.heading + (v - 0.5) * self.angle
-        reach = self.radius * apply(SQUARE_ROOT, u)
+        return self._at(self.heading + (v - 0.5) * self.angle, self.radius * apply(SQUARE_ROOT, u))
+
+    def _at(self, turn: Value, reach: Value) -> Vector:
         return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
 
     def contains(self, point: Vector) -> Value:
@@ -167,11 +162,9 @@ class SectorRegion(Region):
         inside = super().contains_corners(corners)
         if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
             return inside
-        sides = [self.heading + self.angle * 0.5, self.heading - self.angle * 0.5]
-        for side in sides:
-            end = Vector(self.center.x - self.radius * sine(side), self.center.y + self.radius * cosine(side))
-            numbers = [part for corner in (self.center, end, *corners) for part in (corner.x, corner.y)]
-            inside = apply(AND, inside, truth_of(stays_aside, *numbers))
+        for side in (self.heading + self.angle * 0.5, self.heading - self.angle * 0.5):
+            points = (self.center, self._at(side, self.radius), *corners)
+            inside = all_of(inside, truth_by(stays_aside, *coordinates(points)))
         return inside
 
     def distance(self, point: Vector) -> Value:
@@ -183,8 +176,6 @@ class SectorRegion(Region):
         return [sector_rings(*self.parameters())[0]] if self.fixed() else super().outlines()
 
     def shape(self) -> Value:
-        from scenic_lite.values import shapes
-
         return apply(shapes.SECTOR, *self.parameters())
 
 
@@ -230,48 +221,14 @@ class Filtered(Region):
     def heading_of(self, point: Vector, u: Value) -> Value:
         return self.region.heading_of(point, u)
 
-    def contains(self, point: Vector) -> Value:
-        return apply(AND, self.region.contains(point), self.test(point))
-
     def outlines(self) -> list[Any]:
         return self.region.outlines()
 
-
-def title(region: Region) -> str:
-    """Return a region in a message."""
-    return type(region).__name__
+    def contains(self, point: Vector) -> Value:
+        return all_of(self.region.contains(point), self.test(point))
 
 
-def truth_of(test: Callable[..., Any], *operands: Value) -> Value:
-    """Return a test written for arrays, on numbers or random values."""
-    return apply(Operation(quietly(test, bool), test), *operands, kind="truth")
-
-
-def numbers_of(function: Callable[..., Any], *operands: Value) -> Value:
-    """Return a number computed by a function written for arrays."""
-    return apply(Operation(quietly(function, float), function), *operands)
-
-
-def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
-    """Return the distance of points from an oriented rectangle, 0 inside."""
-    across, along = in_frame(x - cx, y - cy, heading)
-    return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
-
-
-def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
-    """Return whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
-    p, q = (x, y), (end_x, end_y)
-    points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
-    crossed: Any = False
-    for a, b in zip(points, points[1:] + points[:1], strict=True):
-        apart = turn_of(p, q, a) * turn_of(p, q, b) < -CLOSENESS
-        crossed = crossed | (apart & (turn_of(a, b, p) * turn_of(a, b, q) < -CLOSENESS))
-    return np.logical_not(crossed)
-
-
-def turn_of(a: Any, b: Any, c: Any) -> Any:
-    """Return twice the signed area of a triangle: positive if it runs anticlockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+# ------------------------------------------------------------ fields made of regions
 
 
 def patched(

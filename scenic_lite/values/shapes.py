@@ -1,49 +1,58 @@
 """Shapes: the geometries of shapely behind regions, fixed or one for each of N samples.
 
-The only importer of shapely, and itself imported only where a program has polygons. A shape that differs from scene to
-scene is a node whose value is an array [N] of geometries. Read next: `values.algebra`.
+The only importer of shapely, which is loaded where a program first needs a polygon. A shape that differs from scene to
+scene is a node whose value is an array [N] of geometries. Read next: `values.polygons`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
-import shapely
 
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, sector_rings
 from scenic_lite.values.operations import Operation
 
 HALVINGS = 44  # of a shape's width, until x is known as well as a float allows
 COARSE = 64  # segments of a circle that differs from scene to scene
-EMPTY = shapely.Polygon()
 
 
-def guarded(build: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the same construction of shapes, empty where numbers are not finite or geometry fails."""
+class DeferredModule:
+    """A module that is loaded when something of it is wanted first."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, name: str) -> Any:
+        vars(self)[name] = vars(import_module(self._name))[name]
+        return vars(self)[name]
+
+
+shapely: Any = DeferredModule("shapely")
+
+
+def shaping(build: Callable[..., Any]) -> Operation:
+    """Return an operation that makes shapes as `build` does of arrays [N].
+
+    They are empty where numbers are not finite or geometry fails.
+    """
+
+    def one(row: tuple) -> Any:
+        try:
+            return build(*(np.array([part]) for part in row))[0]
+        except (shapely.errors.GEOSException, ValueError):
+            return shapely.Polygon()
 
     def of_rows(*parts: Any) -> Any:
         try:
             return build(*parts)
         except (shapely.errors.GEOSException, ValueError):
-            rows = np.broadcast_arrays(*parts)
-            return np.array([one(build, row) for row in zip(*rows, strict=True)] + [None], dtype=object)[:-1]
+            rows = zip(*np.broadcast_arrays(*parts), strict=True)
+            return np.array([*map(one, rows), None], dtype=object)[:-1]
 
-    return of_rows
-
-
-def one(build: Callable[..., Any], row: tuple) -> Any:
-    try:
-        return build(*(np.array([part]) for part in row))[0]
-    except (shapely.errors.GEOSException, ValueError):
-        return EMPTY
-
-
-def shaping(build: Callable[..., Any]) -> Operation:
-    """Return an operation that makes shapes: `build` takes arrays [N]."""
-    rows = guarded(build)
-    return Operation(lambda *parts: rows(*(np.array([part]) for part in parts))[0], rows, kind="any")
+    return Operation(lambda *parts: of_rows(*(np.array([part]) for part in parts))[0], of_rows, kind="any")
 
 
 def rectangles(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
@@ -64,9 +73,13 @@ def sectors(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
 
 def polygons_of(*numbers: Any) -> Any:
     """Return [N] polygons from the x and y of each corner in turn; empty where they cross themselves."""
-    rows = np.broadcast_arrays(*numbers)
-    made = shapely.polygons(np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1))
-    return np.where(shapely.is_valid(made), made, EMPTY)
+    made = shapely.polygons(points_from(np.broadcast_arrays(*numbers)))
+    return np.where(shapely.is_valid(made), made, shapely.Polygon())
+
+
+def points_from(rows: Any) -> Any:
+    """Return points [..., K, 2] from their x and y in turn, each [...]."""
+    return np.stack([np.stack(rows[::2], axis=-1), np.stack(rows[1::2], axis=-1)], axis=-1)
 
 
 def flat(shapes: Any) -> Any:
@@ -82,45 +95,27 @@ def flat(shapes: Any) -> Any:
     return shapes
 
 
-def intersections(a: Any, b: Any) -> Any:
-    return flat(shapely.intersection(a, b))
-
-
-def differences(a: Any, b: Any) -> Any:
-    return flat(shapely.difference(a, b))
-
-
-def unions(a: Any, b: Any) -> Any:
-    return flat(shapely.union(a, b))
-
-
 def distances(shape: Any, x: Any, y: Any) -> Any:
     return shapely.distance(shape, shapely.points(x, y))
 
 
-RECTANGLE = shaping(rectangles)
-SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), shaping(sectors).array, kind="any")
-POLYGON = shaping(polygons_of)
-INTERSECTION = shaping(intersections)
-DIFFERENCE = shaping(differences)
-UNION = shaping(unions)
-DISTANCE = Operation(lambda shape, x, y: float(distances(shape, x, y)), distances)
-MEET = Operation(lambda a, b: bool(shapely.intersects(a, b)), shapely.intersects, kind="truth")
-HOLDS_POINT = Operation(
-    lambda shape, x, y: bool(shapely.intersects_xy(shape, x, y)),
-    lambda shape, x, y: shapely.intersects_xy(shape, x, y),
-    kind="truth",
-)
-AREA = Operation(lambda shape: float(shape.area), shapely.area)
-LENGTH = Operation(lambda shape: float(shape.length), shapely.length)
-
-
-def grown(shape: Any, by: Any) -> Any:
+def buffered(shape: Any, by: Any) -> Any:
     """Return a shape and all that is within a distance of it."""
     return shapely.buffer(shape, by, quad_segs=ARC_SEGMENTS // 4)
 
 
-GROWN = shaping(grown)
+def widened(shape: Any) -> Any:
+    """Return a shape together with what counts as its boundary."""
+    return shapely.buffer(shape, CLOSENESS, join_style="mitre")
+
+
+def holds_points(shape: Any, x: Any, y: Any) -> Any:
+    return shapely.intersects_xy(shape, x, y)
+
+
+def holds_shapes(shape: Any, other: Any) -> Any:
+    """Return whether shapes lie in shapes, boundaries included."""
+    return shapely.covers(widened(shape), other)
 
 
 def moved(shape: Any, x: float, y: float) -> Any:
@@ -128,20 +123,11 @@ def moved(shape: Any, x: float, y: float) -> Any:
     return shapely.transform(shape, lambda points: points + (x, y))
 
 
-def holds_shape(shape: Any, other: Any) -> Any:
-    """Return whether shapes lie in shapes, boundaries included."""
-    return shapely.covers(shapely.buffer(shape, CLOSENESS, join_style="mitre"), other)
-
-
-HOLDS_SHAPE = Operation(lambda shape, other: bool(holds_shape(shape, other)), holds_shape, kind="truth")
-
-
-def covers_rectangles(shape: Any, *numbers: Any) -> Any:
-    """Return whether a fixed, prepared shape holds rectangles, given x and y of their corners in turn."""
-    rows = np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers))
-    corners = np.stack([np.stack(rows[::2], -1), np.stack(rows[1::2], -1)], -1)
-    known = np.isfinite(corners).all(axis=(-2, -1))  # what stands nowhere is in no shape
-    return known & shapely.covers(shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))
+RECTANGLE, POLYGON, GROWN = shaping(rectangles), shaping(polygons_of), shaping(buffered)
+SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), shaping(sectors).array, kind="any")
+INTERSECTION = shaping(lambda a, b: flat(shapely.intersection(a, b)))
+DIFFERENCE = shaping(lambda a, b: flat(shapely.difference(a, b)))
+UNION = shaping(lambda a, b: flat(shapely.union(a, b)))
 
 
 # ------------------------------------------------------------ uniform points
@@ -183,26 +169,28 @@ def line_points(lines: Any, u: Any, v: Any) -> Any:
     """Return points by the length along each polyline: [2, N]."""
     segments, owner = segments_of(lines)
     lengths = np.hypot(*(segments[:, 1] - segments[:, 0]).T)
-    ends = np.cumsum(lengths)
-    which, target = piece_of(ends, lengths, owner, u)
-    share = np.clip((target - (ends[which] - lengths[which])) / np.maximum(lengths[which], 1e-300), 0.0, 1.0)
-    start, end = segments[which, 0], segments[which, 1]
-    return (start + (end - start) * share[:, None]).T
+    which, target, start = piece_of(lengths, owner, u)
+    share = np.clip((target - start) / np.maximum(lengths[which], 1e-300), 0.0, 1.0)
+    begin, end = segments[which, 0], segments[which, 1]
+    return (begin + (end - begin) * share[:, None]).T
 
 
-def piece_of(ends: Any, sizes: Any, owner: Any, u: Any) -> tuple[Any, Any]:
-    """Return the piece of each row into which a share `u` of them all falls, and the running total there."""
+def piece_of(sizes: Any, owner: Any, u: Any) -> tuple[Any, Any, Any]:
+    """Return the piece of each row into which a share `u` of them all falls, and the totals there and before."""
+    ends = np.cumsum(sizes)
     rows = np.arange(len(u))
     first, last = np.searchsorted(owner, rows, side="left"), np.searchsorted(owner, rows, side="right") - 1
     before = ends[first] - sizes[first]
     target = before + u * (ends[last] - before)
-    return np.clip(np.searchsorted(ends, target, side="right"), first, last), target
+    which = np.clip(np.searchsorted(ends, target, side="right"), first, last)
+    return which, target, ends[which] - sizes[which]
 
 
 def polygon_points(polygons: Any, u: Any, v: Any) -> tuple[Any, Any]:
     """Return points by the area left of them, and by the vertical through them."""
     segments, owner = segments_of(shapely.boundary(shapely.normalize(polygons)))
-    segments, owner = segments[segments[:, 0, 0] != segments[:, 1, 0]], owner[segments[:, 0, 0] != segments[:, 1, 0]]
+    slanted = segments[:, 0, 0] != segments[:, 1, 0]
+    segments, owner = segments[slanted], owner[slanted]
     turned = segments[:, 0, 0] > segments[:, 1, 0]
     left, right = np.where(turned[:, None], segments[:, ::-1].transpose(1, 0, 2), segments.transpose(1, 0, 2))
     edges = Edges(left, right, np.where(turned, -1.0, 1.0), owner)
@@ -236,10 +224,8 @@ def y_with(edges: Edges, x: Any, v: Any) -> Any:
     height = left[:, 1] + (right[:, 1] - left[:, 1]) * ((at - left[:, 0]) / (right[:, 0] - left[:, 0]))
     order = np.lexsort((height, owner))
     low, high, whose = height[order][::2], height[order][1::2], owner[order][::2]  # they come in pairs
-    lengths = high - low
-    ends = np.cumsum(lengths)
     y = np.full(len(x), np.nan)
     rows, number = np.unique(whose, return_inverse=True)
-    which, target = piece_of(ends, lengths, number, v[rows])
-    y[rows] = np.clip(low[which] + target - (ends[which] - lengths[which]), low[which], high[which])
+    which, target, start = piece_of(high - low, number, v[rows])
+    y[rows] = np.clip(low[which] + target - start, low[which], high[which])
     return y
