@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
-from scenic_lite.syntax.hints import nearest
+from scenic_lite.syntax.grammar import nearest
 from scenic_lite.syntax.lexer import Source
 
 DYNAMIC = ("behavior", "monitor", "compose")
@@ -52,9 +53,10 @@ def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[Scen
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:
         node, context = pending.pop()
-        rule = RULES.get(type(node))
-        if rule is not None:
-            rule(checker, node, context)
+        if type(node) in PLACES:
+            checker.place(node, context)
+        if type(node) in RULES:
+            RULES[type(node)](checker, node, context)
         pending.extend(_children(node, context))
     checker.whole()
     return sorted(checker.errors, key=lambda error: error.place[1:] if error.place else ())
@@ -120,50 +122,33 @@ class _Checker:
         """Add a warning."""
         self.report(node, message, hint, "warning")
 
-    def take(self, node: nodes.Take, context: Context) -> None:
-        if context.kind != "behavior":
-            hint = 'a monitor may "wait"' if context.kind == "monitor" else ""
-            self.report(node, f'"take" may only stand in a behavior, not {context.words()}', hint)
-
-    def dynamic(self, node: ast.stmt, context: Context) -> None:
-        """Ask where `wait`, `do`, `terminate`, `try` with `interrupt when` stand."""
-        if context.kind in DYNAMIC:
+    def place(self, node: ast.AST, context: Context) -> None:
+        """Ask where a statement stands."""
+        allowed, message = PLACES[type(node)]
+        if allowed(context):
             return
-        word = {nodes.Wait: "wait", nodes.Do: "do", nodes.Terminate: "terminate"}.get(type(node), "interrupt when")
-        allowed = "a behavior, a monitor or a compose block"
-        hint = 'write "terminate when condition"' if word == "terminate" else ""
-        self.report(node, f'"{word}" may only stand in {allowed}, not {context.words()}', hint)
+        word = {nodes.TryInterrupt: "interrupt when", nodes.Scenario: "a scenario"}.get(type(node))
+        if isinstance(node, nodes.Behavior):
+            word = f"a {node.kind}"
+        word = word or re.sub("(?!^)([A-Z])", r" \1", type(node).__name__).lower()
+        hint = HINTS.get((type(node), context.kind)) or HINTS.get((type(node), ""), "")
+        self.report(node, message.format(word if word[:2] == "a " else f'"{word}"', context.words()), hint)
 
     def do(self, node: nodes.Do, context: Context) -> None:
-        self.dynamic(node, context)
         if len(node.calls) > 1 and node.how == "all" and context.kind in ("behavior", "monitor"):
             hint = "write one after another, or choose one"
             self.report(node, '"do" takes one behavior here; several at once only in a compose block', hint)
 
-    def static(self, node: ast.stmt, context: Context) -> None:
-        """Ask where statements about the whole scene, and definitions, stand."""
-        if context.kind not in DYNAMIC:
-            return
-        word = f"a {node.kind}" if isinstance(node, nodes.Behavior) else STATIC_WORDS[type(node)]
-        hint = 'write "if condition:" and "terminate" in it' if isinstance(node, nodes.TerminateWhen) else ""
-        self.report(node, f"{word} cannot stand {context.words()}", hint)
-
-    def param(self, node: nodes.Param, context: Context) -> None:
-        self.static(node, context)
+    def once(self, things: Iterable[tuple[str, ast.AST]], message: str) -> None:
+        """Report names that occur twice."""
         seen: set[str] = set()
-        for name, place in zip(node.names, node.places, strict=True):
+        for name, place in things:
             if name in seen:
-                self.report(place, f'the parameter "{name}" occurs twice in one statement')
+                self.report(place, message.format(name))
             seen.add(name)
 
-    def abort(self, node: nodes.Abort, context: Context) -> None:
-        if not context.handler:
-            self.report(node, '"abort" may only stand in the block of an "interrupt when"')
-
-    def loop_exit(self, node: ast.Break | ast.Continue, context: Context) -> None:
-        if not context.loop:
-            word = "break" if isinstance(node, ast.Break) else "continue"
-            self.report(node, f'"{word}" may only stand in a loop')
+    def param(self, node: nodes.Param, context: Context) -> None:
+        self.once(zip(node.names, node.places, strict=True), 'the parameter "{}" occurs twice in one statement')
 
     def guard(self, node: ast.AnnAssign, context: Context) -> None:
         """Find `invariant: c` behind the first statement, where Python takes it for the type of a variable."""
@@ -171,18 +156,11 @@ class _Checker:
         if context.kind in DYNAMIC and node.value is None and name in ("precondition", "invariant"):
             self.report(node, f'"{name}" may only stand before the first statement')
 
-    def return_value(self, node: ast.Return, context: Context) -> None:
-        if context.kind == "top":
-            self.report(node, '"return" may only stand in a function or a behavior')
-
     def class_body(self, node: ast.ClassDef, context: Context) -> None:
-        seen: set[str] = set()
-        declared = BUILT_IN | {each.name for each in node.body if isinstance(each, nodes.PropertyDefault)}
+        given = [(each.name, each) for each in node.body if isinstance(each, nodes.PropertyDefault)]
+        self.once(given, f'the property "{{}}" occurs twice in the class "{node.name}"')
+        declared = BUILT_IN | {name for name, _ in given}
         for statement in node.body:
-            if isinstance(statement, nodes.PropertyDefault):
-                if statement.name in seen:
-                    self.report(statement, f'the property "{statement.name}" occurs twice in the class "{node.name}"')
-                seen.add(statement.name)
             for target in statement.targets if isinstance(statement, ast.Assign) else ():
                 if isinstance(target, ast.Name) and target.id in declared:
                     message = f'"{target.id}" is a property of objects, and this sets an attribute of the class'
@@ -190,13 +168,11 @@ class _Checker:
                     self.report(statement, message, f'write "{target.id}: value"', kind)
 
     def behavior(self, node: nodes.Behavior, context: Context) -> None:
-        self.static(node, context)
         if node.started:
             self.forms.setdefault(2, node)
             self.never(node, node.name)
 
     def scenario(self, node: nodes.Scenario, context: Context) -> None:
-        self.static(node, context)
         if node.compose and not suspends(node.compose):
             hint = 'is a "do" or "wait" missing?'
             self.report(node, f'the compose block of the scenario "{node.name}" runs nothing', hint)
@@ -325,23 +301,31 @@ def _changed(body: Iterable[ast.AST]) -> Iterator[str]:
                 yield target.id
 
 
-STATIC_WORDS = {
-    nodes.Param: '"param"',
-    nodes.Mutate: '"mutate"',
-    nodes.Model: '"model"',
-    nodes.Simulator: '"simulator"',
-    nodes.Record: '"record"',
-    nodes.TerminateWhen: '"terminate when"',
-    nodes.TerminateAfter: '"terminate after"',
-    nodes.Scenario: "a scenario",
+RUNNING = "{} may only stand in a behavior, a monitor or a compose block, not {}"
+# Where statements may stand, and what is said of one that stands elsewhere: which, and where.
+PLACES: dict[type[ast.AST], tuple[Callable[[Context], bool], str]] = {
+    **dict.fromkeys(
+        (nodes.Wait, nodes.Do, nodes.Terminate, nodes.TryInterrupt), (lambda at: at.kind in DYNAMIC, RUNNING)
+    ),
+    **dict.fromkeys(
+        (
+            *(nodes.Param, nodes.Mutate, nodes.Model, nodes.Simulator, nodes.Record, nodes.TerminateWhen),
+            *(nodes.TerminateAfter, nodes.Behavior, nodes.Scenario),
+        ),
+        (lambda at: at.kind not in DYNAMIC, "{} cannot stand {}"),
+    ),
+    **dict.fromkeys((ast.Break, ast.Continue), (lambda at: at.loop, "{} may only stand in a loop")),
+    nodes.Take: (lambda at: at.kind == "behavior", "{} may only stand in a behavior, not {}"),
+    nodes.Abort: (lambda at: at.handler, '{} may only stand in the block of an "interrupt when"'),
+    ast.Return: (lambda at: at.kind != "top", "{} may only stand in a function or a behavior"),
+}
+HINTS = {  # by statement and where it stands, or anywhere
+    (nodes.Take, "monitor"): 'a monitor may "wait"',
+    (nodes.Terminate, ""): 'write "terminate when condition"',
+    (nodes.TerminateWhen, ""): 'write "if condition:" and "terminate" in it',
 }
 RULES: dict[type[ast.AST], Callable[..., None]] = {
-    **dict.fromkeys(STATIC_WORDS, _Checker.static),
-    **dict.fromkeys((nodes.Wait, nodes.Terminate, nodes.TryInterrupt), _Checker.dynamic),
-    **dict.fromkeys((ast.Break, ast.Continue), _Checker.loop_exit),
-    nodes.Take: _Checker.take,
     nodes.Do: _Checker.do,
-    nodes.Abort: _Checker.abort,
     nodes.Param: _Checker.param,
     nodes.Behavior: _Checker.behavior,
     nodes.Scenario: _Checker.scenario,
@@ -351,6 +335,5 @@ RULES: dict[type[ast.AST], Callable[..., None]] = {
     ast.ClassDef: _Checker.class_body,
     ast.While: _Checker.loop,
     ast.Call: _Checker.call,
-    ast.Return: _Checker.return_value,
     ast.AnnAssign: _Checker.guard,
 }

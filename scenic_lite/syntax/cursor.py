@@ -3,26 +3,22 @@
 The productions are functions of a cursor, in the files that follow, and their docstrings the grammar. Where an earlier
 file has something of a later one inside - a bracket has expressions, a block has statements - it finds that in the
 cursor, into which `parse` ties it.
-Read next: `syntax.specifiers`.
+Read next: `syntax.expressions`.
 """
 
 from __future__ import annotations
 
 import ast
-import keyword
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeVar
 
-from scenic_lite.syntax.hints import REFUSED, kind_of
+from scenic_lite.syntax.grammar import PYTHON_KEYWORDS, REFUSED, SCENIC_KEYWORDS, Form, Forms, kind_of
 from scenic_lite.syntax.lexer import Place, Source, Token, lex
 
 Node = TypeVar("Node", bound=ast.AST)
 
 LOAD, STORE, DELETE = ast.Load(), ast.Store(), ast.Del()
 
-PYTHON_KEYWORDS = frozenset(keyword.kwlist)
-# Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
-SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
 VALUES = frozenset({"True", "False", "None", "not", "lambda"})
 LAYOUT = {
     "newline": "the end of the line",
@@ -30,13 +26,6 @@ LAYOUT = {
     "dedent": "the end of the block",
     "end": "the end of the program",
 }
-
-
-class Level:
-    """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
-
-    UNTIL, IMPLIES, OR, AND, NOT, COMPARE, SEE, ALONG, RELATIVE, AT, PREFIX, SUM, TERM, UNARY = range(14)
-
 
 # Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
 MAX_NESTING = 90
@@ -48,8 +37,6 @@ class Cursor:
 
     expression: Callable[[], ast.expr]  # operators.expression
     operation: Callable[[int], ast.expr]  # operators.operation
-    operators: Mapping[str, Any]  # operators.INFIX
-    prefixes: Mapping[str, Any]  # operators.PREFIXES
     statements: Mapping[str, Any]  # scenic.STATEMENTS
     blocks: Mapping[str, Any]  # scenic.BLOCKS
 
@@ -61,12 +48,11 @@ class Cursor:
         self.index = 0
         self.token = self.tokens[0]
         self.nesting = 0
-        self.brackets = 0  # how many are open: outside of them a line's end ends a statement
+        self.brackets: list[tuple[Token, bool]] = []  # that are open, and what `temporal` was around them
         self.temporal = False  # within the condition of a `require`
         self.asks_truth = False  # the next expression is a condition: no instance begins it
         self.in_target = False  # no instance may begin here: the object of `override`
         self.class_body = False  # directly in the body of a class
-        self.specifier_indents = 0  # how many INDENT tokens the specifiers of the present statement have used up
         # Where the longer reading of a word operator's first operand was tried in vain.
         self.no_partner: set[Token] = set()
 
@@ -80,6 +66,13 @@ class Cursor:
         if self.token.text != words[0]:
             return False
         return all(self.peek(k).text == word for k, word in enumerate(words[1:], 1))
+
+    def form(self, table: Forms) -> Form | None:
+        """Return the form whose words come next."""
+        for form in table.get(self.token.text, ()):
+            if len(form.words) == 1 or self.sees(*form.words):
+                return form
+        return None
 
     def is_name(self, token: Token) -> bool:
         """Return whether the token may be a name."""
@@ -118,13 +111,8 @@ class Cursor:
             self.token = self.tokens[self.index]
         return token
 
-    def skip(self, count: int) -> None:
-        """Read several tokens, known not to reach the end."""
-        self.index += count
-        self.token = self.tokens[self.index]
-
-    def go_back(self, index: int) -> None:
-        """Return to a place kept from before."""
+    def go_to(self, index: int) -> None:
+        """Go to a place: back to one kept from before, or ahead to one that is known to be there."""
         self.index = index
         self.token = self.tokens[index]
 
@@ -132,7 +120,7 @@ class Cursor:
         """Read these words if they come next."""
         if self.token.text != words[0] or not self.sees(*words):
             return False
-        self.skip(len(words))
+        self.go_to(self.index + len(words))
         return True
 
     def expect(self, word: str, purpose: str = "", hint: str = "") -> Token:
@@ -156,18 +144,11 @@ class Cursor:
             self.missing(what)
         return self.advance().text
 
-    def at(self, start: Token | ast.AST, node: Node) -> Node:
-        """Give the node its place: from `start` to the token read last."""
-        if isinstance(start, Token):
-            _, _, node.lineno, node.col_offset, _, _ = start  # type: ignore[attr-defined]
-        else:
-            node.lineno, node.col_offset = start.lineno, start.col_offset  # type: ignore[attr-defined]
-        _, _, _, _, node.end_lineno, node.end_col_offset = self.tokens[self.index - 1]  # type: ignore[attr-defined]
-        return node
-
-    def spanning(self, start: Token, node: Node) -> Node:
-        """Give a block its place: from `start` to the last token that is more than layout."""
-        last = self.last_word() or start
+    def at(self, start: Token, node: Node) -> Node:
+        """Give the node its place: from `start` to the token read last that is more than layout."""
+        last = self.tokens[self.index - 1]
+        if last.kind in LAYOUT:
+            last = self.last_word() or start
         _, _, node.lineno, node.col_offset, _, _ = start  # type: ignore[attr-defined]
         _, _, _, _, node.end_lineno, node.end_col_offset = last  # type: ignore[attr-defined]
         return node

@@ -9,11 +9,14 @@ import ast
 import re
 from collections.abc import Callable, Iterator
 from itertools import groupby
+from typing import TypeVar
 
-from scenic_lite.syntax.cursor import LOAD, PYTHON_KEYWORDS, SCENIC_KEYWORDS, STORE, Cursor, Level
-from scenic_lite.syntax.hints import COMPARES, FOREIGN, NO_VALUE, UNFINISHED
+from scenic_lite.syntax import grammar
+from scenic_lite.syntax.cursor import LOAD, STORE, Cursor
+from scenic_lite.syntax.grammar import COMPARES, INFIX, PYTHON_KEYWORDS, SCENIC_KEYWORDS, SPECIFIER_WORDS, Level
 from scenic_lite.syntax.lexer import Token, lex_field
-from scenic_lite.syntax.specifiers import SPECIFIER_WORDS, new_instance
+
+Item = TypeVar("Item")
 
 CONSTANTS = {"True": True, "False": False, "None": None}
 _STRING = re.compile(r"(\w*)('''|\"\"\"|'|\")(.*)\2", re.DOTALL)
@@ -45,7 +48,7 @@ def atom(c: Cursor, token: Token) -> ast.expr:
     if text == "...":
         c.fail('"..." is no value', 'write "pass" where nothing is done')
     text = f"{c.peek(-2).text} end" if kind == "newline" and c.index > 1 else text
-    c.missing("a value", NO_VALUE.get(f"{c.previous.text} {text}", "") or NO_VALUE.get(text, ""))
+    c.missing("a value", grammar.NO_VALUE.get(f"{c.previous.text} {text}", "") or grammar.NO_VALUE.get(text, ""))
 
 
 def number(c: Cursor, token: Token) -> int | float:
@@ -60,17 +63,15 @@ def number(c: Cursor, token: Token) -> int | float:
 def keyword_value(c: Cursor, token: Token) -> ast.expr:
     """Read a value that is a keyword, or a keyword of Scenic 3 used as a name in dialect 2."""
     text, following = token.text, c.peek()
-    if text == "new" and (following.kind == "name" or c.dialect == 3):
-        return new_instance(c)
     if text in ("async", "await", "yield"):
         c.refuse(text)
     if text in CONSTANTS:
         c.advance()
         return c.at(token, ast.Constant(CONSTANTS[text]))
     if text in c.keywords:
-        c.fail(f'expected a value, found the word "{text}"', NO_VALUE.get(text, ""))
-    if c.starts_value(following, "") and following.text not in c.operators:
-        c.fail(f'unexpected "{text}"', NO_VALUE.get(text, ""))
+        c.fail(f'expected a value, found the word "{text}"', grammar.NO_VALUE.get(text, ""))
+    if c.starts_value(following, "") and following.text not in INFIX:
+        c.fail(f'unexpected "{text}"', grammar.NO_VALUE.get(text, ""))
     c.advance()
     return c.at(token, ast.Name(text, LOAD))
 
@@ -151,9 +152,9 @@ def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end:
 def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
     """Read the value in the field of an f-string; a comma makes a tuple, as in brackets."""
     outer = (c.tokens, c.index, c.token, c.temporal)
-    c.tokens, c.temporal = tokens, False
-    c.brackets += 1
-    c.go_back(1)
+    c.tokens = tokens
+    c.go_to(0)
+    opened(c)
     try:
         value = row(c, element)
         if c.token.kind != "end":
@@ -161,19 +162,18 @@ def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
         return value
     finally:  # an operand that was only tried goes on behind the f-string
         c.tokens, c.index, c.token, c.temporal = outer
-        c.brackets -= 1
+        c.brackets.pop()
 
 
-def opened(c: Cursor, temporal: bool = False) -> bool:
-    """Read an opening bracket, inside of which a requirement goes on or not; returns what `close` wants back."""
-    c.brackets += 1
-    c.advance()
-    outer, c.temporal = c.temporal, temporal
-    return outer
+def opened(c: Cursor, temporal: bool = False) -> None:
+    """Read an opening bracket, inside of which a requirement goes on or not."""
+    c.brackets.append((c.advance(), c.temporal))
+    c.temporal = temporal
 
 
-def close(c: Cursor, sign: str, opening: Token, outer: bool) -> None:
-    """Read the closing bracket."""
+def close(c: Cursor, sign: str) -> None:
+    """Read the closing bracket of the last one opened."""
+    opening, temporal = c.brackets[-1]
     if c.token.text != sign:
         hint = COMPARES if c.token.text == "=" else ""
         if c.token.kind in ("name", "number", "string"):
@@ -181,19 +181,29 @@ def close(c: Cursor, sign: str, opening: Token, outer: bool) -> None:
         where = "" if opening.line == c.token.line else f" of line {opening.line}"
         c.missing(f'"{sign}" to close the "{opening.text}"{where}', hint)
     c.advance()
-    c.brackets -= 1
-    c.temporal = outer
+    c.brackets.pop()
+    c.temporal = temporal
+
+
+def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list[Item]:
+    """Read `value, value, ...`; before a closing sign a comma may stand, or nothing at all."""
+    found: list[Item] = []
+    while not closing or c.token.text != closing:
+        found.append(read(c))
+        if not c.accept(","):
+            break
+    return found
 
 
 def missing_operator_hint(c: Cursor) -> str:
     """Return what might be missing before the present token."""
     token, before = c.token, c.previous
-    if token.text in FOREIGN:
-        return FOREIGN[token.text]
+    if token.text in grammar.FOREIGN:
+        return grammar.FOREIGN[token.text]
     if before.text == ",":
         return "no comma stands between a class and its first specifier" if token.text in SPECIFIER_WORDS else ""
-    if before.text in UNFINISHED:
-        return UNFINISHED[before.text]
+    if before.text in grammar.UNFINISHED:
+        return grammar.UNFINISHED[before.text]
     if c.class_body and before.kind == "name":
         return f'a property is written "{before.text}: default"'
     return "is an operator or a comma missing?" if c.starts_value(token) else ""
@@ -202,52 +212,44 @@ def missing_operator_hint(c: Cursor) -> str:
 def display(c: Cursor, start: Token) -> ast.expr:
     """Read `(value)`, a tuple, a list, a comprehension; a requirement goes on in round brackets."""
     closing = ")" if start.text == "(" else "]"
-    outer = opened(c, c.temporal and closing == ")")
+    opened(c, c.temporal and closing == ")")
+    values = listed(c, element, closing)
+    single = len(values) == 1 and c.previous.text != ","
     node: ast.expr | None = None
-    values: list[ast.expr] = []
-    comma = False
-    while c.token.text != closing:
-        values.append(element(c))
-        if not comma and begins_comprehension(c):
-            make = ast.GeneratorExp if closing == ")" else ast.ListComp
-            node = make(values[0], comprehensions(c))
-            break
-        if not c.accept(","):
-            break
-        comma = True
-    close(c, closing, start, outer)
-    if node is None:
-        if len(values) == 1 and not comma and closing == ")":
-            return not_starred(c, values[0])
-        node = ast.Tuple(values, LOAD) if closing == ")" else ast.List(values, LOAD)
-    return c.at(start, node)
+    if single and begins_comprehension(c):
+        node = (ast.GeneratorExp if closing == ")" else ast.ListComp)(values[0], comprehensions(c))
+    elif closing == "]":
+        node = ast.List(values, LOAD)
+    elif not single:
+        node = ast.Tuple(values, LOAD)
+    close(c, closing)
+    return not_starred(c, values[0]) if node is None else c.at(start, node)
 
 
 def dictionary(c: Cursor, start: Token) -> ast.expr:
     """Read `{key: value, **more}` or a comprehension of one."""
-    outer = opened(c)
-    keys: list[ast.expr | None] = []
-    values: list[ast.expr] = []
+    opened(c)
+    pairs = listed(c, entry, "}")
+    keys, values = [key for key, _ in pairs], [value for _, value in pairs]
     node: ast.expr = ast.Dict(keys, values)
-    while c.token.text != "}":
-        if c.accept("**"):
-            keys.append(None)
-            values.append(c.operation(Level.SEE))
-        else:
-            keys.append(element(c))
-            if len(keys) == 1 and c.token.text != ":":
-                if begins_comprehension(c) or c.token.text in (",", "}"):
-                    c.refuse("set" if c.token.text != "for" else "set comprehension", start)
-                close(c, "}", start, outer)
-            c.expect(":", "after the key of the dictionary")
-            values.append(c.expression())
-            if len(keys) == 1 and begins_comprehension(c):
-                node = ast.DictComp(keys[0], values[0], comprehensions(c))  # type: ignore[arg-type]
-                break
-        if not c.accept(","):
-            break
-    close(c, "}", start, outer)
+    if len(pairs) == 1 and keys[0] is not None and begins_comprehension(c):
+        node = ast.DictComp(keys[0], values[0], comprehensions(c))
+    close(c, "}")
     return c.at(start, node)
+
+
+def entry(c: Cursor) -> tuple[ast.expr | None, ast.expr]:
+    """Read `key: value` or `**more` of a dictionary."""
+    first = c.previous
+    if c.accept("**"):
+        return None, c.operation(Level.SEE)
+    key = element(c)
+    if first.text == "{" and c.token.text != ":":
+        if c.token.text in (",", "}") or begins_comprehension(c):
+            c.refuse("set" if c.token.text != "for" else "set comprehension", first)
+        close(c, "}")  # says what is missing
+    c.expect(":", "after the key of the dictionary")
+    return key, c.expression()
 
 
 def element(c: Cursor) -> ast.expr:
@@ -322,7 +324,7 @@ def targets(c: Cursor) -> ast.expr:
 def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
     """Read `(value, *values, name=value, **more)`."""
     opening = c.token
-    outer = opened(c)
+    opened(c)
     values: list[ast.expr] = []
     keywords: list[ast.keyword] = []
     generator: ast.expr | None = None
@@ -333,7 +335,7 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
         elif start.kind == "name" and c.tokens[c.index + 1].text == "=":
             if start.text in PYTHON_KEYWORDS:
                 c.fail(f'"{start.text}" is a word of the language and cannot be the name of an argument')
-            c.skip(2)
+            c.go_to(c.index + 2)
             keywords.append(c.at(start, ast.keyword(start.text, c.expression())))
         else:
             if keywords and (start.text != "*" or any(keyword.arg is None for keyword in keywords)):
@@ -346,7 +348,7 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
                     generator = values[-1] = c.at(start, ast.GeneratorExp(values[-1], comprehensions(c)))
         if not c.accept(","):
             break
-    close(c, ")", opening, outer)
+    close(c, ")")
     if generator is not None:
         if len(values) > 1 or keywords:
             c.fail("a generator beside other arguments needs brackets of its own", at=generator)
@@ -356,18 +358,15 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
 
 def index(c: Cursor) -> ast.expr:
     """Read `[index]`, `[low:high:step]`, `[a, b]`."""
-    opening = c.token
-    outer = opened(c)
+    opened(c)
     start = c.token
     if start.text == "]":
         c.fail("an index is missing between the brackets")
-    value = index_element(c)
-    if c.token.text == "," or isinstance(value, ast.Starred):
-        values = [value]
-        while c.accept(",") and c.token.text != "]":
-            values.append(index_element(c))
+    values = listed(c, index_element, "]")
+    value = values[0]
+    if c.previous.text == "," or len(values) > 1 or isinstance(value, ast.Starred):
         value = c.at(start, ast.Tuple(values, LOAD))
-    close(c, "]", opening, outer)
+    close(c, "]")
     return value
 
 
@@ -388,13 +387,21 @@ def index_element(c: Cursor) -> ast.expr:
 
 def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
     """Read `(parameters)`."""
-    opening = c.token
-    if opening.text != "(":
+    if c.token.text != "(":
         c.missing(f'"(" after {owner}', 'write "()" if it takes nothing')
-    outer = opened(c)
+    opened(c)
     found = parameters(c, ")")
-    close(c, ")", opening, outer)
+    close(c, ")")
     return found
+
+
+def condition(c: Cursor) -> ast.expr:
+    """Read what is asked whether it is true: no instance begins it; `=` in it is a frequent slip."""
+    c.asks_truth = True
+    value = element(c)
+    if c.token.text == "=":
+        c.fail('"=" assigns and cannot stand in a condition', COMPARES)
+    return value
 
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:

@@ -2,7 +2,8 @@
 
 The `tokenize` of the standard library is slower, splits f-strings in another way from Python 3.12 on, and of what it
 cannot read tells neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
-INDENT and DEDENT tokens carry the layout. Columns count characters, so that a caret under a column stands right.
+INDENT and DEDENT tokens carry the layout; an INDENT behind a comma, without a NEWLINE before it or a DEDENT after it,
+is a line that goes on. Columns count characters, so that a caret under a column stands right.
 Read next: `syntax.cursor`, which walks the tokens.
 """
 
@@ -15,7 +16,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.syntax.hints import LOOKALIKES
+from scenic_lite.syntax.grammar import LOOKALIKES
 
 MAX_CHARACTERS = 2_000_000
 MAX_INDENTS = 80
@@ -36,13 +37,14 @@ _STRING = (
 )
 _OPERATOR = r"\*\*=?|//=?|>>=?|<<=?|\.\.\.|->|:=|[-+*/%@&|^=<>!]=|[-+*/%@&|^=<>~()\[\]{},:;.]"
 _TOKEN = re.compile(
-    rf"[ \f\t]*(?:(?P<string>{_STRING})|(?P<open_string>{_PREFIX}(?:'''|\"\"\"|'|\"))|(?P<name>[^\W\d]\w*)"
-    rf"|(?P<number>{_NUMBER})|(?P<operator>{_OPERATOR})|(?P<newline>\n)|(?P<comment>\#[^\n]*)"
+    rf"[ \f\t]*(?:(?P<name>(?!{_PREFIX}['\"])[^\W\d]\w*)|(?P<number>{_NUMBER})|(?P<operator>{_OPERATOR})"
+    rf"|(?P<newline>\n)|(?P<string>{_STRING})|(?P<open_string>{_PREFIX}(?:'''|\"\"\"|'|\"))|(?P<comment>\#[^\n]*)"
     r"|(?P<continuation>\\\n)|(?P<end>\Z))",
     re.DOTALL,
 )
 _INDENTATION = re.compile(r"[ \t\f]*")
 _BLANK_LINE = re.compile(r"(?:\#[^\n]*)?(?:\n|\Z)")
+_NEXT_LINE = re.compile(r"(?:[ \t\f]*+(?:\#[^\n]*+)?\n)*+([ \t\f]*+)(?=[^\s#])")
 _WORD = re.compile(r"\w*")
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
@@ -175,11 +177,12 @@ class _Lexer:
             elif kind == "string":
                 self.string(found[kind], start)
             elif kind == "newline":
-                if not self.brackets:
+                if self.brackets:
+                    self.next_line()
+                elif not tokens or tokens[-1].text != "," or not self.goes_on():
                     column = start - self.line_start
                     tokens.append(Token("newline", "\n", self.line, column, self.line, column + 1))
-                self.next_line()
-                if not self.brackets:
+                    self.next_line()
                     self.indentation()
             elif kind == "continuation":
                 self.next_line()
@@ -241,6 +244,16 @@ class _Lexer:
             hint = "indent the whole block with one of them"
             raise self.source.error("tabs and spaces are mixed in the indentation", token[2:], hint)
 
+    def goes_on(self) -> bool:
+        """After a comma at the end of a line, go to the next one if it is indented deeper, as specifiers may be."""
+        found = _NEXT_LINE.match(self.text, self.position, self.end)
+        if found is None or len(found[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
+            return False
+        self.line += found[0].count("\n") + 1
+        self.line_start, self.position = found.span(1)
+        self.tokens.append(Token("indent", "", self.line, 0, self.line, len(found[1])))
+        return True
+
     def bracket(self, token: Token) -> None:
         """Push an opening bracket, or compare a closing one with its partner."""
         if token.text in _CLOSING:
@@ -263,41 +276,44 @@ class _Lexer:
             self.line_start = start + text.rfind("\n") + 1
         self.tokens.append(Token("string", text, line, column, self.line, self.position - self.line_start))
 
+    def error(self, message: str, start: int, end: int, hint: str = "") -> ScenicError:
+        """Return an error between two offsets of the present line."""
+        place = (self.line, start - self.line_start, self.line, end - self.line_start)
+        return self.source.error(message, place, hint)
+
     def unterminated(self, opening: str, start: int) -> ScenicError:
-        column = start - self.line_start
         if opening.endswith(("'''", '"""')):
-            place = (self.line, column, self.line, column + len(opening))
-            return self.source.error(f"the string that {opening[-3:]} opens is never closed", place)
+            return self.error(f"the string that {opening[-3:]} opens is never closed", start, start + len(opening))
         end = self.text.find("\n", start)
-        place = (self.line, column, self.line, (self.end if end < 0 else end) - self.line_start)
-        return self.source.error("the string is not closed in its line", place, f"it lacks a {opening[-1]}")
+        end = self.end if end < 0 else end
+        return self.error("the string is not closed in its line", start, end, f"it lacks a {opening[-1]}")
 
     def checked(self, token: Token) -> Token:
         """Return a number that no letters follow, or a name in normal form that is an identifier."""
+        start = self.line_start + token.column
         if token.kind == "name":
             name = unicodedata.normalize("NFKC", token.text)
             if not name.isidentifier():
-                raise self.source.error(f'"{token.text}" is not a name', token[2:])
+                raise self.error(f'"{token.text}" is not a name', start, self.position)
             return token._replace(text=name)
         tail = _WORD.match(self.text, self.position, self.end)[0]  # type: ignore[index]  # always matches
         if tail not in _AFTER_NUMBER:
-            place = (token.line, token.column, token.line, token.end_column + len(tail))
-            raise self.source.error(f'"{token.text}{tail}" is neither a number nor a name', place)
+            message = f'"{token.text}{tail}" is neither a number nor a name'
+            raise self.error(message, start, self.position + len(tail))
         if re.fullmatch("0[0-9_]*[1-9][0-9_]*", token.text):
             hint = f"write {token.text.lstrip('0_')}"
-            raise self.source.error("a whole number does not begin with 0", token[2:], hint)
+            raise self.error("a whole number does not begin with 0", start, self.position, hint)
         return token
 
     def bad_character(self) -> ScenicError:
         start = _INDENTATION.match(self.text, self.position, self.end).end()  # type: ignore[union-attr]  # always
         character = self.text[start]
-        column = start - self.line_start
-        place = (self.line, column, self.line, column + 1)
-        if character == "\\":
-            if self.in_field:
-                return self.source.error("a backslash inside {} of an f-string", place, "compute the value before")
-            return self.source.error("a backslash may only end a line", place)
-        if character == "\0":
-            return self.source.error("the program contains a null byte", place)
         shown = f'the character "{character}"' if character.isprintable() else f"the character U+{ord(character):04X}"
-        return self.source.error(f"{shown} is not part of the language", place, LOOKALIKES.get(character, ""))
+        message, hint = f"{shown} is not part of the language", LOOKALIKES.get(character, "")
+        if character == "\0":
+            message = "the program contains a null byte"
+        elif character == "\\" and self.in_field:
+            message, hint = "a backslash inside {} of an f-string", "compute the value before"
+        elif character == "\\":
+            message = "a backslash may only end a line"
+        return self.error(message, start, start + 1, hint)

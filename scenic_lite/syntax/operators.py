@@ -1,8 +1,10 @@
-"""Operators: the tables, one row for each, and the climb over them by precedence, Python's and Scenic's alike.
+"""Operators, and the instances that read so much like them: `[new] Class specifier, specifier, ...`.
 
-Dialect 2 differs from 3 in two points: the last operand of a word operator such as `distance from X to Y` also takes
-`relative to` and `offset by` (Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand
-of a sum. The levels are those of the Scenic 3 grammar, Python's included. Read next: `syntax.statements`.
+Python's operators and Scenic's are climbed alike, by the levels of the Scenic 3 grammar. Dialect 2 differs in two
+points: the last operand of a word operator such as `distance from X to Y` also takes `relative to` and `offset by`
+(Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand of a sum. After a class without
+`new` most specifiers leave no doubt (`Name on R`, `Name with P V`); those that might also be operators are read as
+both. Read next: `syntax.statements`.
 """
 
 from __future__ import annotations
@@ -10,15 +12,16 @@ from __future__ import annotations
 import ast
 import copy
 from collections.abc import Callable
-from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.syntax import specifiers
-from scenic_lite.syntax.cursor import LOAD, Cursor, Level
-from scenic_lite.syntax.expressions import arguments, atom, element, index, parameters
-from scenic_lite.syntax.hints import COMPARES
+from scenic_lite.syntax import grammar
+from scenic_lite.syntax.cursor import LOAD, Cursor
+from scenic_lite.syntax.expressions import arguments, atom, index, parameters
+from scenic_lite.syntax.grammar import INFIX, MEASURES, OPERATOR_WORDS, SIGNS, SPECIFIER_WORDS, SPECIFIERS, Form, Level
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import New, Operator, Specifier
+
+BEHIND_CLASSES = OPERATOR_WORDS | {"."}
 
 
 def expression(c: Cursor) -> ast.expr:
@@ -50,15 +53,6 @@ def conditional(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
     return c.at(start, ast.IfExp(condition, value, expression(c)))
 
 
-def condition(c: Cursor) -> ast.expr:
-    """Read what is asked whether it is true: no instance begins it; `=` in it is a frequent slip."""
-    c.asks_truth = True
-    value = element(c)
-    if c.token.text == "=":
-        c.fail('"=" assigns and cannot stand in a condition', COMPARES)
-    return value
-
-
 def operation(c: Cursor, level: int) -> ast.expr:
     """Read values joined by operators that bind at `level` or tighter."""
     start = c.token
@@ -69,71 +63,57 @@ def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
     """Read on after a value that begins at `start`, as long as operators of `level` or tighter follow."""
     links = 0
     while c.token.text in INFIX:
-        infix = next_infix(c)
+        infix = c.form(INFIX)
         if infix is None or infix.level < level:
             return left
         links += 1
         c.check_chain(links)
-        left = infix.read(c, left, infix, start)
+        left = c.at(start, joined(c, left, infix))
     return left
 
 
-def next_infix(c: Cursor) -> Infix | None:
-    """Return the operator that comes next."""
-    for infix in INFIX.get(c.token.text, ()):
-        if len(infix.words) == 1 or c.sees(*infix.words):
-            return infix
-    return None
-
-
-def arithmetic(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """Read `left + right` and its like, from left to right."""
-    sign = c.advance()
-    if sign.text == "%" and is_text(left):
-        c.refuse("%", sign)
-    right = operation(c, infix.level + 1)
-    return c.at(start, ast.BinOp(left, infix.node, right))  # type: ignore[arg-type]
-
-
-def is_text(value: ast.expr) -> bool:
-    """Return whether a value is a text as it stands."""
-    return isinstance(value, ast.JoinedStr) or (isinstance(value, ast.Constant) and isinstance(value.value, str))
-
-
-def logic(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """Read `left and right and ...`: one node for the whole row."""
-    values = [left]
-    while c.accept(infix.words[0]):
-        values.append(operation(c, infix.level + 1))
-    return c.at(start, ast.BoolOp(infix.node, values))  # type: ignore[arg-type]
-
-
-def comparison(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """Read `left < middle < ...`: one node for the whole chain."""
-    signs: list[ast.cmpop] = []
+def joined(c: Cursor, left: ast.expr, infix: Form) -> ast.expr:
+    """Read an operator and what follows it; `left and right and ...`, `left < middle < ...` are one node."""
+    node, sign = infix.node, c.token
+    if isinstance(node, ast.operator):
+        c.advance()
+        if sign.text == "%" and isinstance(left.value if isinstance(left, ast.Constant) else left, str | ast.JoinedStr):
+            c.refuse("%", sign)
+        return ast.BinOp(left, node, operation(c, infix.level + 1))
+    if node is None:
+        return Operator(infix.name, [left, *operands(c, infix, lambda _: operation(c, infix.level + 1))])
     values: list[ast.expr] = []
-    following: Infix | None = infix
-    while following is not None and following.level == Level.COMPARE:
-        c.skip(len(following.words))
-        signs.append(following.node)  # type: ignore[arg-type]
+    if isinstance(node, ast.boolop):
+        while c.accept(infix.name):
+            values.append(operation(c, infix.level + 1))
+        return ast.BoolOp(node, [left, *values])
+    signs: list[ast.cmpop] = []
+    following: Form | None = infix
+    while following is not None and isinstance(following.node, ast.cmpop):
+        c.go_to(c.index + len(following.words))
+        signs.append(following.node)
         values.append(operation(c, Level.SEE))
-        following = next_infix(c)
-    return c.at(start, ast.Compare(left, signs, values))
+        following = c.form(INFIX)
+    return ast.Compare(left, signs, values)
 
 
-def words(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """Read `left relative to right` and its like, `left deg`."""
-    c.skip(len(infix.words))
-    operands: list[ast.expr | None] = [left] if infix.words == ("deg",) else [left, operation(c, infix.level + 1)]
-    return c.at(start, Operator(" ".join(infix.words), operands))
+def operands(c: Cursor, form: Form, read: Callable[[str], ast.expr], reach: bool = False) -> list[ast.expr | None]:
+    """Read the words of a form and its values, None for one left out.
 
-
-def along(c: Cursor, left: ast.expr, infix: Infix, start: Token) -> ast.expr:
-    """Read `left offset along heading by vector`."""
-    c.skip(2)
-    heading = operation(c, Level.RELATIVE)
-    c.expect("by", 'after "offset along" and its heading', 'write "X offset along H by V"')
-    return c.at(start, Operator("offset along", [left, heading, operation(c, Level.RELATIVE)]))
+    `read` is told behind which words it reads; `reach`: a value extends as far as the word before the next one.
+    """
+    c.go_to(c.index + len(form.words))
+    start = c.token
+    found: list[ast.expr | None] = [read(form.name)] if form.value else []
+    for word, needed in form.parts:
+        if reach:
+            found[-1] = up_to(c, word, found[-1], start)  # type: ignore[arg-type]  # only the last may be left out
+        if needed and c.token.text != word:
+            c.missing(f'"{word}" in "{form.name}"', f'write "{form.text}"')
+        given = c.accept(word)
+        start = c.token
+        found.append(read(f"{form.name} ... {word}") if given else None)
+    return found
 
 
 def operand(c: Cursor, level: int) -> ast.expr:
@@ -180,10 +160,8 @@ def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
     token, following = c.peek(ahead), c.peek(ahead + 1)
     if not c.starts_value(token, signs):
         return False
-    if token.text == "not":
-        return following.text != "in"
-    if token.text == "visible":
-        return following.text != "from"
+    if token.text in ("not", "visible"):
+        return following.text != ("in" if token.text == "not" else "from")
     if token.text == "relative":
         return following.text in ("heading", "position") and c.peek(ahead + 2).text == "of"
     return token.text not in INFIX
@@ -191,41 +169,27 @@ def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
 
 def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
     """Read a word operator of `MEASURES` with its operands; None if the word is a name."""
-    form = next((form for form in MEASURES[token.text] if c.sees(*form.words)), None)
+    form = c.form(MEASURES)
     if form is None:
         return None
-    signs = NAMES.get(form.words[-1])
+    signs = grammar.NAMES.get(form.words[-1])
     if signs is not None and not begins_operand(c, len(form.words), signs):
         return None
     if c.dialect == 3 and level > Level.PREFIX:  # there it is not itself an operand of a sum or product
         text = f"{token.text} {c.peek().text}"
         c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
-    c.skip(len(form.words))
-    operands: list[ast.expr | None] = []
-    start, value = c.token, last_operand(c) if form.value else None
-    for partner, needed in form.parts:
-        operands.append(up_to(c, partner, value, start))  # type: ignore[arg-type]  # partners stand behind values
-        if needed and c.token.text != partner:
-            c.missing(f'"{partner}" in "{form.words[0]}"', f'write "{form.text}"')
-        found = c.accept(partner)
-        start, value = c.token, last_operand(c) if found else None
-    name = " ".join(form.words)
-    operands += [value] if form.value else []
-    if name in ("distance to", "angle to"):
-        operands.reverse()
-    return c.at(token, Operator(name.removesuffix(" from").removesuffix(" to"), operands))
-
-
-def last_operand(c: Cursor) -> ast.expr:
-    """Read the last operand of a word operator."""
-    return operation(c, Level.ALONG if c.dialect == 2 else Level.PREFIX)
+    reach = Level.ALONG if c.dialect == 2 else Level.PREFIX
+    found = operands(c, form, lambda _: operation(c, reach), reach=True)
+    if form.name in ("distance to", "angle to"):
+        found.reverse()
+    return c.at(token, Operator(form.name.removesuffix(" from").removesuffix(" to"), found))
 
 
 def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
     """Extend the first operand to a full expression if that reaches the word before the second one."""
     if c.token.text == partner or c.token in c.no_partner:
         return first
-    index, nesting, brackets, temporal = c.index, c.nesting, c.brackets, c.temporal
+    index, nesting, brackets, temporal = c.index, c.nesting, len(c.brackets), c.temporal
     try:
         longer = conditional(c, continued(c, first, Level.OR, start), start)
     except ScenicError as error:
@@ -234,15 +198,24 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
         longer = first
     if longer is not first and c.token.text == partner:
         return longer
-    c.nesting, c.brackets, c.temporal = nesting, brackets, temporal
-    c.go_back(index)
+    c.nesting, c.temporal, c.brackets[brackets:] = nesting, temporal, []
+    c.go_to(index)
     c.no_partner.add(c.token)
     return first
 
 
+# What a word or sign before a value begins; None from it if the word is a name there.
+PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
+    **dict.fromkeys(SIGNS, signed),
+    **dict.fromkeys(MEASURES, measure),
+    **dict.fromkeys(("always", "eventually", "next"), always),
+    "not": negation,
+}
+
+
 def primary(c: Cursor, start: Token) -> ast.expr:
     """Read `atom` followed by attributes, calls and indices; by specifiers, or by `** operand`."""
-    value = atom(c, start)
+    value = (new_instance(c, start) if start.text == "new" else None) or atom(c, start)
     links = 0
     while c.token.text in (".", "(", "["):
         if c.token.text == "(":
@@ -254,8 +227,8 @@ def primary(c: Cursor, start: Token) -> ast.expr:
             value = c.at(start, ast.Attribute(value, c.word('a name after "."'), LOAD))
         links += 1
         c.check_chain(links)
-    if isinstance(value, ast.Name | ast.Attribute) and specifiers.starts_instance(c):
-        value = specifiers.instance(c, start, value)
+    if c.token.text in SPECIFIER_WORDS and isinstance(value, ast.Name | ast.Attribute) and starts_instance(c):
+        value = instance(c, start, value)
     if c.token.text != "**":
         return value
     c.advance()
@@ -265,49 +238,81 @@ def primary(c: Cursor, start: Token) -> ast.expr:
     return value
 
 
+# ---------------------------------------------------------------- instances
+
+
+def new_instance(c: Cursor, start: Token) -> ast.expr | None:
+    """Read `new Class [specifiers]`; None if `new` is a name, as it may be in dialect 2."""
+    if c.peek().kind != "name" and c.dialect == 2:
+        return None
+    c.advance()
+    if not c.is_plain_name(c.token):
+        c.missing('a class name after "new"', 'write "new Class at X"' if c.token.kind in ("newline", "end") else "")
+    return instance(c, start, class_name(c))
+
+
+def class_name(c: Cursor) -> ast.expr:
+    """Read `Name` or `module.Name`."""
+    start = c.name("a class name")
+    name: ast.expr = c.at(start, ast.Name(start.text, LOAD))
+    while c.token.text == "." and c.is_name(c.peek()):
+        c.advance()
+        name = c.at(start, ast.Attribute(name, c.advance().text, LOAD))
+    return name
+
+
+def instance(c: Cursor, start: Token, cls: ast.expr) -> ast.expr:
+    """Read the specifiers after a class, if any."""
+    specifiers: list[Specifier] = []
+    if begins_specifier(c):
+        specifiers = more_specifiers(c, [specifier(c)])
+    elif c.is_name(c.token) and c.token.text not in INFIX:
+        c.fail(f'unknown specifier "{c.token.text}"', grammar.specifier_hint(c.token.text))
+    return c.at(start, New(cls, specifiers))
+
+
 def possible_instance(c: Cursor) -> ast.expr | None:
     """Read `Name at V` and the like at the start of an expression: New with both readings, or None."""
     ahead = 1
     while c.peek(ahead).text == "." and c.peek(ahead + 1).kind == "name":
         ahead += 2
-    if c.peek(ahead).text not in specifiers.OPERATOR_WORDS or not c.peek(ahead - 1).text[0].isupper():
+    if c.peek(ahead).text not in OPERATOR_WORDS or not c.peek(ahead - 1).text[0].isupper():
         return None
     if c.in_target or c.temporal or not c.is_name(c.token):
         return None
     start, index = c.token, c.index
-    cls = specifiers.class_name(c)
-    infix = next_infix(c)
+    cls = class_name(c)
+    infix = c.form(INFIX)
     if infix is None or infix.words == ("not", "in"):
-        c.go_back(index)
+        c.go_to(index)
         return None
     return both_readings(c, start, cls, infix)
 
 
-def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Infix) -> ast.expr:
+def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Form) -> ast.expr:
     """Read what follows once, and build the instance and the operator from it."""
-    place, name = c.token, " ".join(infix.words)
-    heading: list[ast.expr] = []
-    c.skip(len(infix.words))
-    if name == "offset along":
-        heading = [operation(c, Level.RELATIVE)]
-        c.expect("by", 'after "offset along" and its heading', 'write "offset along H by V"')
-    value_start = c.token
-    value = specifiers.specifier_value(c, name, infix.level + 1)
-    operator: ast.expr = Operator(name, [cls, *heading, value])
-    if name == "in":
+    place, begins = c.token, [c.token]
+
+    def read(words: str) -> ast.expr:
+        begins.append(c.token)
+        return specifier_value(c, words, infix.level + 1)
+
+    found = operands(c, infix, read)
+    *before, value = found
+    assert value is not None
+    operator: ast.expr = Operator(infix.name, [cls, *found])
+    if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
-    whole = conditional(c, continued(c, value, Level.OR, value_start), value_start)
-    specifier = c.at(place, Specifier(name.removesuffix(" from"), [*heading, whole]))
-    found = specifiers.more_specifiers(c, [specifier])
-    node = c.at(start, New(cls, found))
-    if len(found) == 1:
+    whole = conditional(c, continued(c, value, Level.OR, begins[-1]), begins[-1])
+    specifier = c.at(place, Specifier(infix.name.removesuffix(" from"), [*before, whole]))
+    specifiers = more_specifiers(c, [specifier])
+    node = c.at(start, New(cls, specifiers))
+    if len(specifiers) == 1:
         node.certain = False
         node.operator = grafted(whole, value, operator)
     return node
 
-
-BEHIND_CLASSES = specifiers.OPERATOR_WORDS | {"."}
 
 # Where an operator between values keeps the first of them.
 LEFT = {ast.BinOp: "left", ast.Compare: "left", ast.IfExp: "body", ast.BoolOp: "values", Operator: "operands"}
@@ -328,90 +333,99 @@ def grafted(whole: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
     return grown
 
 
-# ---------------------------------------------------------------- the tables
+def starts_instance(c: Cursor) -> bool:
+    """Return whether, after a name, a specifier follows that cannot be an operator."""
+    if c.in_target or c.token.text == "with":
+        return not c.in_target and c.is_name(c.peek())
+    form = next_form(c)
+    if form is None or form.words[0] not in OPERATOR_WORDS:
+        return form is not None
+    # `visible` and `not visible` without `from` are no operators.
+    return form.words[-1] == "visible" and c.peek(len(form.words)).text != "from"
 
 
-class Infix(NamedTuple):
-    """An operator between two values: its words, how tightly it binds, what reads on, the sign in Python's node."""
+def more_specifiers(c: Cursor, found: list[Specifier]) -> list[Specifier]:
+    """Read `, specifier` as often as it comes; a line may end after a comma if the next one is indented."""
+    while True:
+        if begins_specifier(c):
+            c.fail(f'expected a comma before the specifier "{c.token.text}"')
+        if c.token.text != ",":
+            return found
+        index, comma = c.index, c.advance()
+        next_line = c.token.kind == "indent"
+        if next_line:
+            c.advance()
+        if c.token.kind == "newline":
+            hint = "take the comma away, or indent the next specifier"
+            c.fail("a comma ends the line, but no indented specifier follows", hint, at=comma)
+        if begins_specifier(c):
+            found.append(specifier(c))
+            continue
+        if is_misspelt(c):
+            c.fail(f'unknown specifier "{c.token.text}"', grammar.specifier_hint(c.token.text))
+        # After a comma outside of brackets another instance makes a tuple.
+        tuple_of_instances = c.token.kind == "name" and (c.token.text == "new" or c.token.text[0].isupper())
+        if next_line or (not c.brackets and not tuple_of_instances):
+            c.missing("a specifier after the comma", 'a place is written "3 @ 4"' if c.token.kind == "number" else "")
+        c.go_to(index)
+        return found
 
-    words: tuple[str, ...]
-    level: int
-    read: Callable[[Cursor, ast.expr, Infix, Token], ast.expr]
-    node: ast.operator | ast.cmpop | ast.boolop | None = None
+
+def begins_specifier(c: Cursor) -> bool:
+    """Return whether a specifier comes next."""
+    return c.token.text == "with" or next_form(c) is not None
 
 
-_ROWS = (
-    Infix(("until",), Level.UNTIL, words),
-    Infix(("implies",), Level.IMPLIES, words),
-    Infix(("or",), Level.OR, logic, ast.Or()),
-    Infix(("and",), Level.AND, logic, ast.And()),
-    Infix(("<",), Level.COMPARE, comparison, ast.Lt()),
-    Infix((">",), Level.COMPARE, comparison, ast.Gt()),
-    Infix(("<=",), Level.COMPARE, comparison, ast.LtE()),
-    Infix((">=",), Level.COMPARE, comparison, ast.GtE()),
-    Infix(("==",), Level.COMPARE, comparison, ast.Eq()),
-    Infix(("!=",), Level.COMPARE, comparison, ast.NotEq()),
-    Infix(("in",), Level.COMPARE, comparison, ast.In()),
-    Infix(("not", "in"), Level.COMPARE, comparison, ast.NotIn()),
-    Infix(("is", "not"), Level.COMPARE, comparison, ast.IsNot()),
-    Infix(("is",), Level.COMPARE, comparison, ast.Is()),
-    Infix(("can", "see"), Level.SEE, words),
-    Infix(("intersects",), Level.SEE, words),
-    Infix(("visible", "from"), Level.SEE, words),
-    Infix(("not", "visible", "from"), Level.SEE, words),
-    Infix(("|",), Level.SEE, arithmetic, ast.BitOr()),
-    Infix(("offset", "along"), Level.ALONG, along),
-    Infix(("^",), Level.ALONG, arithmetic, ast.BitXor()),
-    Infix(("relative", "to"), Level.RELATIVE, words),
-    Infix(("offset", "by"), Level.RELATIVE, words),
-    Infix(("&",), Level.RELATIVE, arithmetic, ast.BitAnd()),
-    Infix(("at",), Level.AT, words),
-    Infix(("<<",), Level.AT, arithmetic, ast.LShift()),
-    Infix((">>",), Level.AT, arithmetic, ast.RShift()),
-    Infix(("+",), Level.SUM, arithmetic, ast.Add()),
-    Infix(("-",), Level.SUM, arithmetic, ast.Sub()),
-    Infix(("*",), Level.TERM, arithmetic, ast.Mult()),
-    Infix(("/",), Level.TERM, arithmetic, ast.Div()),
-    Infix(("//",), Level.TERM, arithmetic, ast.FloorDiv()),
-    Infix(("%",), Level.TERM, arithmetic, ast.Mod()),
-    Infix(("@",), Level.TERM, arithmetic, ast.MatMult()),
-    Infix(("deg",), Level.TERM, words),
-)
-INFIX: dict[str, list[Infix]] = {}
-for _row in _ROWS:
-    INFIX.setdefault(_row.words[0], []).append(_row)
+def next_form(c: Cursor) -> Form | None:
+    """Return the form whose words come next, and after them what it needs."""
+    for form in SPECIFIERS.get(c.token.text, ()):
+        if c.sees(*form.words):
+            following = c.peek(len(form.words))
+            if len(form.words) == 1 and form.value and following.text in (".", "=", ")", "]", "}", ",", ":"):
+                continue
+            if form.words[0] == "facing" and len(form.words) > 1 and not c.starts_value(following, "([-"):
+                continue
+            return form
+    return None
 
-AUGMENTED = {f"{row.words[0]}=": row.node for row in _ROWS if isinstance(row.node, ast.operator)} | {"**=": ast.Pow()}
-SIGNS: dict[str, type[ast.unaryop]] = {"+": ast.UAdd, "-": ast.USub, "~": ast.Invert}
-# Word operators before a value; their operands are in the order of the letters.
-MEASURES = specifiers.forms("""
-distance from X [to Y]
-distance to Y [from X]
-distance past V [of X]
-angle from X [to Y]
-angle to Y [from X]
-relative heading of H [from X]
-relative position of X [from Y]
-apparent heading of P [from V]
-front left of X
-front right of X
-back left of X
-back right of X
-front of X
-back of X
-left of X
-right of X
-visible R
-not visible R
-follow F from V for D
-initial scenario
-""")
-# Those that may be names: by their last word, which signs may begin the operand.
-NAMES = {"visible": "(", "follow": ""}
-# What a word or sign before a value begins; None from it if the word is a name there.
-PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
-    **dict.fromkeys(SIGNS, signed),
-    **dict.fromkeys(MEASURES, measure),
-    **dict.fromkeys(("always", "eventually", "next"), always),
-    "not": negation,
-}
+
+def specifier(c: Cursor) -> Specifier:
+    """Read one specifier."""
+    start = c.token
+    if start.text == "with":
+        return with_property(c)
+    form = next_form(c)
+    assert form is not None
+    node = c.at(start, Specifier(form.name, operands(c, form, lambda words: specifier_value(c, words))))
+    if c.token.kind == "number" and ("by", False) in form.parts:
+        c.fail(f'expected "by" before the distance of "{form.name}"', f'write "{form.name} X by {c.token.text}"')
+    return node
+
+
+def with_property(c: Cursor) -> Specifier:
+    """Read `with property value`."""
+    start = c.advance()
+    word = c.name("a property name")
+    if c.token.text in ("=", ":"):
+        c.fail(f'"{c.token.text}" between a property and its value', f'write "with {word.text} value"')
+    name = c.at(word, ast.Constant(word.text))
+    return c.at(start, Specifier("with", [name, specifier_value(c, f"with {word.text}")]))
+
+
+def specifier_value(c: Cursor, name: str, level: int | None = None) -> ast.expr:
+    """Read the value after the words of a specifier: an expression, or operators of a level."""
+    if name == "facing" and c.token.text in ("to", "at", "towards") and c.starts_value(c.peek(), ""):
+        c.fail(f'unknown specifier "facing {c.token.text}"', 'did you mean "facing toward"?')
+    if c.token.kind in ("newline", "end") or c.token.text in (",", ")"):
+        c.missing(f'a value after "{name}"')
+    return expression(c) if level is None else operation(c, level)
+
+
+def is_misspelt(c: Cursor) -> bool:
+    """Return whether two words stand side by side that no expression begins with."""
+    token, following = c.token, c.peek()
+    if not c.is_plain_name(token) or token.text in INFIX or token.text in PREFIXES:
+        return False
+    if following.kind in ("number", "string"):
+        return True
+    return c.is_plain_name(following) and following.text not in INFIX and following.text not in SPECIFIER_WORDS

@@ -1,7 +1,8 @@
 """Program text to syntax tree: a hand-written recursive descent over the tokens, for Scenic 2 and 3 in one grammar.
 
-Each file reads what the next ones are made of: `cursor` walks the tokens; `specifiers`, `expressions` and `operators`
-read values; `statements` and `scenic` read statements. No text is ever given to Python's compiler.
+Each file reads what the next ones are made of: `cursor` walks the tokens; `expressions` and `operators` read values;
+`statements` Python's statements, and this file those that Scenic adds. All of their words but Scenic 3's hard keywords
+are names elsewhere, so what follows decides. No text is ever given to Python's compiler.
 Read next: `syntax.nodes`, for what comes out, and `syntax.check`, for the rules that need the whole tree.
 """
 
@@ -13,14 +14,27 @@ import re
 from functools import partial
 
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.syntax.cursor import Cursor
-from scenic_lite.syntax.lexer import Source, tokens
-from scenic_lite.syntax.operators import INFIX, PREFIXES, expression, operation
-from scenic_lite.syntax.scenic import BLOCKS, STATEMENTS
-from scenic_lite.syntax.statements import module
+from scenic_lite.syntax import nodes, statements
+from scenic_lite.syntax.cursor import LOAD, STORE, Cursor, describe
+from scenic_lite.syntax.expressions import arguments, atom, bracketed_parameters, condition, element, listed, strings
+from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
+from scenic_lite.syntax.lexer import Source, Token, tokens
+from scenic_lite.syntax.operators import (
+    begins_operand,
+    begins_specifier,
+    expression,
+    more_specifiers,
+    operation,
+    primary,
+    specifier,
+)
+from scenic_lite.syntax.statements import Rule, block
 
 DIALECTS = (2, 3)
 MARKER = re.compile(r"#!?\s*(?:scenic|dialect)\s*:\s*(?P<version>\d[^\s;,]*)\s*(?:[;,].*)?$", re.IGNORECASE)
+UNITS = ("seconds", "steps")
+ATTRIBUTES = ("additive", "dynamic", "final")  # of a property
+NO_PARAMETERS = ast.arguments([], [], None, [], [], None, [])
 
 
 def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
@@ -32,10 +46,10 @@ def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
     if dialect not in DIALECTS:
         raise ValueError(f"dialect must be 2 or 3, not {dialect!r}")
     c = Cursor(Source(text, file), dialect)
-    c.operators, c.prefixes, c.statements, c.blocks = INFIX, PREFIXES, STATEMENTS, BLOCKS
+    c.statements, c.blocks = STATEMENTS, BLOCKS
     c.expression, c.operation = partial(expression, c), partial(operation, c)
     try:
-        return module(c)
+        return statements.module(c)
     except RecursionError:
         error: ScenicError = c.source.error("the program is nested too deeply here", c.place(), kind="budget")
     raise error
@@ -72,3 +86,302 @@ def makes_instances_with_new(text: str, file: str) -> bool:
         if word.text == "new" and after.kind == "name" and not keyword.iskeyword(after.text) and not follows_dot:
             return True
     return False
+
+
+# ---------------------------------------------------------------- what follows a first word
+
+
+def begins_value(c: Cursor, following: Token) -> bool:
+    """Return whether a value follows the word, so that it is a statement: `take -x` is one, `take - x` a difference."""
+    if following.text in SIGNS or following.text == "*":
+        adjacent = c.peek(2).column == following.end_column
+        return adjacent and following.column > c.token.end_column
+    return begins_operand(c, 1)
+
+
+def begins_action(c: Cursor, following: Token) -> bool:
+    """Return what `begins_value` does, after `take` and `do`, which do not stand alone."""
+    if following.kind in ("newline", "end") and c.token.text == "take":
+        c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
+    if following.kind in ("newline", "end"):
+        c.fail('expected a behavior after "do"', 'write "do Behavior()"', at=following)
+    return begins_value(c, following)
+
+
+def stands_alone(c: Cursor, following: Token) -> bool:
+    """Return whether nothing follows the word."""
+    return following.kind in ("newline", "end") or following.text == ";"
+
+
+def begins_definition(c: Cursor, following: Token) -> bool:
+    """Return whether a name follows `behavior`, `monitor` or `scenario`."""
+    return following.kind == "name" and following.text not in INFIX
+
+
+def begins_interrupt(c: Cursor, following: Token) -> bool:
+    """Refuse an `interrupt when` that belongs to no `try`."""
+    if following.text == "when":
+        c.fail('"interrupt when" without "try" before it', 'indent it like the "try" to which it belongs')
+    return False
+
+
+# ---------------------------------------------------------------- statements
+
+
+def param(c: Cursor, start: Token) -> ast.stmt:
+    """Read `param name = value, 'quoted name' = value`."""
+    node = nodes.Param([], [])
+    node.places = listed(c, lambda c: one_param(c, node))
+    return node
+
+
+def one_param(c: Cursor, node: nodes.Param) -> ast.expr:
+    """Add `name = value` to a statement; returns the place of the name."""
+    place, name = param_name(c)
+    c.expect("=", f'after the name of the parameter "{name}"', 'write "param name = value"')
+    node.names.append(name)
+    node.values.append(expression(c))
+    return place
+
+
+def param_name(c: Cursor) -> tuple[ast.expr, str]:
+    """Read a name, or one in quotes; returns its place and its text."""
+    start = c.token
+    if start.kind != "string":
+        c.name("the name of a parameter")
+        return c.at(start, ast.Name(start.text, LOAD)), start.text
+    value = strings(c)
+    if not isinstance(value, ast.Constant) or not isinstance(value.value, str):
+        c.fail("a name in quotes must be plain text", at=start)
+    return value, value.value
+
+
+def require(c: Cursor, start: Token) -> ast.stmt:
+    """Read `require[p] condition [as name]`, `require monitor M(...)`."""
+    if c.token.text == "monitor" and c.is_name(c.peek()):
+        c.advance()
+        return nodes.RequireMonitor(expression(c))
+    probability = soft(c) if c.token.text == "[" else None
+    if c.ends_statement:
+        c.fail('expected a condition after "require"')
+    c.temporal = True
+    test = condition(c)
+    c.temporal = False
+    return nodes.Require(test, probability, as_name(c))
+
+
+def soft(c: Cursor) -> ast.expr:
+    """Read `[p]` of a soft requirement: a number between 0 and 1."""
+    c.advance()
+    start = c.token
+    if start.kind != "number" or c.peek().text != "]":
+        hint = 'write "require[0.5] condition"'
+        c.fail("the probability of a soft requirement must be a number between 0 and 1", hint)
+    value = atom(c, start)
+    if isinstance(value, ast.Constant) and not 0 <= value.value <= 1:  # type: ignore[operator]  # of a number
+        c.fail(f"the probability of a soft requirement must lie between 0 and 1, not {start.text}", at=start)
+    c.advance()
+    return value
+
+
+def as_name(c: Cursor) -> str | None:
+    """Read `[as name]`; the name may stand in quotes."""
+    if not c.accept("as"):
+        return None
+    return param_name(c)[1] if c.token.kind == "string" else c.name("the name of a requirement or record").text
+
+
+def mutate(c: Cursor, start: Token) -> ast.stmt:
+    """Read `mutate [objects] [by scale]`."""
+    targets = [] if c.ends_statement or c.token.text == "by" else listed(c, expression)
+    return nodes.Mutate(targets, expression(c) if c.accept("by") else None)
+
+
+def record(c: Cursor, start: Token) -> ast.stmt:
+    """Read `record [initial | final] value [every ...] [after ...] [as name] [to file]`."""
+    when = "each"
+    if c.token.text in ("initial", "final") and begins_value(c, c.peek()) and c.peek().text != "scenario":
+        when = c.advance().text
+    value, every, delay, name = expression(c), duration(c, "every"), duration(c, "after"), as_name(c)
+    return nodes.Record(value, when, name, *every, *delay, expression(c) if c.accept("to") else None)
+
+
+def override(c: Cursor, start: Token) -> ast.stmt:
+    """Read `override object specifier, ...`."""
+    c.in_target = True
+    target = primary(c, c.token)
+    c.in_target = False
+    if not begins_specifier(c):
+        hint = nearest(c.token.text, ["with"]) or 'write "override ego with property value"'
+        c.missing("a specifier after the object", hint)
+    return nodes.Override(target, more_specifiers(c, [specifier(c)]))
+
+
+def wait(c: Cursor, start: Token) -> ast.stmt:
+    """Read `wait`, `wait for n steps`, `wait until condition`."""
+    until = condition(c) if c.accept("until") else None
+    return nodes.Wait(*duration(c, "for" if until is None else None), until)
+
+
+def do(c: Cursor, start: Token) -> ast.stmt:
+    """Read `do B(), C() [for n steps | until condition]`, `do choose ...`, `do shuffle ...`."""
+    how = "all"
+    called = c.peek().text == "(" and c.dialect == 2
+    if c.token.text in ("choose", "shuffle") and not called and begins_value(c, c.peek()):
+        how = c.advance().text
+    calls, weights = listed(c, expression), None
+    if how != "all" and isinstance(table := calls[0], ast.Dict):
+        calls, weights = [key for key in table.keys if key is not None], table.values
+        if len(calls) < len(weights):
+            c.fail('"**" has no place among the behaviors', at=table)
+    until = condition(c) if c.accept("until") else None
+    length = duration(c, "for" if until is None else None)
+    if until is None and c.token.kind == "name" and (hint := nearest(c.token.text, ("until", "for"))):
+        c.fail(f"unexpected {describe(c.token)} after the behavior", hint)
+    if c.token.text == "until":
+        c.fail('"for" and "until" cannot both stand after "do"')
+    return nodes.Do(calls, how, weights, *length, until)
+
+
+def duration(c: Cursor, word: str | None) -> tuple[ast.expr | None, str | None]:
+    """Read `[word n seconds | steps]`; without a unit seconds are meant, which Scenic 3 does not allow."""
+    if word is None or not c.accept(word):
+        return None, None
+    value = expression(c)
+    if c.token.text in UNITS:
+        return value, c.advance().text
+    if c.token.text in ("second", "step"):
+        c.fail(f'unknown unit "{c.token.text}"', f'write "{c.token.text}s"')
+    if c.dialect == 3 or (c.token.kind == "name" and not c.ends_statement):
+        hint = nearest(c.token.text, UNITS) or f'write "{word} 3 seconds" or "{word} 3 steps"'
+        c.missing('"seconds" or "steps"', hint)
+    return value, "seconds"
+
+
+def terminate(c: Cursor, start: Token) -> ast.stmt:
+    """Read `terminate`, `terminate simulation`, `terminate [simulation] when condition`, `terminate after n steps`."""
+    scope = "simulation" if c.accept("simulation") else "scenario"
+    if c.accept("when"):
+        return nodes.TerminateWhen(condition(c), scope, as_name(c))
+    if scope == "scenario" and c.token.text == "after":
+        return nodes.TerminateAfter(*duration(c, "after"))  # type: ignore[arg-type]  # there is one
+    if not c.ends_statement:
+        hint = 'write "terminate when condition", "terminate after 10 seconds" or "terminate" alone'
+        c.fail(f'unexpected {describe(c.token)} after "terminate"', hint)
+    return nodes.Terminate(scope)
+
+
+def behavior(c: Cursor, start: Token) -> ast.stmt:
+    """Read `behavior B(args):`, `monitor M[(args)]:`."""
+    kind, name = start.text, c.name(f"the name of a {start.text}").text
+    bare = c.token.text != "(" and kind == "monitor"
+    arguments = NO_PARAMETERS if bare else bracketed_parameters(c, f'the name of the {kind} "{name}"')
+    head = Head()
+    body = block(c, f'the {kind} "{name}"', lambda: head.read(c))
+    node = nodes.Behavior(name, arguments, head.precondition, head.invariant, body, kind, head.docstring)
+    node.started = bare
+    return node
+
+
+def scenario(c: Cursor, start: Token) -> ast.stmt:
+    """Read `scenario S[(args)]:` with `setup:` and `compose:` blocks, or statements that are its setup."""
+    name = c.name("the name of a scenario").text
+    owner = f'the scenario "{name}"'
+    arguments = bracketed_parameters(c, owner) if c.token.text == "(" else NO_PARAMETERS
+    head = Head()
+    parts: dict[str, list[ast.stmt]] = {"setup": [], "compose": []}
+
+    def begin() -> None:
+        head.read(c)
+        for word in parts:
+            if c.token.text == word and c.peek().text == ":":
+                c.advance()
+                parts[word] = block(c, f'"{word}"')
+        if any(parts.values()) and c.token.kind != "dedent":
+            c.fail('only "setup:" and "compose:", in this order, may stand in a scenario that has one of them')
+
+    body = block(c, owner, begin)
+    guards = head.precondition, head.invariant
+    return nodes.Scenario(name, arguments, *guards, parts["setup"] + body, parts["compose"], head.docstring)
+
+
+class Head:
+    """What stands before the statements of a behavior, a monitor or a scenario."""
+
+    def __init__(self) -> None:
+        self.docstring: str | None = None
+        self.precondition: list[ast.expr] = []
+        self.invariant: list[ast.expr] = []
+
+    def read(self, c: Cursor) -> None:
+        """Read a string alone on the first line, and the `precondition: c` and `invariant: c` lines."""
+        if c.token.kind == "string" and c.peek().kind == "newline":
+            value = strings(c)
+            self.docstring = str(value.value) if isinstance(value, ast.Constant) else None
+            c.advance()
+        while c.token.text in ("precondition", "invariant") and c.peek().text == ":":
+            kind = c.advance().text
+            c.advance()
+            getattr(self, kind).append(condition(c))
+            if c.token.kind != "newline":
+                c.missing(f"the end of the line after the {kind}")
+            c.advance()
+
+
+def class_statement(c: Cursor, start: Token) -> ast.stmt:
+    """Read `class Name(bases): ...`."""
+    name = c.name("the name of a class").text
+    bases, keywords = arguments(c) if c.token.text == "(" else ([], [])
+    body = block(c, f'the head of the class "{name}"', of_class=True)
+    node = ast.ClassDef(name, bases, keywords, body, [])
+    node.type_params = []  # type: ignore[attr-defined]
+    return node
+
+
+def property_default(c: Cursor, start: Token) -> ast.stmt:
+    """Read `property[attributes]: default`; with a further `= value` it is Python's annotation."""
+    attributes: list[str] = []
+    if c.accept("["):
+        while not c.accept("]"):
+            if c.token.text not in ATTRIBUTES:
+                hint = nearest(c.token.text, ATTRIBUTES) or f"attributes are: {', '.join(ATTRIBUTES)}"
+                c.fail(f'unknown attribute "{c.token.text}" of a property', hint)
+            attributes.append(c.advance().text)
+            c.accept(",")
+    c.advance()
+    if c.ends_statement:
+        c.fail(f'expected a default value for the property "{start.text}"')
+    value = c.expression()
+    if c.token.text != "=" or attributes:
+        return nodes.PropertyDefault(start.text, attributes, value)
+    c.advance()
+    target = ast.Name(start.text, STORE)
+    target.lineno, target.col_offset, target.end_lineno, target.end_col_offset = start[2:]
+    return ast.AnnAssign(target, value, statements.assigned_value(c), 1)
+
+
+# ---------------------------------------------------------------- the tables
+
+STATEMENTS = {
+    **statements.SIMPLE,
+    ":": Rule(property_default),  # in the body of a class
+    "model": Rule(lambda c, _: nodes.Model(statements.dotted_name(c, "a model")), lambda c, then: then.kind == "name"),
+    "param": Rule(param, lambda c, then: then.kind in ("name", "string")),
+    "require": Rule(require, lambda c, then: begins_value(c, then) or stands_alone(c, then)),
+    "mutate": Rule(mutate, lambda c, then: c.is_name(then) or then.text == "by" or stands_alone(c, then)),
+    "record": Rule(record, begins_value),
+    "simulator": Rule(lambda c, _: nodes.Simulator(expression(c)), begins_value),
+    "override": Rule(override, Cursor.is_name),
+    "take": Rule(lambda c, _: nodes.Take(listed(c, element)), begins_action),
+    "wait": Rule(wait, lambda c, then: then.text in ("for", "until") or stands_alone(c, then)),
+    "do": Rule(do, begins_action),
+    "abort": Rule(lambda c, _: nodes.Abort(), stands_alone),
+    "terminate": Rule(terminate, lambda c, then: then.kind != "operator" or then.text == ";"),
+    "interrupt": Rule(statements.refused, begins_interrupt),
+}
+BLOCKS = {
+    **statements.BLOCKS,
+    "class": Rule(class_statement),
+    **dict.fromkeys(("behavior", "monitor"), Rule(behavior, begins_definition)),
+    "scenario": Rule(scenario, begins_definition),
+}

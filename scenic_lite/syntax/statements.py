@@ -1,21 +1,27 @@
 """Python's statements, simple ones and those that have others in them, and the hints for those that go wrong.
 
-Read next: `syntax.scenic`, for the statements of Scenic.
+Read next: `syntax.parser`, for the statements of Scenic.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, NoReturn
 
-from scenic_lite.syntax import expressions
-from scenic_lite.syntax.cursor import DELETE, Cursor, Level, describe
-from scenic_lite.syntax.hints import COMPARES, FOREIGN, STATEMENT_WORDS, nearest, statement_hint
+from scenic_lite.syntax import expressions, grammar
+from scenic_lite.syntax.cursor import DELETE, Cursor, describe
+from scenic_lite.syntax.expressions import condition, listed
+from scenic_lite.syntax.grammar import AUGMENTED, COMPARES, INFIX, SPECIFIER_WORDS, Level
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
-from scenic_lite.syntax.operators import AUGMENTED, condition
-from scenic_lite.syntax.specifiers import SPECIFIER_WORDS, specifier_hint
+
+
+class Rule(NamedTuple):
+    """A statement by its first word: what reads on behind it, and whether what follows makes it one and no name."""
+
+    read: Callable[[Cursor, Token], ast.stmt]
+    begins: Callable[[Cursor, Token], bool] = lambda c, following: True
 
 
 def module(c: Cursor) -> ast.Module:
@@ -28,53 +34,43 @@ def module(c: Cursor) -> ast.Module:
 
 def statement(c: Cursor) -> list[ast.stmt]:
     """Read one compound statement, or a line of simple ones."""
-    start = c.token
-    if start.kind == "indent":
-        hint = "only a block is indented, after a colon"
-        if c.peek().text in SPECIFIER_WORDS:
-            hint = "a comma at the end of the line before lets its specifiers go on"
-        c.fail("the line is indented deeper than the one before", hint, at=c.peek())
-    if start.text == "@":
-        c.refuse("decorator")
-    rule = c.blocks.get(start.text)
-    if rule is not None and c.peek().text != "=" and rule.begins(c, c.peek()):
-        c.advance()
-        return [rule.read(c, start)]
-    return simple_line(c)
+    if c.token.kind == "indent":
+        unexpected_indent(c)
+    node = by_first_word(c, c.blocks, c.token.text) if c.peek().text != "=" else None
+    return simple_line(c) if node is None else [node]
+
+
+def by_first_word(c: Cursor, rules: Mapping[str, Rule], word: str) -> ast.stmt | None:
+    """Read what begins with a word of these rules; None if it is a name here."""
+    rule, start = rules.get(word), c.token
+    if rule is None or not rule.begins(c, c.peek()):
+        return None
+    c.advance()
+    return c.at(start, rule.read(c, start))
 
 
 def simple_line(c: Cursor) -> list[ast.stmt]:
-    """Read `statement [; statement]*` up to the end of the line, and of the block in which its specifiers stood."""
+    """Read `statement [; statement]*` up to the end of the line."""
     found = [simple_statement(c)]
-    while c.accept(";"):
-        if c.token.kind == "newline":
-            break
+    while c.accept(";") and c.token.kind != "newline":
         found.append(simple_statement(c))
     if c.token.kind == "newline":
         c.advance()
     elif c.token.kind != "end":
         unexpected_end(c, found[-1])
-    while c.specifier_indents:
-        if c.token.kind != "dedent":
-            c.fail("the line belongs neither to the specifiers above nor to the block before", "indent it less")
-        c.advance()
-        c.specifier_indents -= 1
     return found
 
 
 def simple_statement(c: Cursor) -> ast.stmt:
     """Read one statement."""
-    start = c.token
-    if start.kind == "name":
-        following = c.tokens[c.index + 1]
-        assigned = following.text == "=" or following.text in AUGMENTED
-        if assigned and start.text in c.keywords and start.text != "return":
-            c.fail(f'"{start.text}" is a word of the language and cannot be the name of a variable')
-        rule = c.statements.get(":" if c.class_body and begins_property(c, following) else start.text)
-        if rule is not None and rule.begins(c, following):
-            c.advance()
-            return c.at(start, rule.read(c, start))
-    return expression_statement(c)
+    start, following = c.token, c.peek()
+    if start.kind != "name":
+        return expression_statement(c)
+    assigned = following.text == "=" or following.text in AUGMENTED
+    if assigned and start.text in c.keywords and start.text != "return":
+        c.fail(f'"{start.text}" is a word of the language and cannot be the name of a variable')
+    word = ":" if c.class_body and begins_property(c, following) else start.text
+    return by_first_word(c, c.statements, word) or expression_statement(c)
 
 
 def begins_property(c: Cursor, following: Token) -> bool:
@@ -87,26 +83,36 @@ def begins_property(c: Cursor, following: Token) -> bool:
     return following.text == "[" and ahead > 2 and c.peek(ahead).text == "]" and c.peek(ahead + 1).text == ":"
 
 
+def unexpected_indent(c: Cursor) -> NoReturn:
+    """Report a line that is indented and should not be."""
+    hint = "only a block is indented, after a colon"
+    if c.peek().text in SPECIFIER_WORDS:
+        hint = "a comma at the end of the line before lets its specifiers go on"
+    c.fail("the line is indented deeper than the one before", hint, at=c.peek())
+
+
 def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
     """Report what follows a statement on its line."""
     token, before = c.token, c.previous
+    if token.kind == "indent":
+        unexpected_indent(c)
     value = last.value if isinstance(last, ast.Expr) else None
     if token.text == ":":
         called = isinstance(value, ast.Call) and isinstance(value.func, ast.Name)
-        hint = nearest(value.func.id, STATEMENT_WORDS) if called else ""  # type: ignore[union-attr]
+        hint = grammar.nearest(value.func.id, grammar.STATEMENT_WORDS) if called else ""  # type: ignore[union-attr]
         c.fail(f"unexpected {describe(token)} after the statement", hint)
     if token.text in ("&", "|", "!"):
         c.fail(f"unexpected {describe(token)}", 'the logical operators are "and", "or", "not"')
     if token.kind == "name" and before.kind == "name":  # a misspelt first word, or a misspelt specifier
-        if isinstance(value, New | ast.Name) and (hint := statement_hint(before.text)):
+        if isinstance(value, New | ast.Name) and (hint := grammar.statement_hint(before.text)):
             c.fail(f'unknown statement "{before.text}"', hint, at=before)
         if token.text == "with":
             c.fail(f'expected a property name after "with", found {describe(c.peek())}', at=c.peek())
-        if before.text[:1].isupper() and token.text not in c.operators:
-            c.fail(f'unknown specifier "{token.text}"', specifier_hint(token.text))
-        if token.text in SPECIFIER_WORDS and token.text not in c.operators:
+        if before.text[:1].isupper() and token.text not in INFIX:
+            c.fail(f'unknown specifier "{token.text}"', grammar.specifier_hint(token.text))
+        if token.text in SPECIFIER_WORDS and token.text not in INFIX:
             c.fail(f'unexpected specifier "{token.text}"', 'specifiers follow a class: "Ball ahead of ego by 2"')
-    hint = FOREIGN.get(token.text, "") or expressions.missing_operator_hint(c)
+    hint = grammar.FOREIGN.get(token.text, "") or expressions.missing_operator_hint(c)
     c.fail(f"unexpected {describe(token)} after the end of the statement", hint)
 
 
@@ -152,7 +158,7 @@ def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.S
     """Read `target: annotation [= value]`."""
     c.advance()
     if c.token.kind == "newline":
-        if hint := statement_hint(start.text):
+        if hint := grammar.statement_hint(start.text):
             c.fail(f'unknown statement "{start.text}"', hint, at=start)
         c.fail('expected an annotation after ":"')
     kind = c.expression()
@@ -171,36 +177,9 @@ def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
     return node
 
 
-def assert_statement(c: Cursor, start: Token) -> ast.stmt:
-    """Read `assert condition [, message]`."""
-    c.asks_truth = True
-    return ast.Assert(c.expression(), c.expression() if c.accept(",") else None)
-
-
-def delete_statement(c: Cursor, start: Token) -> ast.stmt:
-    """Read `del targets`."""
-    found: list[ast.expr] = []
-    while not found or (c.accept(",") and not c.ends_statement):
-        found.append(c.stored(c.operation(Level.UNTIL), DELETE))
-    return ast.Delete(found)
-
-
-def scope_statement(c: Cursor, start: Token) -> ast.stmt:
-    """Read `global names`, `nonlocal names`."""
-    make = ast.Global if start.text == "global" else ast.Nonlocal
-    names = [c.name("a variable").text]
-    while c.accept(","):
-        names.append(c.name("a variable").text)
-    return make(names)
-
-
 def import_statement(c: Cursor, start: Token) -> ast.stmt:
     """Read `import a.b [as c], ...`."""
-    found: list[ast.alias] = []
-    while not found or c.accept(","):
-        name = c.token
-        found.append(alias(c, name, dotted_name(c, "a module")))
-    return ast.Import(found)
+    return ast.Import(listed(c, lambda c: alias(c, c.token, dotted_name(c, "a module"))))
 
 
 def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
@@ -213,13 +192,15 @@ def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
     bracket = c.token
     if c.accept("*"):
         return ast.ImportFrom(module, [c.at(bracket, ast.alias("*", None))], level)
-    outer = expressions.opened(c) if bracket.text == "(" else None
-    found: list[ast.alias] = []
-    while not found or (c.accept(",") and c.token.text != ")"):
-        name = c.name("a name to import")
-        found.append(alias(c, name, name.text))
-    if outer is not None:
-        expressions.close(c, ")", bracket, outer)
+
+    def imported(c: Cursor) -> ast.alias:
+        return alias(c, c.token, c.name("a name to import").text)
+
+    if bracket.text != "(":
+        return ast.ImportFrom(module, listed(c, imported), level)
+    expressions.opened(c)
+    found = listed(c, imported, ")")
+    expressions.close(c, ")")
     return ast.ImportFrom(module, found, level)
 
 
@@ -234,6 +215,11 @@ def dotted_name(c: Cursor, what: str) -> str:
     while c.accept("."):
         parts.append(c.word(f"the name of {what}"))
     return ".".join(parts)
+
+
+def variables(c: Cursor) -> list[str]:
+    """Read `name, name, ...`."""
+    return [token.text for token in listed(c, lambda c: c.name("a variable"))]
 
 
 def refused(c: Cursor, start: Token) -> NoReturn:
@@ -252,46 +238,35 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 # ---------------------------------------------------------------- blocks
 
 
-def block(c: Cursor, owner: str, of_class: bool = False) -> list[ast.stmt]:
-    """Read `: statements`, on the same line or indented below; `owner` says whose, for messages."""
-    colon(c, owner)
-    outer, c.class_body = c.class_body, of_class
-    if c.token.kind == "newline":
-        indent(c, owner)
-        body = rest_of_block(c)
-    else:
-        c.deeper()
-        body = simple_line(c)
-        c.nesting -= 1
-    c.class_body = outer
-    return body
+def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_class: bool = False) -> list[ast.stmt]:
+    """Read `: statements`, on the same line or indented below; `owner` says whose, for messages.
 
-
-def colon(c: Cursor, owner: str) -> None:
-    """Read the colon before a block."""
+    `begin` reads what stands before the statements, and lets none stand on the same line.
+    """
     if c.token.text == "=":
         c.fail('"=" assigns and cannot stand in a condition', COMPARES)
     if c.token.text != ":":
         c.missing(f'":" after {owner}', expressions.missing_operator_hint(c))
     c.advance()
-
-
-def indent(c: Cursor, owner: str) -> None:
-    """Read the line's end and the indentation that begin a block."""
     c.deeper()
-    c.advance()
-    if c.token.kind != "indent":
-        c.missing(f"an indented block after {owner} in line {c.previous.line}")
-    c.advance()
-
-
-def rest_of_block(c: Cursor) -> list[ast.stmt]:
-    """Read the statements of an indented block, to its end."""
-    body: list[ast.stmt] = []
-    while c.token.kind != "dedent":
-        body.extend(statement(c))
-    c.advance()
+    outer, c.class_body = c.class_body, of_class
+    if c.token.kind == "newline":
+        c.advance()
+        if c.token.kind != "indent":
+            c.missing(f"an indented block after {owner} in line {c.previous.line}")
+        c.advance()
+        if begin is not None:
+            begin()
+        body: list[ast.stmt] = []
+        while c.token.kind != "dedent":
+            body.extend(statement(c))
+        c.advance()
+    elif begin is not None:
+        c.missing(f"a new line after the colon of {owner}")
+    else:
+        body = simple_line(c)
     c.nesting -= 1
+    c.class_body = outer
     return body
 
 
@@ -306,27 +281,29 @@ def else_block(c: Cursor) -> list[ast.stmt]:
 
 def if_statement(c: Cursor, start: Token) -> ast.stmt:
     """Read `if ...: ... elif ...: ... else: ...`; a long row of `elif` is read in a loop."""
-    parts: list[tuple[Token, ast.expr, list[ast.stmt]]] = []
+    parts: list[tuple[Token, ast.If]] = []
     while not parts or c.token.text == "elif":
         word = c.advance() if parts else start
-        parts.append((word, condition(c), block(c, f'the condition of "{word.text}"')))
+        test = condition(c)
+        parts.append((word, ast.If(test, block(c, f'the condition of "{word.text}"'), [])))
         c.check_chain(len(parts), "conditions")
     rest = else_block(c)
-    for word, test, body in reversed(parts):
-        rest = [c.spanning(word, ast.If(test, body, rest))]
+    for word, node in reversed(parts):
+        node.orelse = rest
+        rest = [c.at(word, node)]
     return rest[0]
 
 
 def while_statement(c: Cursor, start: Token) -> ast.stmt:
     """Read `while condition: ... else: ...`."""
-    return c.spanning(start, ast.While(condition(c), block(c, 'the condition of "while"'), else_block(c)))
+    return ast.While(condition(c), block(c, 'the condition of "while"'), else_block(c))
 
 
 def for_statement(c: Cursor, start: Token) -> ast.stmt:
     """Read `for targets in values: ... else: ...`."""
     target = expressions.targets(c)
     c.expect("in", 'after the variable of "for"', 'write "for x in values:"')
-    return c.spanning(start, ast.For(target, expressions.row(c), block(c, 'the head of "for"'), else_block(c)))
+    return ast.For(target, expressions.row(c), block(c, 'the head of "for"'), else_block(c))
 
 
 def try_statement(c: Cursor, start: Token) -> ast.stmt:
@@ -336,13 +313,12 @@ def try_statement(c: Cursor, start: Token) -> ast.stmt:
     while c.token.text == "interrupt":
         word = c.advance()
         c.expect("when", 'after "interrupt"', 'write "interrupt when condition:"')
-        handler = Interrupt(condition(c), block(c, 'the condition of "interrupt when"'))
-        interrupts.append(c.spanning(word, handler))
+        interrupts.append(c.at(word, Interrupt(condition(c), block(c, 'the condition of "interrupt when"'))))
     if c.token.text in ("except", "finally") or (interrupts and c.token.text == "else"):
         c.refuse(c.token.text)
     if not interrupts:
         c.missing('"interrupt when" after the block of "try"')
-    return c.spanning(start, TryInterrupt(body, interrupts))
+    return TryInterrupt(body, interrupts)
 
 
 def function(c: Cursor, start: Token) -> ast.stmt:
@@ -353,7 +329,7 @@ def function(c: Cursor, start: Token) -> ast.stmt:
     body = block(c, f'the head of the function "{name}"')
     node = ast.FunctionDef(name, parameters, body, [], returns)
     node.type_params = []  # type: ignore[attr-defined]  # a field from Python 3.12 on
-    return c.spanning(start, node)
+    return node
 
 
 def begins_refused(c: Cursor, following: Token) -> bool:
@@ -373,23 +349,21 @@ def begins_refused(c: Cursor, following: Token) -> bool:
     return False
 
 
-class Rule(NamedTuple):
-    """A statement by its first word: what reads on behind it, and whether what follows makes it one and no name."""
-
-    read: Callable[[Cursor, Token], ast.stmt]
-    begins: Callable[[Cursor, Token], bool] = lambda c, following: True
-
-
 SIMPLE = {
     "pass": Rule(lambda c, start: ast.Pass()),
     "break": Rule(lambda c, start: ast.Break()),
     "continue": Rule(lambda c, start: ast.Continue()),
     "return": Rule(lambda c, start: ast.Return(None if c.ends_statement else expressions.row(c))),
-    "assert": Rule(assert_statement),
-    "del": Rule(delete_statement),
+    "assert": Rule(lambda c, start: ast.Assert(condition(c), c.expression() if c.accept(",") else None)),
+    "del": Rule(
+        lambda c, start: ast.Delete(
+            [c.stored(value, DELETE) for value in listed(c, lambda c: c.operation(Level.UNTIL))]
+        )
+    ),
+    "global": Rule(lambda c, start: ast.Global(variables(c))),
+    "nonlocal": Rule(lambda c, start: ast.Nonlocal(variables(c))),
     "import": Rule(import_statement),
     "from": Rule(import_from_statement),
-    **dict.fromkeys(("global", "nonlocal"), Rule(scope_statement)),
     **dict.fromkeys(("raise", "yield", "async"), Rule(refused)),
     **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Rule(misplaced)),
 }
@@ -399,5 +373,6 @@ BLOCKS = {
     "for": Rule(for_statement),
     "try": Rule(try_statement),
     "def": Rule(function),
+    "@": Rule(refused),
     **dict.fromkeys(("match", "with"), Rule(refused, begins_refused)),
 }

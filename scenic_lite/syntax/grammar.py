@@ -1,0 +1,274 @@
+"""The words of the language, in tables: keywords, operators, specifiers; what is refused, and what was perhaps meant.
+
+`left of X [by D]` is how a form is written down: its words, a value, and a further one that may be left out.
+Read next: `syntax.lexer`.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import keyword
+import re
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+PYTHON_KEYWORDS = frozenset(keyword.kwlist)
+# Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
+SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
+_STATEMENTS = """
+abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor mutate
+override param precondition raise record require return scenario setup simulator take terminate try wait while with
+"""
+STATEMENT_WORDS = frozenset(_STATEMENTS.split())
+
+
+# ---------------------------------------------------------------- forms
+
+
+class Level:
+    """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
+
+    UNTIL, IMPLIES, OR, AND, NOT, COMPARE, SEE, ALONG, RELATIVE, AT, PREFIX, SUM, TERM, UNARY = range(14)
+
+
+class Form(NamedTuple):
+    """How words and values follow each other; an operator between values has a level, and Python's have a node."""
+
+    text: str
+    name: str  # the first words
+    words: tuple[str, ...]  # of the name
+    value: bool  # whether one follows the name
+    parts: tuple[tuple[str, bool], ...]  # the words before further values, and whether they must stand there
+    level: int = 0
+    node: ast.operator | ast.cmpop | ast.boolop | None = None
+
+
+Forms = Mapping[str, list[Form]]  # by their first word
+
+
+def form(text: str, level: int = 0, node: str = "") -> Form:
+    """Return the form that is written like `beyond X by D [from Y]`; `node` names a class of `ast`."""
+    name, value, rest = re.fullmatch(r"([^A-Z[]*[^A-Z[ ])( [A-Z])?((?: \[?[a-z]+ [A-Z]\]?)*)", text).groups()  # type: ignore[union-attr]
+    parts = tuple((word, not bracket) for bracket, word in re.findall(r"(\[?)([a-z]+) [A-Z]", rest))
+    return Form(
+        text, name, tuple(name.split()), value is not None, parts, level, getattr(ast, node)() if node else None
+    )
+
+
+def by_first_word(forms: Iterable[Form]) -> Forms:
+    """Return a table of forms; where two begin alike, the earlier one is tried first."""
+    table: dict[str, list[Form]] = {}
+    for each in forms:
+        table.setdefault(each.words[0], []).append(each)
+    return table
+
+
+# Operators between two values, by level; Python's with the names of their nodes.
+_INFIX = """
+UNTIL until X
+IMPLIES implies X
+OR or: Or
+AND and: And
+COMPARE <: Lt, >: Gt, <=: LtE, >=: GtE, ==: Eq, !=: NotEq, in X: In, not in: NotIn, is not: IsNot, is: Is
+SEE can see X, intersects X, visible from X, not visible from X, |: BitOr
+ALONG offset along H by V, ^: BitXor
+RELATIVE relative to X, offset by X, &: BitAnd
+AT at X, <<: LShift, >>: RShift
+SUM +: Add, -: Sub
+TERM *: Mult, /: Div, //: FloorDiv, %: Mod, @: MatMult, deg
+"""
+INFIX = by_first_word(
+    form(text, getattr(Level, level), node)
+    for level, row in (line.split(" ", 1) for line in _INFIX.strip().splitlines())
+    for text, _, node in (entry.partition(": ") for entry in row.split(", "))
+)
+SIGNS: dict[str, type[ast.unaryop]] = {"+": ast.UAdd, "-": ast.USub, "~": ast.Invert}
+AUGMENTED: dict[str, ast.operator] = {"**=": ast.Pow()} | {
+    f"{row.name}=": row.node for rows in INFIX.values() for row in rows if isinstance(row.node, ast.operator)
+}
+
+# Word operators before a value; their operands are in the order of the letters.
+_MEASURES = """
+distance from X [to Y]
+distance to Y [from X]
+distance past V [of X]
+angle from X [to Y]
+angle to Y [from X]
+relative heading of H [from X]
+relative position of X [from Y]
+apparent heading of P [from V]
+front left of X
+front right of X
+back left of X
+back right of X
+front of X
+back of X
+left of X
+right of X
+visible R
+not visible R
+follow F from V for D
+initial scenario
+"""
+MEASURES = by_first_word(map(form, _MEASURES.strip().splitlines()))
+# Those that may be names: by their last word, which signs may begin the operand.
+NAMES = {"visible": "(", "follow": ""}
+
+_SPECIFIERS = """
+at V
+in R
+on R
+contained in R
+left of X [by D]
+right of X [by D]
+ahead of X [by D]
+behind X [by D]
+above X [by D]
+below X [by D]
+offset by V
+offset along H by V
+beyond X by D [from Y]
+visible [from P]
+not visible [from P]
+following F [from V] for D
+facing directly toward V
+facing directly away from V
+facing toward V
+facing away from V
+facing H
+apparently facing H [from V]
+"""
+SPECIFIERS = by_first_word(map(form, _SPECIFIERS.strip().splitlines()))
+SPECIFIER_WORDS = frozenset(SPECIFIERS) | {"with"}
+LIST_OF_SPECIFIERS = (
+    "specifiers are: with, at, in, on, left of, right of, ahead of, behind, beyond, offset by, offset along, facing, "
+    "facing toward, facing away from, apparently facing, following, visible"
+)
+# What a misspelt specifier was perhaps to be; of its first word alone, the whole name.
+_SPELLINGS = {
+    "with": "with",
+    **{word: rows[0].name for word, rows in SPECIFIERS.items()},
+    **{row.name: row.name for rows in SPECIFIERS.values() for row in rows},
+}
+# The first words of those that might be operators: `Name at V` and the like.
+OPERATOR_WORDS = frozenset({"at", "in", "offset", "visible", "not"})
+
+
+# ---------------------------------------------------------------- hints
+
+# Forms of Python that the language leaves out: the message, and what to write instead.
+REFUSED = {
+    "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
+    "!": ("`!` in an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
+    "{": ("a value in the format of an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
+    "async": ("`async` is not supported", 'functions are written "def name(...):"'),
+    "await": ("`await` is not supported", '"wait" lets a step pass, and "do" runs a behavior'),
+    "bytes": ("bytes are not supported", 'write a text, without the "b"'),
+    "@": ("decorators are not supported", 'call the function: "name = decorator(name)"'),
+    "else": ("`else` after `try` is not supported", "write its statements at the end of the block above"),
+    "except": ("`except` is not supported", 'ask with "if" before what may fail'),
+    "finally": ("`finally` is not supported", 'write its statements behind the "try"'),
+    "match": ("`match` is not supported", 'write "if", "elif" and "else"'),
+    "raise": ("`raise` is not supported", 'write "assert condition, message"'),
+    "set": ("sets are not supported", 'write a tuple, "(a, b)", or a list, "[a, b]"'),
+    "set comprehension": ("sets are not supported", 'write a list, "[... for ...]"'),
+    "with": ("`with` blocks are not supported", "a program opens no files"),
+    "yield": ("`yield` is not supported", 'an action is taken with "take", and a function returns a list'),
+}
+
+# What other languages, or other spellings, would write.
+FOREIGN = {
+    "behaviour": 'it is spelt "behavior"',
+    "function": 'functions are written "def name(...):"',
+    "elseif": 'it is written "elif"',
+    "elsif": 'it is written "elif"',
+    "then": 'a ":" ends the condition',
+    "parameter": 'parameters are written "param name = value"',
+    "constraint": 'it is written "require condition"',
+    "assume": 'it is written "require condition"',
+    "degrees": 'angles are written "90 deg"',
+    "degree": 'angles are written "90 deg"',
+    "metres": "lengths have no unit",
+    "meters": "lengths have no unit",
+    "m": "lengths have no unit",
+}
+LOOKALIKES = {
+    **dict.fromkeys("“”‘’", "quotes are written '...' or \"...\""),
+    **dict.fromkeys("−–—", 'the minus sign is written "-"'),
+    "×": 'multiplication is written "*"',
+    "≤": 'it is written "<="',
+    "≥": 'it is written ">="',
+    "≠": 'it is written "!="',
+    "°": 'degrees are written "deg"',
+    "\u00a0": "it looks like a blank, but is none",
+    "!": 'negation is written "not"',
+    "&": 'it is written "and"',
+    "?": 'a choice is written "a if condition else b"',
+}
+
+COMPARES = '"==" compares'
+# Words, and signs after a sign, where a value should be.
+NO_VALUE = {
+    "by": 'a distance follows its specifier: "ahead of X by 2"',
+    "at": 'an instance is written "Class at X"',
+    "else": 'a choice is written "a if condition else b"',
+    "to": 'write "distance from X to Y"',
+    "lambda": 'write "(lambda ...)"',
+    "& &": 'it is written "and"',
+    "| |": 'it is written "or"',
+    "< >": '"!=" compares',
+    "/ *": 'a comment begins with "#"',
+    "/": 'a comment begins with "#"',
+    "//": 'a comment begins with "#"',
+    "=": COMPARES,
+    "+ + end": 'write "+= 1"',
+    "- - end": 'write "-= 1"',
+}
+# Words after which something should follow that does not.
+UNFINISHED = {
+    "relative": 'write "relative heading of X"',
+    "apparent": 'write "apparent heading of X"',
+    "distance": 'write "distance from X to Y"',
+    "angle": 'write "angle from X to Y"',
+    "print": 'a function is called with brackets: "print(...)"',
+}
+
+_KINDS: dict[type[ast.expr], str] = {
+    ast.Call: "a call",
+    ast.Constant: "a constant",
+    ast.Compare: "a comparison",
+    **dict.fromkeys((ast.BinOp, ast.UnaryOp, ast.BoolOp), "an operation"),
+    ast.JoinedStr: "a string",
+    ast.Lambda: "a lambda",
+    ast.IfExp: "a conditional expression",
+    ast.Dict: "a dictionary",
+    **dict.fromkeys((ast.GeneratorExp, ast.ListComp), "a comprehension"),
+    ast.Starred: "a starred expression",
+    ast.NamedExpr: "an assignment",
+}
+
+
+def nearest(word: str, candidates: Iterable[str]) -> str:
+    """Return the hint 'did you mean "..."?', or nothing when none is near; a table tells what each stands for."""
+    found = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
+    if not found:
+        return ""
+    return f'did you mean "{candidates[found[0]] if isinstance(candidates, Mapping) else found[0]}"?'
+
+
+def statement_hint(word: str) -> str:
+    """Return which statement a first word was perhaps meant to begin."""
+    return FOREIGN.get(word, "") or nearest(word, STATEMENT_WORDS)
+
+
+def specifier_hint(word: str) -> str:
+    """Return the specifier that a word was perhaps meant to begin, or all there are."""
+    return nearest(word, _SPELLINGS) or LIST_OF_SPECIFIERS
+
+
+def kind_of(node: ast.expr) -> str:
+    """Return what an expression is, in words."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, bool | None):
+        return str(node.value)
+    return _KINDS.get(type(node), "this")
