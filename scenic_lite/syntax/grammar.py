@@ -51,9 +51,7 @@ def form(text: str, level: int = 0, node: str = "") -> Form:
     """Return the form that is written like `beyond X by D [from Y]`; `node` names a class of `ast`."""
     name, value, rest = re.fullmatch(r"([^A-Z[]*[^A-Z[ ])( [A-Z])?((?: \[?[a-z]+ [A-Z]\]?)*)", text).groups()  # type: ignore[union-attr]
     parts = tuple((word, not bracket) for bracket, word in re.findall(r"(\[?)([a-z]+) [A-Z]", rest))
-    return Form(
-        text, name, tuple(name.split()), value is not None, parts, level, getattr(ast, node)() if node else None
-    )
+    return Form(text, name, tuple(name.split()), value is not None, parts, level, vars(ast)[node]() if node else None)
 
 
 def by_first_word(forms: Iterable[Form]) -> Forms:
@@ -79,7 +77,7 @@ SUM +: Add, -: Sub
 TERM *: Mult, /: Div, //: FloorDiv, %: Mod, @: MatMult, deg
 """
 INFIX = by_first_word(
-    form(text, getattr(Level, level), node)
+    form(text, vars(Level)[level], node)
     for level, row in (line.split(" ", 1) for line in _INFIX.strip().splitlines())
     for text, _, node in (entry.partition(": ") for entry in row.split(", "))
 )

@@ -276,10 +276,9 @@ def behavior(c: Cursor, start: Token) -> ast.stmt:
     kind, name = start.text, c.name(f"the name of a {start.text}").text
     bare = c.token.text != "(" and kind == "monitor"
     arguments = NO_PARAMETERS if bare else bracketed_parameters(c, f'the name of the {kind} "{name}"')
-    head = Head()
-    body = block(c, f'the {kind} "{name}"', lambda: head.read(c))
-    node = nodes.Behavior(name, arguments, head.precondition, head.invariant, body, kind, head.docstring)
+    node = nodes.Behavior(name, arguments, [], [], [], kind, None)
     node.started = bare
+    node.body = block(c, f'the {kind} "{name}"', lambda: head(c, node))
     return node
 
 
@@ -288,44 +287,35 @@ def scenario(c: Cursor, start: Token) -> ast.stmt:
     name = c.name("the name of a scenario").text
     owner = f'the scenario "{name}"'
     arguments = bracketed_parameters(c, owner) if c.token.text == "(" else NO_PARAMETERS
-    head = Head()
-    parts: dict[str, list[ast.stmt]] = {"setup": [], "compose": []}
+    node = nodes.Scenario(name, arguments, [], [], [], [], None)
 
     def begin() -> None:
-        head.read(c)
-        for word in parts:
+        head(c, node)
+        for word, part in (("setup", node.setup), ("compose", node.compose)):
             if c.token.text == word and c.peek().text == ":":
                 c.advance()
-                parts[word] = block(c, f'"{word}"')
-        if any(parts.values()) and c.token.kind != "dedent":
+                part += block(c, f'"{word}"')
+        if (node.setup or node.compose) and c.token.kind != "dedent":
             c.fail('only "setup:" and "compose:", in this order, may stand in a scenario that has one of them')
 
-    body = block(c, owner, begin)
-    guards = head.precondition, head.invariant
-    return nodes.Scenario(name, arguments, *guards, parts["setup"] + body, parts["compose"], head.docstring)
+    node.setup += block(c, owner, begin)
+    return node
 
 
-class Head:
-    """What stands before the statements of a behavior, a monitor or a scenario."""
-
-    def __init__(self) -> None:
-        self.docstring: str | None = None
-        self.precondition: list[ast.expr] = []
-        self.invariant: list[ast.expr] = []
-
-    def read(self, c: Cursor) -> None:
-        """Read a string alone on the first line, and the `precondition: c` and `invariant: c` lines."""
-        if c.token.kind == "string" and c.peek().kind == "newline":
-            value = strings(c)
-            self.docstring = str(value.value) if isinstance(value, ast.Constant) else None
-            c.advance()
-        while c.token.text in ("precondition", "invariant") and c.peek().text == ":":
-            kind = c.advance().text
-            c.advance()
-            getattr(self, kind).append(condition(c))
-            if c.token.kind != "newline":
-                c.missing(f"the end of the line after the {kind}")
-            c.advance()
+def head(c: Cursor, node: nodes.Behavior | nodes.Scenario) -> None:
+    """Read a string alone on the first line, and the `precondition: c` and `invariant: c` lines."""
+    if c.token.kind == "string" and c.peek().kind == "newline":
+        value = strings(c)
+        node.docstring = str(value.value) if isinstance(value, ast.Constant) else None
+        c.advance()
+    guards = {"precondition": node.preconditions, "invariant": node.invariants}
+    while c.token.text in guards and c.peek().text == ":":
+        kind = c.advance().text
+        c.advance()
+        guards[kind].append(condition(c))
+        if c.token.kind != "newline":
+            c.missing(f"the end of the line after the {kind}")
+        c.advance()
 
 
 def class_statement(c: Cursor, start: Token) -> ast.stmt:
