@@ -13,7 +13,7 @@ from scenic_lite.core.state import LOAD, Handlers, LoadState, Mode
 from scenic_lite.core.types import Behavior, BehaviorCall, Namespace, Source, near
 from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.evaluation.assignments import unpack
+from scenic_lite.evaluation.access import unpack
 from scenic_lite.evaluation.calls import CALLS, call, scenario_frame
 from scenic_lite.evaluation.expressions import EXPRESSIONS
 from scenic_lite.evaluation.functions import BUILTINS

@@ -84,6 +84,11 @@ class Budget:
             raise exceeded(f"a collection of {length:,} elements; at most {self.limits.elements:,} are allowed")
         self.spend(length)
 
+    def grow(self, container: Sized, count: int) -> None:
+        """Count elements that are added to a container."""
+        self.container(len(container) + count)
+        self.memory -= len(container)
+
     def whole(self, value: object) -> None:
         """Count what Python visits to compare or to hash a value: a part that is shared is visited each time."""
         if not isinstance(value, list | tuple | dict):

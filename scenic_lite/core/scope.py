@@ -128,6 +128,15 @@ class Scope(Environment):
         hint = "write it in `require`, or decide in a behavior"
         raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
 
+    def refuse_random_in(self, values: Iterable[Value], node: ast.AST, message: str) -> None:
+        for value in values:
+            self.refuse_random(value, node, message)
+
+    def refuse_comparison(self, node: ast.AST, *values: Value) -> None:
+        """Raise the error for a comparison of random values, unless it is part of a requirement."""
+        if not self.mode.symbolic:
+            self.refuse_random_in(values, node, "random values cannot be compared here")
+
     def drawn_notes(self, value: RandomExpr) -> list[str]:
         first = next(columns_of(value), None)
         if first is None or first.place.file not in self.state.sources:

@@ -1,19 +1,23 @@
 """Python's built-in functions of containers, texts and types, and the methods of lists and dictionaries.
 
-Nothing of Python's own is reachable but what these tables hold; what they refuse by name is left out on purpose. Read
-next: `evaluation.functions`, which puts all tables together.
+Nothing of Python's own is reachable but what these tables hold; what they refuse by name is left out on purpose. Texts
+are put together by f-strings and `+`, within the budget and one by one where they are random; they have no methods.
+Read next: `evaluation.functions`, which puts all tables together.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 from functools import reduce
 from typing import Any
 
+import numpy as np
+
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LOAD
+from scenic_lite.core.state import LOAD, LoadState
 from scenic_lite.core.types import (
     Builtin,
     Instance,
@@ -25,44 +29,27 @@ from scenic_lite.core.types import (
     needs_context,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.math_builtins import NUMBERS
-from scenic_lite.evaluation.strings import text_of
+from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH, Operation
+from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TEXT, TRUTH, Operation
 
 MOST_PRINTED = 1000  # lines that are kept
 MOST_SUBLISTS = 256  # of a list that is filtered by random tests
-
-
-def plain(*names: str, of: type) -> dict[str, Builtin]:
-    """Return methods of a Python container that cannot grow it and run no code of the program's."""
-    return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
-
-
-def typed(name: str, function: Callable[..., Value], *types: type) -> Builtin:
-    """Return a function that is also a type: `isinstance(x, int)`."""
-    return Builtin(name, function, needs_context=True, types=types, over_choices=False)
-
+DEEPEST = 50  # containers inside each other that are written out
 
 # ------------------------------------------------------------ truth
 
 
-def every(scope: Scope, node: ast.AST, values: Value) -> Value:
-    """`all(values)`."""
-    return folded(scope, node, values, AND, True)
+def folded(operation: Operation, start: bool) -> Callable[..., Value]:
+    """Return `all` or `any`, which outside a requirement must not depend on random values."""
 
+    def fold(scope: Scope, node: ast.AST, values: Value) -> Value:
+        items = scope.elements(values, node)
+        if not scope.mode.symbolic:
+            scope.refuse_random_in(items, node, "control flow cannot depend on a random value")
+        return reduce(lambda a, b: apply(operation, a, b), items, start)
 
-def some(scope: Scope, node: ast.AST, values: Value) -> Value:
-    """`any(values)`."""
-    return folded(scope, node, values, OR, False)
-
-
-def folded(scope: Scope, node: ast.AST, values: Value, operation: Operation, start: bool) -> Value:
-    items = scope.elements(values, node)
-    if not scope.mode.symbolic:
-        for item in items:
-            scope.refuse_random(item, node, "control flow cannot depend on a random value")
-    return reduce(lambda a, b: apply(operation, a, b), items, start)
+    return fold
 
 
 def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
@@ -75,7 +62,6 @@ def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
 # ------------------------------------------------------------ containers
 
 
-@broadcasts_over_choices(2)
 def length(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`len(value)`."""
     return len(value) if isinstance(value, str | dict | range | list | tuple) else len(scope.elements(value, node))
@@ -83,8 +69,7 @@ def length(scope: Scope, node: ast.AST, value: Value) -> Value:
 
 def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
     """`range(...)`."""
-    for end in ends:
-        scope.refuse_random(end, node, "a range cannot have random ends")
+    scope.refuse_random_in(ends, node, "a range cannot have random ends")
     numbers = range(*ends)
     try:
         count = len(numbers)
@@ -93,16 +78,6 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
     if count > scope.mode.budget.limits.elements:
         scope.mode.budget.container(count)
     return numbers
-
-
-@broadcasts_over_choices(2)
-def make_list(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    return scope.elements(values, node)
-
-
-@broadcasts_over_choices(2)
-def make_tuple(scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    return tuple(scope.elements(values, node))
 
 
 def make_dictionary(scope: Scope, node: ast.AST, values: Value = (), **more: Value) -> dict:
@@ -119,24 +94,15 @@ def make_dictionary(scope: Scope, node: ast.AST, values: Value = (), **more: Val
 def sorted_list(scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False) -> list:
     """`sorted(values, key=..., reverse=...)`; what decides the order must not be random."""
     items = scope.elements(values, node)
-    keys = [scope.call(key, [item], {}, node) for item in items] if key is not None else items
+    keys = mapped(scope, node, key, items) if key is not None else items
     scope.mode.budget.whole(keys)
-    for sort_key in keys:
-        scope.refuse_random(sort_key, node, "random values cannot be sorted")
+    scope.refuse_random_in(keys, node, "random values cannot be sorted")
     order = sorted(range(len(items)), key=lambda i: keys[i], reverse=scope.certain_truth(reverse, node))
     return [items[i] for i in order]
 
 
-def enumerated(scope: Scope, node: ast.AST, iterable: Value, start: Value = 0) -> list:
-    return list(enumerate(scope.elements(iterable, node), start))
-
-
 def zipped(scope: Scope, node: ast.AST, *several: Value) -> list:
     return list(zip(*(scope.elements(values, node) for values in several), strict=False))
-
-
-def backwards(scope: Scope, node: ast.AST, values: Value) -> list:
-    return scope.elements(values, node)[::-1]
 
 
 def mapped(scope: Scope, node: ast.AST, function: Value, *several: Value) -> list:
@@ -173,19 +139,18 @@ def random_sublist(items: list, tests: list) -> Value:
 
 
 def list_append(scope: Scope, node: ast.AST, self: list, item: Value) -> None:
-    scope.mode.budget.container(len(self) + 1)
-    scope.mode.budget.memory -= len(self)
+    scope.mode.budget.grow(self, 1)
     self.append(item)
 
 
 def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
     items = scope.elements(items, node)
-    scope.mode.budget.container(len(self) + len(items))
+    scope.mode.budget.grow(self, len(items))
     self.extend(items)
 
 
 def list_insert(scope: Scope, node: ast.AST, self: list, index: int, item: Value) -> None:
-    scope.mode.budget.container(len(self) + 1)
+    scope.mode.budget.grow(self, 1)
     self.insert(index, item)
 
 
@@ -195,7 +160,7 @@ def list_sort(scope: Scope, node: ast.AST, self: list, key: Value = None, revers
 
 def dictionary_update(scope: Scope, node: ast.AST, self: dict, other: Value = (), **more: Value) -> None:
     pairs = make_dictionary(scope, node, other, **more)
-    scope.mode.budget.container(len(self) + len(pairs))
+    scope.mode.budget.grow(self, len(pairs))
     self.update(pairs)
 
 
@@ -204,12 +169,63 @@ def keys_of(scope: Scope, node: ast.AST, keys: Value, value: Value = None) -> di
     return make_dictionary(scope, node, [(key, value) for key in scope.elements(keys, node)])
 
 
-# ------------------------------------------------------------ texts and types
+# ------------------------------------------------------------ texts
 
 
-def text(scope: Scope, node: ast.AST, value: Value = "") -> Value:
-    """`str(value)`."""
-    return text_of(scope, value)
+def represent(state: LoadState, value: Value, depth: int = 0) -> str:
+    """Return a value as it is written inside a container, a text in quotes."""
+    if depth > DEEPEST:
+        raise exceeded("a text of collections that are nested too deeply")
+    if isinstance(value, dict):
+        pairs = (f"{represent(state, k, depth + 1)}: {represent(state, v, depth + 1)}" for k, v in value.items())
+        return f"{{{', '.join(pairs)}}}"
+    if isinstance(value, list | tuple):
+        inside = ", ".join(represent(state, element, depth + 1) for element in value)
+        state.budget.text(len(inside))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+    if isinstance(value, Vector):
+        x, y = represent(state, value.x), represent(state, value.y)
+        return f"({x} @ {y})" if state.dialect == 2 else f"Vector({x}, {y}, 0)"
+    if isinstance(value, Instance):
+        return value.title()
+    if isinstance(value, int | float | str | range | type(None)):
+        return repr(value)
+    if isinstance(value, ScenicClass) or (isinstance(value, Builtin) and value.types):
+        return f"<class '{value.name}'>"
+    return describe_kind(value)
+
+
+@broadcasts_over_choices(1)
+def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
+    """`str(value)`, or its formatted text; row by row if it is random."""
+    if any(len(number) > 3 for number in re.findall(r"\d+", spec)):
+        raise exceeded("a text format wider than 999")
+    if isinstance(value, RandomExpr):
+        if spec:
+            format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
+        return RandomExpr(TEXT.array if not spec else FormatEach(spec), (value,), "text")
+    if spec and not isinstance(value, int | float | str):
+        raise ScenicError("type", f"{describe_kind(value)} takes no format")
+    if spec or isinstance(value, str):
+        return format(value, spec)
+    scope.mode.budget.whole(value)  # a part that is shared is written each time
+    return represent(scope.state, value)
+
+
+class FormatEach:
+    """Write each element of an array [N] with one format."""
+
+    def __init__(self, spec: str) -> None:
+        self.spec = spec
+
+    def __call__(self, values: Any) -> Any:
+        texts = [format(value.item() if hasattr(value, "item") else value, self.spec) for value in values]
+        return np.array(texts + [None], dtype=object)[:-1]
+
+
+def no_method(name: str) -> ScenicError:
+    hint = 'texts are put together by f"..." and +, and compared by == and in'
+    return ScenicError("unsupported", f"texts have no method '{name}' here", hint=hint)
 
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
@@ -218,6 +234,9 @@ def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: 
     if scope.mode.phase == LOAD and len(scope.state.printed) < MOST_PRINTED:
         words = [text if isinstance(text, str) else "(random)" for text in texts]
         scope.state.printed.append((sep if isinstance(sep, str) else " ").join(words))
+
+
+# ------------------------------------------------------------ types
 
 
 def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
@@ -236,65 +255,84 @@ def is_of(value: Value, cls: Value) -> bool:
     raise ScenicError("type", f"isinstance needs a class, not {describe_kind(cls)}")
 
 
-def left_out(name: str, hint: str) -> Builtin:
-    """Return a function of Python's that a program may expect here: its call says what to write instead."""
-
-    def refuse(scope: Scope, node: ast.AST, *_: Any, **__: Any) -> None:
-        raise ScenicError("unsupported", f"there is no {name}() here", hint=hint)
-
-    return Builtin(name, refuse, needs_context=True, over_choices=False)
+# ------------------------------------------------------------ the tables
 
 
-TYPES: dict[str, Builtin] = {
-    "int": NUMBERS["int"],
-    "float": NUMBERS["float"],
-    "bool": typed("bool", truth, bool),
-    "str": typed("str", text, str),
-    "range": typed("range", integer_range, range),
-    "list": typed("list", make_list, list),
-    "tuple": typed("tuple", make_tuple, tuple),
-    "dict": typed("dict", make_dictionary, dict),
-}
-LEFT_OUT = {
-    "set": "write a list",
-    "frozenset": "write a tuple",
-    "iter": "write a list",
-    "next": "write items[0]",
-    "super": "call the function of the base by a name of its own",
-    "property": "write a property with a default",
-    "type": "write isinstance(x, ...)",
-    "issubclass": "write isinstance(x, ...)",
-    "callable": "write isinstance(x, ...)",
-    "getattr": "write x.name",
-    "setattr": "write x.name = value",
-    "hasattr": "give the property a default in the class",
-    "repr": "write str(x)",
-    "format": 'write f"{x:.2f}"',
-    "chr": "write the text itself",
-    "ord": "write the number itself",
-    "hex": "write str(x)",
-    "oct": "write str(x)",
-    "bin": "write str(x)",
-    "divmod": "write a // b and a % b",
-}
+def plain(of: type, *names: str) -> dict[str, Builtin]:
+    """Return methods of a Python container that cannot grow it and run no code of the program's."""
+    return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
+
+
+def typed(kind: type, function: Callable[..., Value], over_choices: bool = False) -> Builtin:
+    """Return a function that is also a type: `isinstance(x, bool)`."""
+    return Builtin(kind.__name__, function, needs_context=True, types=(kind,), over_choices=over_choices)
+
+
+def left_out(hints: dict[str, str]) -> dict[str, Value]:
+    """Return functions of Python's that a program may expect: a call says what to write instead.
+
+    `hints` gives the names by what is written instead.
+    """
+
+    def refusal(name: str, hint: str) -> Builtin:
+        def refuse(scope: Scope, node: ast.AST, *_: Any, **__: Any) -> None:
+            raise ScenicError("unsupported", f"there is no {name}() here", hint=hint)
+
+        return Builtin(name, refuse, needs_context=True, over_choices=False)
+
+    return {name: refusal(name, hint) for hint, names in hints.items() for name in names.split()}
+
+
+TYPES: tuple[Builtin, ...] = (
+    typed(bool, truth),
+    typed(str, lambda scope, node, value="": text_of(scope, value)),
+    typed(range, integer_range),
+    typed(list, lambda scope, node, values=(): scope.elements(values, node), over_choices=True),
+    typed(tuple, lambda scope, node, values=(): tuple(scope.elements(values, node)), over_choices=True),
+    typed(dict, make_dictionary),
+)
 PYTHON: dict[str, Value] = {
-    **TYPES,
+    **{each.name: each for each in TYPES},
+    "len": Builtin("len", length, needs_context=True),
     **needs_context(
-        all=every, any=some, len=length, enumerate=enumerated, zip=zipped, reversed=backwards, sorted=sorted_list,
-        map=mapped, filter=filtered, print=printed, isinstance=is_instance,
+        all=folded(AND, True),
+        any=folded(OR, False),
+        enumerate=lambda scope, node, iterable, start=0: list(enumerate(scope.elements(iterable, node), start)),
+        reversed=lambda scope, node, values: scope.elements(values, node)[::-1],
+        zip=zipped,
+        sorted=sorted_list,
+        map=mapped,
+        filter=filtered,
+        print=printed,
+        isinstance=is_instance,
     ),
-    **{name: left_out(name, hint) for name, hint in LEFT_OUT.items()},
-}  # fmt: skip
-LISTS: dict[str, Builtin] = plain(
-    "pop", "remove", "index", "count", "reverse", "copy", "clear", of=list
-) | needs_context(append=list_append, extend=list_extend, insert=list_insert, sort=list_sort)
-TUPLES: dict[str, Builtin] = plain("index", "count", of=tuple)
-DICTIONARIES: dict[str, Builtin] = plain(
-    "get", "pop", "setdefault", "copy", "clear", of=dict
-) | needs_context(
+    **left_out(
+        {
+            "write a list": "set iter",
+            "write a tuple": "frozenset",
+            "write items[0]": "next",
+            "call the function of the base by a name of its own": "super",
+            "write a property with a default": "property",
+            "write isinstance(x, ...)": "type issubclass callable",
+            "write x.name": "getattr",
+            "write x.name = value": "setattr",
+            "give the property a default in the class": "hasattr",
+            "write str(x)": "repr hex oct bin",
+            'write f"{x:.2f}"': "format",
+            "write the text itself": "chr",
+            "write the number itself": "ord",
+            "write a // b and a % b": "divmod",
+        }
+    ),
+}
+LISTS = plain(list, "pop", "remove", "index", "count", "reverse", "copy", "clear") | needs_context(
+    append=list_append, extend=list_extend, insert=list_insert, sort=list_sort
+)
+TUPLES = plain(tuple, "index", "count")
+DICTIONARIES = plain(dict, "get", "pop", "setdefault", "copy", "clear") | needs_context(
     update=dictionary_update,
     keys=lambda scope, node, self: list(self),
     values=lambda scope, node, self: list(self.values()),
     items=lambda scope, node, self: list(self.items()),
-)  # fmt: skip
+)
 CLASS_METHODS: dict[str, dict[str, Builtin]] = {"dict": needs_context(fromkeys=keys_of)}

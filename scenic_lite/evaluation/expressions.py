@@ -1,6 +1,7 @@
 """Evaluate expressions: what each node of the tree means for numbers, containers and random values alike.
 
-Read next: `evaluation.calls`, functions and instances; `evaluation.comparisons`; `evaluation.statements`.
+Outside requirements nothing random may be compared, as in real Scenic. Read next: `evaluation.access`, attributes and
+elements; `evaluation.calls`, functions and instances; `evaluation.statements`.
 """
 
 from __future__ import annotations
@@ -9,55 +10,61 @@ import ast
 import math
 import operator
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import FallibleOperation, from_python
-from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import (
-    Builtin,
-    Function,
-    LazyValue,
-    Namespace,
-    RandomChoice,
-    broadcasts_over_choices,
-    choose,
-    describe_kind,
-)
+from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.types import LazyValue, RandomChoice, broadcasts_over_choices, choose, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.attributes import attribute
-from scenic_lite.evaluation.comparisons import comparison
-from scenic_lite.evaluation.strings import concatenate, text_of
-from scenic_lite.language.regions import item_of as element_of
+from scenic_lite.evaluation.access import attribute, item_of
+from scenic_lite.evaluation.builtins import text_of
+from scenic_lite.language.classes import is_object, outline
 from scenic_lite.language.scenic_operators import OPERATORS, ego_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number, kind_of
 from scenic_lite.values.lines import PolylineRegion
-from scenic_lite.values.operations import ADD, AND, MULTIPLY, NOT, OR, WHERE, Operation, real_power
-from scenic_lite.values.regions import Region, VectorField
+from scenic_lite.values.operations import (
+    AND,
+    EQUAL,
+    GREATER,
+    GREATER_EQUAL,
+    LESS,
+    LESS_EQUAL,
+    NOT,
+    NOT_EQUAL,
+    OR,
+    WHERE,
+    Operation,
+    real_power,
+)
+from scenic_lite.values.regions import Region
 
-BINARY: dict[type, Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: real_power,
-    ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift,
-    ast.BitAnd: operator.and_,
-    ast.BitOr: operator.or_,
-    ast.BitXor: operator.xor,
+BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
+    ast.Add: ("+", operator.add),
+    ast.Sub: ("-", operator.sub),
+    ast.Mult: ("*", operator.mul),
+    ast.Div: ("/", operator.truediv),
+    ast.FloorDiv: ("//", operator.floordiv),
+    ast.Mod: ("%", operator.mod),
+    ast.Pow: ("**", real_power),
+    ast.LShift: ("<<", operator.lshift),
+    ast.RShift: (">>", operator.rshift),
+    ast.BitAnd: ("&", operator.and_),
+    ast.BitOr: ("|", operator.or_),
+    ast.BitXor: ("^", operator.xor),
 }
-SIGNS: dict[type, str] = {
-    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**",
-    ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^",
-}  # fmt: skip
 OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
+PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # what a list may hold that Python's own `==` does not compare
+COMPARISONS: dict[type, Operation] = {
+    ast.Lt: LESS,
+    ast.LtE: LESS_EQUAL,
+    ast.Gt: GREATER,
+    ast.GtE: GREATER_EQUAL,
+    ast.Eq: EQUAL,
+    ast.NotEq: NOT_EQUAL,
+}
 
 
 def constant(scope: Scope, node: ast.Constant) -> Value:
@@ -90,24 +97,20 @@ def combine(scope: Scope, sign: ast.operator, left: Value, right: Value) -> Valu
     if isinstance(sign, ast.Mod) and kind_of(left) == "text":
         raise ScenicError("unsupported", "`%` does not format texts here", hint='write f"...{x}..."')
     check_size(scope, sign, left, right)
-    for operand in (left, right):
+    sides = []
+    for operand in (left, right):  # objects stand for their positions in arithmetic
         if not isinstance(operand, OPERANDS):
-            pointed = as_vector(operand)
-            if pointed is None or not isinstance(sign, ast.Add | ast.Sub | ast.Mult | ast.Div):
+            operand = as_vector(operand) if isinstance(sign, ast.Add | ast.Sub | ast.Mult | ast.Div) else None
+            if operand is None:
                 raise mismatch(sign, left, right)
-    left, right = as_operand(left), as_operand(right)
+        sides.append(operand)
     try:
-        result = BINARY[type(sign)](left, right)
+        result = BINARY[type(sign)][1](*sides)
     except TypeError:
-        raise mismatch(sign, left, right) from None
+        raise mismatch(sign, *sides) from None
     scope.mode.budget.keep(result)
     scope.watch(result)
     return result
-
-
-def as_operand(value: Value) -> Value:
-    """Objects stand for their positions in arithmetic."""
-    return value if isinstance(value, OPERANDS) else as_vector(value)
 
 
 def mismatch(sign: ast.operator, left: Value, right: Value) -> ScenicError:
@@ -115,7 +118,7 @@ def mismatch(sign: ast.operator, left: Value, right: Value) -> ScenicError:
     hint = ""
     if isinstance(left, Vector) != isinstance(right, Vector):
         hint = "`@` binds as tightly as `*`: write (x + y) @ z"
-    return ScenicError("type", f"`{SIGNS[type(sign)]}` of {sides}", hint=hint)
+    return ScenicError("type", f"`{BINARY[type(sign)][0]}` of {sides}", hint=hint)
 
 
 def at_sign(x: Value, y: Value) -> Value:
@@ -149,9 +152,11 @@ def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> N
 
 def unary(scope: Scope, node: ast.UnaryOp) -> Value:
     value = scope.value(node.operand)
-    if isinstance(node.op, ast.Not):
-        return negation(scope, node, value)
-    return apply_sign(node.op, value)
+    if not isinstance(node.op, ast.Not):
+        return apply_sign(node.op, value)
+    if isinstance(value, RandomExpr) and scope.mode.symbolic:
+        return apply(NOT, value)
+    return not scope.certain_truth(value, node.operand)
 
 
 @broadcasts_over_choices(1)
@@ -163,12 +168,6 @@ def apply_sign(sign: ast.unaryop, value: Value) -> Value:
     return -value if isinstance(sign, ast.USub) else +value
 
 
-def negation(scope: Scope, node: ast.UnaryOp, value: Value) -> Value:
-    if isinstance(value, RandomExpr) and scope.mode.symbolic:
-        return apply(NOT, value, kind="truth")
-    return not scope.certain_truth(value, node.operand)
-
-
 def boolean(scope: Scope, node: ast.BoolOp) -> Value:
     """`and`, `or`: with Python's short circuit, except over random values inside requirements."""
     is_and = isinstance(node.op, ast.And)
@@ -178,7 +177,7 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
         with scope.state.watching.under(*(() if pending is None else ((pending, is_and),))):
             value = scope.value(operand)
         if isinstance(value, RandomExpr) and scope.mode.symbolic:
-            pending = value if pending is None else apply(AND if is_and else OR, pending, value, kind="truth")
+            pending = value if pending is None else apply(AND if is_and else OR, pending, value)
             value = pending
         elif scope.certain_truth(value, operand) != is_and:
             return value
@@ -206,6 +205,128 @@ def either(test: RandomExpr, yes: Value, no: Value) -> Value:
     return RandomExpr(WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
 
 
+# ------------------------------------------------------------ comparisons
+
+
+def each_holds(parts: Any, texts: Any) -> Any:
+    """Return whether each text holds the part beside it; arrays [N] or single texts."""
+    return np.array([part in text for part, text in np.broadcast(parts, texts)], dtype=bool)
+
+
+HOLDS = Operation(lambda part, text: part in text, each_holds, kind="truth")
+
+
+def comparison(scope: Scope, node: ast.Compare) -> Value:
+    """Return a chain of comparisons; random ones are allowed in requirements only."""
+    left = scope.value(node.left)
+    result: Value = True
+    for sign, operand in zip(node.ops, node.comparators, strict=True):
+        with scope.state.watching.under(*(((result, True),) if isinstance(result, RandomExpr) else ())):
+            right = scope.value(operand)
+        link = compared(scope, node, sign, left, right)
+        if isinstance(link, RandomExpr) or isinstance(result, RandomExpr):
+            result = apply(AND, result, link) if result is not True else link
+        else:
+            result = bool(link)
+        if result is False:
+            return False
+        left = right
+    return result
+
+
+def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Return one link of a chain of comparisons."""
+    if isinstance(sign, ast.Is | ast.IsNot):
+        return identity(scope, left, right, isinstance(sign, ast.Is))
+    if isinstance(sign, ast.In | ast.NotIn):
+        inside = membership(scope, node, left, right)
+        return inside if isinstance(sign, ast.In) else apply(NOT, inside)
+    scope.mode.budget.whole(left)
+    scope.mode.budget.whole(right)
+    scope.refuse_comparison(node, left, right)
+    if isinstance(left, RandomChoice):
+        return left.each(lambda option: compared(scope, node, sign, option, right))
+    if isinstance(right, RandomChoice):
+        return right.each(lambda option: compared(scope, node, sign, left, option))
+    if isinstance(sign, ast.Eq | ast.NotEq):
+        return equality(scope, sign, left, right)
+    for side in (left, right):
+        if not isinstance(side, int | float | str | RandomExpr | list | tuple):
+            raise ScenicError("type", f"{describe_kind(side)} cannot be ordered")
+    if kind_of(left) != kind_of(right) and not {kind_of(left), kind_of(right)} <= {"number", "truth"}:
+        raise ScenicError("type", f"{describe_kind(left)} and {describe_kind(right)} cannot be ordered")
+    return apply(COMPARISONS[type(sign)], left, right)
+
+
+def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
+    """`left is right`; outside requirements a random choice is itself and none of its options, as in real Scenic."""
+    if left is right or not scope.mode.symbolic:
+        return (left is right) == same
+    if isinstance(left, RandomChoice):
+        return left.each(lambda option: identity(scope, option, right, same))
+    return identity(scope, right, left, same) if isinstance(right, RandomChoice) else not same
+
+
+def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    alike = isinstance(left, list | tuple) and type(left) is type(right) and len(left) == len(right)
+    if alike and any(isinstance(part, PARTS) for part in (*left, *right)):
+        return part_by_part(scope, sign, left, right)
+    if isinstance(left, Vector) and isinstance(right, Vector):
+        same = apply(AND, apply(EQUAL, left.x, right.x), apply(EQUAL, left.y, right.y))
+        return same if isinstance(sign, ast.Eq) else apply(NOT, same)
+    if isinstance(left, RandomExpr) or isinstance(right, RandomExpr):
+        kinds = {kind_of(left), kind_of(right)}
+        if len(kinds) > 1 and "any" not in kinds and not kinds <= {"truth", "number"}:
+            return isinstance(sign, ast.NotEq)
+    return apply(COMPARISONS[type(sign)], left, right)
+
+
+def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Equality of two collections of the same length, with random parts."""
+    result: Value = True
+    for pair in zip(left, right, strict=True):
+        a, b = pair if scope.mode.row is None else (in_row(part, scope.mode.row) for part in pair)
+        scope.refuse_comparison(ast.Pass(), a, b)
+        same = True if a is b else equality(scope, ast.Eq(), a, b)
+        result = apply(AND, result, same)
+    return result if isinstance(sign, ast.Eq) else apply(NOT, result)
+
+
+@broadcasts_over_choices(3)
+def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Value:
+    """`item in container`: a region holds points and objects, other containers elements."""
+    if isinstance(container, Region):
+        inside = in_region(container, item)
+        if isinstance(inside, RandomExpr):
+            scope.refuse_comparison(node, inside)
+        return inside
+    if kind_of(container) == "text":
+        if kind_of(item) != "text":
+            raise ScenicError("type", f"a text holds texts, not {describe_kind(item)}")
+        scope.refuse_comparison(node, item, container)
+        return apply(HOLDS, item, container)
+    elements = scope.elements(container, node)
+    scope.refuse_comparison(node, item, *elements)
+    result: Value = False
+    for element in elements:
+        same = element is item or compared(scope, node, ast.Eq(), item, element)
+        result = apply(OR, result, same)
+    return result
+
+
+@broadcasts_over_choices(1)
+def in_region(region: Region, item: Value) -> Value:
+    if is_object(item):
+        return region.contains_corners(outline(item))
+    point = as_vector(item)
+    if point is None:
+        raise ScenicError("type", f"a region holds points and objects, not {describe_kind(item)}")
+    return region.contains(point)
+
+
+# ------------------------------------------------------------ containers and texts
+
+
 def attribute_of(scope: Scope, node: ast.Attribute) -> Value:
     return attribute(scope, scope.value(node.value), node.attr)
 
@@ -213,77 +334,6 @@ def attribute_of(scope: Scope, node: ast.Attribute) -> Value:
 def subscript(scope: Scope, node: ast.Subscript) -> Value:
     container, index = scope.value(node.value), scope.value(node.slice)
     return item_of(scope, container, index)
-
-
-def item_of(scope: Scope, container: Value, index: Value) -> Value:
-    if isinstance(container, RandomChoice):
-        pick = item_at if isinstance(index, RandomExpr) else slice_at if has_random_ends(index) else item_of
-        return container.map_options([pick(scope, option, index) for option in container.options])
-    if isinstance(container, Region | VectorField):
-        return element_of(container, index)
-    if isinstance(index, RandomExpr | RandomChoice):
-        hint = "write Uniform(*items) for a random element"
-        raise ScenicError("random-control-flow", "the index of a list must not be random", hint=hint)
-    if isinstance(container, Vector):
-        container = (container.x, container.y)
-    if isinstance(container, Namespace):
-        container = container.names
-    if not isinstance(container, list | tuple | dict | str | range):
-        hint = "it is called with round brackets" if isinstance(container, Builtin | Function) else ""
-        raise ScenicError("type", f"{describe_kind(container)} has no elements to index", hint=hint)
-    scope.mode.budget.whole(index)
-    result = container[index]
-    scope.mode.budget.keep(result) if isinstance(index, slice) else None
-    return result
-
-
-def item_at(scope: Scope, container: Value, index: RandomExpr) -> Value:
-    """Return an item of a list at a random place; scenes where it has no such place are rejected."""
-    items = scope.elements(container, ast.Pass())
-    if isinstance(container, dict) or not items:
-        raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
-    place = RandomExpr(Within(len(items)), (index,))
-    scope.watch(place)
-    return choose(place, items)
-
-
-def has_random_ends(index: Value) -> bool:
-    return isinstance(index, slice) and any(isinstance(end, RandomExpr) for end in (index.start, index.stop))
-
-
-def slice_at(scope: Scope, container: Value, index: slice) -> Value:
-    """Return a slice with random ends: one of all that the list has."""
-    items = scope.elements(container, ast.Pass())
-    count = len(items)
-    scope.mode.budget.container((count + 1) ** 2)
-    start, stop = (
-        default if end is None else apply(Operation(partial(clip_end, count), partial(clip_end, count)), end)
-        for end, default in ((index.start, 0), (index.stop, count))
-    )
-    place = apply(ADD, apply(MULTIPLY, start, count + 1), stop)
-    slices = [items[i : j : index.step] for i in range(count + 1) for j in range(count + 1)]
-    return choose(place, slices)
-
-
-def clip_end(count: int, end: Any) -> Any:
-    """Return the end of a slice of `count` elements [N], counted from its start."""
-    return np.clip(np.where(np.asarray(end) < 0, end + count, end), 0, count)
-
-
-class Within(FallibleOperation):
-    """Places [N] in a list of `count` elements, counted from its end where negative."""
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-
-    def __call__(self, index: Any) -> Any:
-        return np.clip(np.where(index < 0, index + self.count, index), 0, self.count - 1)
-
-    def fails(self, index: Any) -> Any:
-        return (index < -self.count) | (index >= self.count)
-
-    def error(self, row: int) -> ScenicError:
-        return from_python(IndexError("list index out of range"))
 
 
 def slice_of(scope: Scope, node: ast.Slice) -> slice:
@@ -312,25 +362,24 @@ def key_of(scope: Scope, node: ast.expr) -> Value:
 def dictionary(scope: Scope, node: ast.Dict) -> dict:
     result: dict = {}
     for key, value in zip(node.keys, node.values, strict=True):
-        if key is None:
-            result.update(mapping(scope, value))
-        else:
+        if key is not None:
             result[key_of(scope, key)] = scope.value(value)
+            continue
+        spread = scope.value(value)
+        if not isinstance(spread, dict):
+            raise scope.error("type", f"`**` needs a dictionary, not {describe_kind(spread)}", value)
+        result.update(spread)
     scope.mode.budget.container(len(result))
     return result
 
 
-def mapping(scope: Scope, node: ast.expr) -> dict:
-    """Return what `**` spreads."""
-    value = scope.value(node)
-    if not isinstance(value, dict):
-        raise scope.error("type", f"`**` needs a dictionary, not {describe_kind(value)}", node)
-    return value
-
-
 def formatted_text(scope: Scope, node: ast.JoinedStr) -> Value:
     """Return an f-string; random parts are written row by row."""
-    return concatenate(scope, [scope.value(part) for part in node.values])
+    result: Value = ""
+    for piece in [scope.value(part) for part in node.values]:
+        result = piece if result == "" else result + piece
+        scope.mode.budget.keep(result)
+    return result
 
 
 def formatted(scope: Scope, node: ast.FormattedValue) -> Value:

@@ -1,4 +1,4 @@
-"""The built-in functions: those of Python, distributions, regions, the modules `math` and `random`.
+"""The built-in functions: of numbers, which take random ones too; distributions, regions, `math` and `random`.
 
 Nothing of Python's own is reachable but what these tables hold. Read next: `evaluation.expressions`.
 """
@@ -6,18 +6,164 @@ Nothing of Python's own is reachable but what these tables hold. Read next: `eva
 from __future__ import annotations
 
 import ast
+import math
+from functools import reduce
+from typing import Any
 
+import numpy as np
+
+from scenic_lite.core.budget import exceeded
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Builtin, Namespace, needs_context
+from scenic_lite.core.types import (
+    Builtin,
+    Namespace,
+    RandomChoice,
+    broadcasts_over_choices,
+    choose,
+    describe_kind,
+    needs_context,
+)
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.builtins import PYTHON, left_out
-from scenic_lite.evaluation.math_builtins import MATH, NUMBERS, of_one, of_two
 from scenic_lite.language import distributions as draw
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT, number_of
 from scenic_lite.language.regions import REGIONS
+from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Value, is_number
-from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, NORMALISE, SINE, SQUARE_ROOT
+from scenic_lite.values.graph import RandomExpr, Value, apply, as_number, is_number, kind_of
+from scenic_lite.values.operations import (
+    ABSOLUTE,
+    FLOAT,
+    HYPOTENUSE,
+    INTEGER,
+    LOGARITHM,
+    MAXIMUM,
+    MINIMUM,
+    NORMALISE,
+    OPERATIONS,
+    ROUND,
+    Operation,
+    real_power,
+)
+
+# ------------------------------------------------------------ numbers
+
+
+def numeric(operation: Operation, *operands: Value) -> Value:
+    """Return an operation on numbers, random or not. Raises ScenicError for anything else."""
+    for operand in operands:
+        if kind_of(operand) not in ("number", "truth", "any"):
+            raise ScenicError("type", f"a number is needed here, not {describe_kind(operand)}")
+    return apply(operation, *(as_number(operand) for operand in operands))
+
+
+def of_table(operation: Operation, name: str = "") -> Builtin:
+    """Return the function that a row of the table of operations is."""
+    if operation.arity == 1:
+        return Builtin(name or operation.name, lambda x: numeric(operation, x))
+    return Builtin(name or operation.name, lambda x, y: numeric(operation, x, y))
+
+
+def rounded(number: Value, ndigits: Value = None) -> Value:
+    if ndigits is None:
+        return numeric(ROUND, number)
+    if not isinstance(ndigits, int) or abs(ndigits) > 300:
+        raise ScenicError("type", f"the number of digits must be a fixed integer, not {describe_kind(ndigits)}")
+    return numeric(Operation(lambda x: round(x, ndigits), lambda x: np.round(x, ndigits)), number)
+
+
+def power(scope: Scope, node: ast.AST, base: Value, exp: Value) -> Value:
+    """`pow(base, exp)`."""
+    if isinstance(base, int) and isinstance(exp, int) and exp > 0:
+        scope.mode.budget.integer(base.bit_length() * exp)
+    for operand in (base, exp):
+        numeric(ABSOLUTE, operand)  # refuses what is no number
+    return real_power(base, exp)
+
+
+def integer(value: Value = 0) -> Value:
+    """`int(value)`, of a number or of a text."""
+    if isinstance(value, str) and len(value) > 1000:
+        raise exceeded("a text of more than 1000 digits for one integer")
+    return int(value) if isinstance(value, str) else numeric(INTEGER, value)
+
+
+def decimal(value: Value = 0.0) -> Value:
+    """`float(value)`, of a number or of a text."""
+    return float(value) if isinstance(value, str) else numeric(FLOAT, value)
+
+
+@broadcasts_over_choices(2)
+def total(scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value:
+    """`sum(values, start)`."""
+    items = scope.elements(values, node)
+    if isinstance(start, str):
+        raise ScenicError("type", "texts are not added by sum()", hint="write a + b")
+    if isinstance(start, list | tuple):
+        scope.mode.budget.container(len(start) + sum(len(item) for item in items if isinstance(item, list | tuple)))
+    return reduce(lambda a, b: a + b, items, start)
+
+
+def hypotenuse(scope: Scope, node: ast.AST, *sides: Value) -> Value:
+    if len(sides) == 1:
+        return numeric(ABSOLUTE, *sides)
+    return reduce(lambda a, b: numeric(HYPOTENUSE, a, b), sides, 0.0)
+
+
+def logarithm(x: Value, base: Value = None) -> Value:
+    own = numeric(LOGARITHM, x)
+    return own if base is None else own / numeric(LOGARITHM, base)
+
+
+def distance(scope: Scope, node: ast.AST, p: Value, q: Value) -> Value:
+    """`math.dist`."""
+    ends = scope.elements(p, node), scope.elements(q, node)
+    if len(ends[0]) != len(ends[1]):
+        raise ScenicError("value", "both points must have the same number of coordinates")
+    return hypotenuse(scope, node, *(a - b for a, b in zip(*ends, strict=True)))
+
+
+# ------------------------------------------------------------ the least, the greatest
+
+
+class Extreme:
+    """`min` or `max`: of several values or of a collection, with `key` and `default`."""
+
+    def __init__(self, operation: Operation) -> None:
+        self.operation = operation
+
+    def __call__(self, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
+        if len(values) == 1 and isinstance(values[0], RandomChoice):
+            return values[0].each(lambda option: self(scope, node, option, key=key))
+        if not values:
+            raise ScenicError("type", "min and max need at least one value")
+        items = scope.elements(values[0], node) if len(values) == 1 else list(values)
+        if not items:
+            if default is ...:
+                raise ScenicError("value", "the least or greatest of no values")
+            return default
+        if key is not None:
+            return self._by_key(scope, node, items, key)
+        if any(isinstance(item, RandomExpr) for item in items) and all(kind_of(item) != "text" for item in items):
+            return reduce(lambda a, b: numeric(self.operation, a, b), items)
+        scope.mode.budget.whole(items)
+        scope.refuse_random_in(items, node, "random values cannot be compared here")
+        return items[0] if len(items) == 1 else self.operation.scalar(items)
+
+    def _by_key(self, scope: Scope, node: ast.AST, items: list, key: Value) -> Value:
+        keys = [scope.call(key, [item], {}, node) for item in items]
+        scope.mode.budget.whole(keys)
+        if any(isinstance(each, RandomExpr) for each in keys) and all(kind_of(each) == "number" for each in keys):
+            return choose(RandomExpr(self._best_of, tuple(keys)), items)
+        return items[self.operation.scalar(range(len(items)), key=keys.__getitem__)]
+
+    def _best_of(self, *keys: Any) -> Any:
+        """Return the index of the least or greatest of several arrays [N]."""
+        best = np.argmin if self.operation is MINIMUM else np.argmax
+        return best(np.stack(np.broadcast_arrays(*keys)), axis=0)
+
+
+# ------------------------------------------------------------ of the language
 
 
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
@@ -36,19 +182,38 @@ def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
     return Vector(number_of(x), number_of(y))
 
 
-def random_unit(scope: Scope, node: ast.AST) -> Value:
-    """`random.random()`."""
-    return draw.draw_range(scope, node, 0, 1)
-
-
-def random_choice(scope: Scope, node: ast.AST, seq: Value) -> Value:
-    """`random.choice(seq)`."""
-    return draw.draw_uniform(scope, node, *scope.elements(seq, node))
-
-
 # ------------------------------------------------------------ the tables
 
 
+NUMBERS: dict[str, Value] = {
+    "abs": of_table(ABSOLUTE),
+    "round": Builtin("round", rounded),
+    "pow": Builtin("pow", power, needs_context=True),
+    "int": Builtin("int", integer, types=(int,)),
+    "float": Builtin("float", decimal, types=(float,)),
+    **needs_context(min=Extreme(MINIMUM), max=Extreme(MAXIMUM), sum=total),
+}
+MATH: dict[str, Value] = {
+    **{row.name: of_table(row) for row in OPERATIONS if vars(math).get(row.name) is row.scalar},
+    "trunc": of_table(INTEGER, "trunc"),
+    "log": Builtin("log", logarithm),
+    "hypot": Builtin("hypot", hypotenuse, needs_context=True),
+    "dist": Builtin("dist", distance, needs_context=True),
+    "pi": math.pi,
+    "tau": TURN,
+    "e": math.e,
+    "inf": math.inf,
+    "nan": math.nan,
+    **left_out(
+        {
+            "write abs(a - b) < 1e-9": "isclose",
+            "write math.floor(math.sqrt(x))": "isqrt",
+            "write x - math.trunc(x) and math.trunc(x)": "modf",
+            "write sum(...)": "fsum",
+            "write a function with a loop": "prod factorial comb gcd lcm",
+        }
+    ),
+}
 DISTRIBUTIONS: dict[str, Value] = needs_context(
     Range=draw.draw_range,
     VerifaiRange=draw.draw_range,
@@ -65,49 +230,40 @@ DISTRIBUTIONS: dict[str, Value] = needs_context(
 RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: each call draws from θ
     **needs_context(
         uniform=draw.draw_range,
-        random=random_unit,
+        random=lambda scope, node: draw.draw_range(scope, node, 0, 1),
         randint=draw.draw_integers,
-        choice=random_choice,
+        choice=lambda scope, node, seq: draw.draw_uniform(scope, node, *scope.elements(seq, node)),
         gauss=draw.draw_normal,
         normalvariate=draw.draw_normal,
         seed=lambda scope, node, *seed: None,  # whoever draws θ decides that
     ),
-    "shuffle": left_out("shuffle", "draw the elements one by one: Uniform(*items)"),
-    "sample": left_out("sample", "draw the elements one by one: Uniform(*items)"),
-    "choices": left_out("choices", "write [Uniform(*items) for i in range(k)]"),
-    "randrange": left_out("randrange", "write DiscreteRange(low, high)"),
-    "triangular": left_out("triangular", "write Range(low, high) or TruncatedNormal(...)"),
-    "expovariate": left_out("expovariate", "write Range(low, high) or TruncatedNormal(...)"),
-}
-RARE_MATH: dict[str, Value] = {
-    "isclose": left_out("isclose", "write abs(a - b) < 1e-9"),
-    "isqrt": left_out("isqrt", "write math.floor(math.sqrt(x))"),
-    "modf": left_out("modf", "write x - math.trunc(x) and math.trunc(x)"),
-    "fsum": left_out("fsum", "write sum(...)"),
-    **{name: left_out(name, "write a function with a loop") for name in ("prod", "factorial", "comb", "gcd", "lcm")},
+    **left_out(
+        {
+            "draw the elements one by one: Uniform(*items)": "shuffle sample",
+            "write [Uniform(*items) for i in range(k)]": "choices",
+            "write DiscreteRange(low, high)": "randrange",
+            "write Range(low, high) or TruncatedNormal(...)": "triangular expovariate",
+        }
+    ),
 }
 SCENIC: dict[str, Value] = {
     "Point": POINT,
     "OrientedPoint": ORIENTED_POINT,
     "Object": OBJECT,
     "Vector": Builtin("Vector", vector_of, types=(Vector,)),
-    "sin": Builtin("sin", of_one(SINE)),
-    "cos": Builtin("cos", of_one(COSINE)),
-    "hypot": MATH["hypot"],
-    "sqrt": Builtin("sqrt", of_one(SQUARE_ROOT)),
-    "atan2": Builtin("atan2", of_two(ARC_TANGENT_2)),
-    "normalizeAngle": Builtin("normalizeAngle", of_one(NORMALISE)),
+    **{name: MATH[name] for name in ("sin", "cos", "hypot", "sqrt", "atan2")},
+    "normalizeAngle": of_table(NORMALISE, "normalizeAngle"),
     "simulation": Builtin("simulation", outside_behavior, needs_context=True, over_choices=False),
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS
 MODULES: dict[str, Namespace] = {
-    "math": Namespace("math", MATH | RARE_MATH),
-    "random": Namespace("random", RANDOM),
-    "pdb": Namespace("pdb", {}),
-    "scenic.core.geometry": Namespace("scenic.core.geometry", {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH),
-    "scenic.core.regions": Namespace(
-        "scenic.core.regions",
-        REGIONS | needs_context(regionFromShapelyObject=no_shapely),
-    ),
-    "scenic.core.vectors": Namespace("scenic.core.vectors", {"Vector": SCENIC["Vector"]} | REGIONS),
+    name: Namespace(name, names)
+    for name, names in {
+        "math": MATH,
+        "random": RANDOM,
+        "pdb": {},
+        "scenic.core.geometry": {"normalizeAngle": SCENIC["normalizeAngle"]} | MATH,
+        "scenic.core.regions": REGIONS | needs_context(regionFromShapelyObject=no_shapely),
+        "scenic.core.vectors": {"Vector": SCENIC["Vector"]} | REGIONS,
+    }.items()
 }

@@ -24,9 +24,10 @@ from scenic_lite.core.types import (
     near,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.assignments import ASSIGNMENTS, unpack
+from scenic_lite.evaluation.access import delete, located, read, unpack, write
+from scenic_lite.evaluation.builtins import text_of
 from scenic_lite.evaluation.calls import Return, function_of, names_of, signature_of
-from scenic_lite.evaluation.strings import text_of
+from scenic_lite.evaluation.expressions import combine
 from scenic_lite.language.classes import OBJECT
 from scenic_lite.language.requirements import mutate, require
 from scenic_lite.syntax import nodes
@@ -45,6 +46,34 @@ def expression(scope: Scope, node: ast.Expr) -> None:
     value = scope.value(node.value)
     if isinstance(value, ScenicClass):
         scope.warn(f"class {value.name} alone makes no object", node, f"did you mean 'new {value.name}'?")
+
+
+# ------------------------------------------------------------ assignment
+
+
+def assign(scope: Scope, node: ast.Assign) -> None:
+    value = scope.value(node.value)
+    for target in node.targets:
+        unpack(scope, target, value)
+
+
+def annotated(scope: Scope, node: ast.AnnAssign) -> None:
+    if node.value is not None:
+        unpack(scope, node.target, scope.value(node.value))
+
+
+def augmented(scope: Scope, node: ast.AugAssign) -> None:
+    """`target += value`; a list that is added to stays the same one, and takes the elements of any collection."""
+    owner, key = located(scope, node.target)
+    old = read(scope, node.target, owner, key)
+    more = scope.value(node.value)
+    if isinstance(old, list) and isinstance(node.op, ast.Add) and not isinstance(more, list):
+        more = scope.elements(more, node.op)
+    new = combine(scope, node.op, old, more)
+    if isinstance(old, list) and isinstance(new, list):
+        old[:] = new
+        new = old
+    write(scope, node.target, owner, key, new)
 
 
 # ------------------------------------------------------------ control flow
@@ -278,7 +307,10 @@ def only_in_behavior(scope: Scope, node: ast.AST) -> None:
 
 
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
-    **ASSIGNMENTS,
+    ast.Assign: assign,
+    ast.AnnAssign: annotated,
+    ast.AugAssign: augmented,
+    ast.Delete: delete,
     ast.Assert: check_assertion,
     ast.Nonlocal: declare_nonlocal,
     ast.Expr: expression,

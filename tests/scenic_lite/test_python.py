@@ -183,13 +183,10 @@ def test_a_filter_may_keep_other_elements_in_each_scene():
         things("x = filter(lambda v: v > 0, [Range(-1, 1) for i in range(9)])")
 
 
-def test_a_slice_of_a_random_list_may_have_random_ends():
-    text = (
-        "n = DiscreteRange(-2, 5)\nitems = Uniform([1, 2, 3], [4, 5, 6, 7])\n"
-        "param n = n, first = items[0], head = str(items[:n]), tail = str(items[n:])"
-    )
-    _, scenes = things(text).sample(300, np.random.default_rng(0))
+def test_a_random_list_has_elements_at_random_places_but_no_slices_with_random_ends():
+    text = "n = DiscreteRange(-3, 2)\nitems = Uniform([1, 2, 3], [4, 5, 6])\nparam n = n, first = items[0], value = "
+    _, scenes = things(text + "items[n]").sample(300, np.random.default_rng(0))
     p = scenes.params
-    for n, first, head, tail in zip(p["n"], p["first"], p["head"], p["tail"], strict=True):
-        items = [1, 2, 3] if first == 1 else [4, 5, 6, 7]
-        assert head == str(items[:n]) and tail == str(items[n:])
+    assert all(value == first + n % 3 for n, first, value in zip(p["n"], p["first"], p["value"], strict=True))
+    with pytest.raises(ScenicError, match="the ends of a slice must not be random"):
+        things(text + "items[:n]")

@@ -24,7 +24,7 @@ from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.comparisons import compared
+from scenic_lite.evaluation.expressions import compared
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
 from scenic_lite.values.operations import AND, EQUAL, NOT, NOT_EQUAL, OR
 
@@ -238,7 +238,7 @@ def related(c: Compilation, scope: Scope, node: ast.AST, sign: ast.cmpop, left: 
         raise ScenicError("unsupported", "lists whose length varies cannot be compared in a match")
     if type(left) is not type(right) and None in (left, right) and isinstance(sign, ast.Eq | ast.NotEq):
         return isinstance(sign, ast.NotEq)
-    return compared(scope, node, sign, left, right)  # type: ignore[arg-type]
+    return compared(scope, node, sign, left, right)
 
 
 def same_thing(left: Value, right: Value) -> Value:

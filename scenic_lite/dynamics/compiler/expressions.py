@@ -30,10 +30,10 @@ from scenic_lite.dynamics.compiler.lists import DECIDED, comprehension, contains
 from scenic_lite.dynamics.compiler.registers import materialize, moves_to, registers_in, snapshot
 from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.attributes import attribute
+from scenic_lite.evaluation.access import attribute, item_of
+from scenic_lite.evaluation.builtins import text_of
 from scenic_lite.evaluation.calls import Return, arguments_of, call, seen_from
-from scenic_lite.evaluation.expressions import apply_sign, combine, item_of
-from scenic_lite.evaluation.strings import text_of
+from scenic_lite.evaluation.expressions import apply_sign, combine
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply

@@ -24,8 +24,8 @@ from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList,
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.assignments import unpack
-from scenic_lite.evaluation.comparisons import membership
+from scenic_lite.evaluation.access import unpack
+from scenic_lite.evaluation.expressions import membership
 from scenic_lite.values.graph import RandomExpr, Value, apply, as_number
 from scenic_lite.values.operations import ADD, EQUAL, LESS, OR
 from scenic_lite.values.regions import Region

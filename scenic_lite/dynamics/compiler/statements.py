@@ -34,7 +34,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.assignments import TRACKED
+from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.statements import define_function, nothing
 from scenic_lite.language.classes import checked
@@ -113,18 +113,6 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
         hint = "only the setup of a scenario may, and not in a branch"
         raise ScenicError("unsupported", f"no match can change {target.id} here", hint=hint)
     TRACKED[target.id](scope, target, value)
-
-
-def spread(scope: CompiledScope, target: ast.Tuple | ast.List, parts: list[Value]) -> list[Value]:
-    """Return one value for each of several names; what stands behind a star takes those that are left."""
-    count = len(target.elts)
-    star = next((i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)), None)
-    if star is not None and len(parts) >= count - 1:
-        after = len(parts) - (count - star - 1)
-        parts = [*parts[:star], parts[star:after], *parts[after:]]
-    if len(parts) != count:
-        raise scope.error("value", f"{len(parts)} values for {count} names", target)
-    return parts
 
 
 def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:

@@ -16,7 +16,7 @@ from scenic_lite.core.types import BehaviorCall, Bound, Builtin, Function, Insta
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.strings import FormatEach
+from scenic_lite.evaluation.builtins import FormatEach
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Table, Value, kind_of
 from scenic_lite.values.operations import SELECT

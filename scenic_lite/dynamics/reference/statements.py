@@ -24,7 +24,7 @@ from scenic_lite.dynamics.reference.interrupts import abort, try_interrupt
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
-from scenic_lite.evaluation.assignments import unpack
+from scenic_lite.evaluation.access import unpack
 from scenic_lite.evaluation.statements import Break, Continue, went_round
 from scenic_lite.language.classes import checked, is_object
 from scenic_lite.language.requirements import source_text
