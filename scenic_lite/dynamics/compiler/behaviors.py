@@ -30,8 +30,7 @@ from scenic_lite.dynamics.compiler.interrupts import (
     try_interrupt,
 )
 from scenic_lite.dynamics.compiler.registers import store_in_register
-from scenic_lite.dynamics.compiler.scenarios import run_scenarios
-from scenic_lite.dynamics.compiler.setups import require_later
+from scenic_lite.dynamics.compiler.scenarios import require_later, run_scenarios
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -65,7 +64,6 @@ def take_actions(c: Compilation, actions: list[Value], node: nodes.Take, on: Lab
     actions = [checked(c, action, node) for action in actions]
     remember(c, tuple(actions))
     c.code.row(op.TAKE, command(c, actions, node), c.site.slot, on)
-    c.code.reachable = False
 
 
 def is_listed(value: Value) -> bool:
@@ -125,7 +123,6 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
         who = "Behavior" if c.site.agent is not None else "Monitor"
         on = Label()
         code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.site.slot, on)
-        code.reachable = False
         code.put(on)
     else:  # when all monitors have run
         register_of(code, RegisterValue(c.reason(f"terminatedByMonitor: {statement}")), part.ending)

@@ -227,4 +227,4 @@ class Assembler:
             self.known.clear()
 
 
-ENDS = frozenset({op.END, op.JUMP, op.LOOP_BACK, op.RESUME, op.REJECT, op.FAULT})
+ENDS = frozenset({op.END, op.JUMP, op.LOOP_BACK, op.RESUME, op.REJECT, op.FAULT, op.TAKE, op.WAIT, op.TERMINATE})

@@ -11,14 +11,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Behavior, Environment, Function, Instance, Namespace, Source
+from scenic_lite.core.state import LoadState, Mode, Watched
+from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Function, Instance, Namespace, Source
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.parts import BehaviorOverride, ScenarioInstance
 from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_to, store_in_register
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
@@ -156,14 +155,93 @@ class CompiledScope(Scope):
             self.inlined.live -= 1
 
 
+@dataclass(eq=False)
+class Thread:
+    """A part of the program that goes on where its slot says, a register that holds a row; 0 while it does not run.
+
+    `flag`: the register that says whether the match has come to the statement that makes it, if that is not certain;
+    `number`: its place among those of its scenario, or what its agent has while it has this behavior.
+    """
+
+    title: str
+    slot: int
+    call: BehaviorCall | None = None
+    agent: Instance | None = None
+    flag: int | None = None
+    number: int = 0
+    entry: Label = field(default_factory=Label)
+
+
+class WatchedItem(NamedTuple):
+    """A statement that watches a scenario while it runs.
+
+    `register`: of `terminate` and `record` whether the match has come to it, None if that is certain; of a requirement
+    the state of its automaton. `scope`: the frame of its names, None if that is the statement's.
+    """
+
+    watched: Watched
+    register: int | None = None
+    automaton: Any = None
+    scope: CompiledScope | None = None
+
+
+class ScenarioInstance:
+    """A scenario at one place of the program that runs it; the program itself is the one that has no parent.
+
+    It runs while the register `running` is not 0. Labels: `stop`, a routine that returns to the register `back`;
+    `over`, where its own step goes when it ends; `kill`, where a `terminate simulation` in it goes; `after`, where its
+    compose block goes when it lets time pass; `progress`, where its temporal requirements see a step.
+    """
+
+    def __init__(self, code: Assembler, parent: ScenarioInstance | None, call: BehaviorCall | None) -> None:
+        self.parent, self.call = parent, call
+        self.name = "scenario" if call is None else call.behavior.name
+        first = code.fixed.take(4)
+        self.running, self.back, self.slot, self.ending = range(first, first + 4)  # ending: why a monitor ends it
+        for i, word in enumerate(("running", "back", "compose", "ending")):
+            code.notes[first + i] = f"{self.name}.{word}"
+        self.stop, self.over, self.kill, self.after, self.beginning, self.progress = (Label() for _ in range(6))
+        self.site = Site(part=self)
+        self.ego: Instance | None = None
+        self.scope: Any = None  # the CompiledScope of its variables
+        self.limit: tuple[int, int] | None = None  # registers: steps taken, steps allowed
+        self.parts: list[ScenarioInstance] = []
+        self.monitors: list[Thread] = []
+        self.terminations: list[WatchedItem] = []
+        self.records: list[WatchedItem] = []
+        self.temporal: list[WatchedItem] = []
+        self.overridden: dict[Key, tuple[int, Variable]] = {}  # whether it has, and what was before
+        self.resets: list[tuple[int, float]] = []  # what its registers are while it does not run
+
+    def family(self) -> Iterator[ScenarioInstance]:
+        """Yield this scenario and all inside it, outer ones first."""
+        yield self
+        for part in self.parts:
+            yield from part.family()
+
+    def call_stop(self, code: Assembler) -> None:
+        """Write rows that end the scenario and come back."""
+        on = Label()
+        code.row(op.SET_SLOT, self.back, c=on)
+        code.row(op.JUMP, c=self.stop)
+        code.put(on)
+
+    def register(self, code: Assembler, at_rest: float = 0.0) -> int:
+        """Return a register that has this value again whenever the scenario has ended."""
+        register = code.fixed.take()
+        code.begin_with(register, at_rest)
+        self.resets.append((register, at_rest))
+        return register
+
+
 @dataclass(frozen=True)
 class Site:
     """Where in the program a walk is."""
 
     path: tuple = ()  # of calls and rounds that lead here
     inside: tuple = ()  # bodies of the behaviors and functions that are being inlined
-    agent: Instance | None = None
-    slot: int = 0  # register of the innermost block: where it goes on
+    agent: Instance | None = None  # which `self` is
+    slot: int = 0  # register of the innermost block: where it goes on when time has passed
     suspending: int = 0  # statements with a scan around the present one: their variables all last
     repeating: int = 0  # constructs around it that may execute it several times
     part: ScenarioInstance | None = None  # the scenario to which it belongs
@@ -180,6 +258,7 @@ class Output:
     reasons: list[str] = field(default_factory=list)  # for the end of a match
     rejections: list[str] = field(default_factory=list)  # requirements that reject a match
     records: list[Record] = field(default_factory=list)
+    drivers: list[tuple[int, int, bool]] = field(default_factory=list)  # as in `Compiled`
     starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
     titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
     counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
@@ -196,14 +275,6 @@ class WorldRegisters:
 
 
 @dataclass(eq=False)
-class Overrides:
-    """Objects whose behavior scenarios change, by their labels."""
-
-    behaviors: dict[str, list[BehaviorOverride]] = field(default_factory=dict)
-    registers: dict[str, int] = field(default_factory=dict)  # the number of the behavior that an object has now
-
-
-@dataclass(eq=False)
 class Compilation:
     """One walk over a program's behaviors, monitors and conditions."""
 
@@ -217,10 +288,9 @@ class Compilation:
     site: Site = field(default_factory=Site)
     output: Output = field(default_factory=Output)
     shown: WorldRegisters = field(default_factory=WorldRegisters)
-    overrides: Overrides = field(default_factory=Overrides)
+    drivers: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors that scenarios give objects, by label
     shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     before: dict[int, dict[str, Value]] = field(default_factory=dict)  # what `modules` held before this walk
-    flags: dict[int, tuple[Any, int]] = field(default_factory=dict)  # by id: what may not be come to, its register
     remembering: bool = False  # the program reads `lastActions`
 
     @property
@@ -231,9 +301,9 @@ class Compilation:
     # ------------------------------------------------------------ where the walk is
 
     @contextmanager
-    def at(self, site: Site) -> Iterator[None]:
-        """Inside, the walk is at another site."""
-        outside, self.site = self.site, site
+    def at(self, site: Site | None = None, **changes: Any) -> Iterator[None]:
+        """Inside, the walk is at another site, or at this one but for some of it."""
+        outside, self.site = self.site, replace(site or self.site, **changes)
         try:
             yield
         finally:
@@ -246,37 +316,21 @@ class Compilation:
         if any(each is body for each in site.inside) or len(site.inside) >= DEEPEST:
             message = f"{thing.name} calls itself, which no match can do"
             raise ScenicError("unsupported", message, hint="write a loop")
-        return self.at(replace(site, path=(*site.path, id(node)), inside=(*site.inside, body)))
+        return self.at(path=(*site.path, id(node)), inside=(*site.inside, body))
 
-    def round(self, node: ast.AST, number: int) -> AbstractContextManager[None]:
-        """Inside is one round of a loop that is unrolled."""
-        return self.at(replace(self.site, path=(*self.site.path, id(node), number)))
-
-    def numbered(self, number: int) -> AbstractContextManager[None]:
-        """Inside is what belongs to the scenario, or behavior of an object, with this number."""
-        return self.at(replace(self.site, path=(*self.site.path, number)))
-
-    def acting(self, agent: Instance | None) -> AbstractContextManager[None]:
-        """Inside, `self` is this object."""
-        return self.at(replace(self.site, agent=agent))
-
-    def block(self, slot: int) -> AbstractContextManager[None]:
-        """Inside, time passes in the block with this slot."""
-        return self.at(replace(self.site, slot=slot))
-
-    def suspends_others(self) -> AbstractContextManager[None]:
-        """Inside, blocks are suspended while others run: none of their variables may share a register."""
-        return self.at(replace(self.site, suspending=self.site.suspending + 1))
+    def round(self, node: ast.AST, *number: int | str | None) -> AbstractContextManager[None]:
+        """Inside is one round of a loop that is unrolled, or one of several uses of a node."""
+        return self.at(path=(*self.site.path, id(node), *number))
 
     def repeated(self) -> AbstractContextManager[None]:
         """Inside, statements may be executed several times."""
-        return self.at(replace(self.site, repeating=self.site.repeating + 1))
+        return self.at(repeating=self.site.repeating + 1)
 
     @contextmanager
-    def within(self, part: ScenarioInstance, composing: bool = False, setting_up: bool = False) -> Iterator[None]:
+    def within(self, part: ScenarioInstance, **changes: Any) -> Iterator[None]:
         """Inside, statements belong to a scenario, and `ego` is its own."""
         ego, self.state.ego = self.state.ego, part.ego
-        with self.at(replace(self.site, part=part, composing=composing, setting_up=setting_up, repeating=0)):
+        with self.at(part.site, **changes):
             try:
                 yield
             finally:
@@ -335,16 +389,6 @@ class Compilation:
         for key in [key for key in self.types.types if key[0] in ("object", "simulation", "global")]:
             self.table_of(key)[key[2]] = self.shared_variable(key).load()
 
-    def flag_of(self, thing: Any) -> int | None:
-        """Return the register that says whether what made something was come to; None if that is certain."""
-        flag = self.flags.get(id(thing))
-        return None if flag is None else flag[1]
-
-    @property
-    def part_behavior(self) -> Behavior | None:
-        """The definition of the present scenario."""
-        return None if self.site.part is None or self.site.part.call is None else self.site.part.call.behavior
-
     def scenarios_begun(self) -> int:
         """Return how many scenarios the present compose block has run in the text so far."""
         return len(self.site.part.parts) if self.site.part is not None and self.site.composing else 0
@@ -353,7 +397,7 @@ class Compilation:
         """End the scenarios that the compose block has begun in a statement and not come back to."""
         if self.site.part is not None and self.site.composing:
             for part in self.site.part.parts[since:]:
-                part.call_routine(self.code, part.stop)
+                part.call_stop(self.code)
 
     def time(self) -> Any:
         """Return steps since the start. Raises ScenicError if the world does not tell."""

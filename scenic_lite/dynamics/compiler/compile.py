@@ -10,7 +10,7 @@ are therefore written once. Code of their own need only
     lists whose length the match decides                `lists`, `list_functions`
     variables, by the type that they are assigned       `types`, `registers`
     operations of the graph, one row each               `emit`
-    scenarios that run inside each other                `scenarios`, `setups`, `watchers`
+    scenarios that run inside each other                `scenarios`, `watchers`
     threads, and the arrays of a finished program       `threads`, `layout`
 
 Behaviors and functions are written in place where they are called. A loop `best = None; for o in ...: best = o` reads
@@ -40,7 +40,7 @@ from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary
 from scenic_lite.dynamics.compiler.layout import finished
 from scenic_lite.dynamics.compiler.registers import TypeTable
-from scenic_lite.dynamics.compiler.setups import SETTING_UP
+from scenic_lite.dynamics.compiler.scenarios import SETTING_UP
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
 from scenic_lite.dynamics.compiler.threads import walk
 from scenic_lite.dynamics.machine import opcodes as op

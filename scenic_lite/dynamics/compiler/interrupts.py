@@ -32,7 +32,6 @@ def suspend(c: Compilation, on: Label) -> None:
         c.code.row(op.JUMP, c=c.site.part.after)
     else:
         c.code.row(op.WAIT, 0, c.site.slot, on)
-    c.code.reachable = False
 
 
 def pause(c: Compilation) -> None:
@@ -100,15 +99,15 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
                 if readable:
                     interrupt_on(c, scope, handler.condition, start)
     code.row(op.RESUME, body)
-    with scope.in_dynamic_branch(), c.suspends_others():
+    with scope.in_dynamic_branch(), c.at(suspending=c.site.suspending + 1):
         code.put_reachable(begin)
-        with c.block(body):
+        with c.at(slot=body):
             scope.run(node.body)
         code.row(op.JUMP, c=end)
         for slot, handler, start in handlers:
             code.put(start)
             scope.inlined.aborts.append(end)
-            with c.block(slot), c.repeated():
+            with c.at(slot=slot), c.repeated():
                 scope.run(handler.body)
             scope.inlined.aborts.pop()
             register_of(code, 0, slot)
@@ -191,7 +190,7 @@ def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[],
         over(end)
     code.row(op.RESUME, body)
     code.put_reachable(begin)
-    with scope.in_dynamic_branch(), c.suspends_others(), c.block(body):
+    with scope.in_dynamic_branch(), c.at(slot=body, suspending=c.site.suspending + 1):
         run()
     code.put(end)
     c.stop_scenarios(begun)

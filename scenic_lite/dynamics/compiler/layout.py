@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
-from scenic_lite.dynamics.compiler.compilation import Compilation
+from scenic_lite.dynamics.compiler.compilation import Compilation, Thread
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing
 from scenic_lite.dynamics.machine.compiled import Compiled
@@ -17,8 +17,6 @@ from scenic_lite.dynamics.machine.register_values import leaves
 from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Tape, Value
-
-Thread = tuple[int, int, Label, str]  # slot, object or -1, first row, title
 
 
 def finished(c: Compilation, threads: list[Thread]) -> Compiled:
@@ -35,7 +33,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     return Compiled(
         code_of(c, rows, threads, layout),
         program,
-        tuple(thing for _, thing, _, _ in threads),
+        tuple(number_of(program, thread) for thread in threads),
         listing.places,
         tuple(c.output.commands),
         tuple(c.output.reasons),
@@ -47,17 +45,13 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         tape,
         code.texts,
         tuple(each._replace(taken=layout(each.taken)) for each in c.output.records),
-        drivers_of(c, layout),
+        tuple((number, layout(register), at_first) for number, register, at_first in c.output.drivers),
     )
 
 
-def drivers_of(c: Compilation, layout: Layout) -> tuple[tuple[int, int, bool], ...]:
-    """Return objects whose behavior changes: number, register of what it is now, whether it begins with one."""
-    return tuple(
-        (i, layout(c.overrides.registers[each.label]), each.properties["behavior"] is not None)
-        for i, each in enumerate(c.program.instances)
-        if each.label in c.overrides.registers
-    )
+def number_of(program: Program, thread: Thread) -> int:
+    """Return the number of the object that a thread moves, -1 if none."""
+    return -1 if thread.agent is None else program.instances.index(thread.agent)
 
 
 def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
@@ -70,7 +64,7 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
     return Code(
         table,
         np.array([*lists, 0], dtype=np.uint32),
-        np.array([[layout(slot), thing] for slot, thing, _, _ in threads], dtype=np.int32),
+        np.array([[layout(thread.slot), number_of(program, thread)] for thread in threads], dtype=np.int32),
         *c.output.counts,
         program.dialect == 2,
         layout(c.shown.base),
@@ -102,7 +96,7 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
     titles = {label.row: title for label, title in c.output.titles.items()}
-    titles |= {entry.row: title for _, _, entry, title in threads}
+    titles |= {thread.entry.row: thread.title for thread in threads}
     return Listing(places, names, lines, notes, titles)
 
 

@@ -1,48 +1,75 @@
 """Scenarios in a match: every `do` of a compose block becomes parts, which begin, take a step at each time, and end.
 
-What each of this means is `dynamics.scenarios`' to say. The whole tree of scenarios is one thread: the program's own
-takes a step, its compose block goes on where its slot says, and in that the parts that it runs take theirs. Where a
-compose block lets time pass it notes where to go on and jumps to the end of its scenario's step. Routines end a
-scenario from wherever that happens. Read next: `dynamics.compiler.setups`, the statements of a setup;
-`dynamics.compiler.watchers`.
+What each of this means is `dynamics.reference.scenarios`' to say. The whole tree of scenarios is one thread: the
+program's own takes a step, its compose block goes on where its slot says, and in that the parts that it runs take
+theirs. Where a compose block lets time pass it notes where to go on and jumps to the end of its scenario's step. A
+routine ends a scenario from wherever that happens. What the statements of a setup make belongs to its scenario; some
+of them may also stand in a compose block. Read next: `dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, RandomChoice
+from scenic_lite.core.state import Watched
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
+from scenic_lite.dynamics.compiler.compilation import (
+    Compilation,
+    CompiledScope,
+    InlinedBody,
+    Key,
+    ScenarioInstance,
+    Thread,
+    WatchedItem,
+    assigned_names,
+)
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import check_guards, check_invariants, frame_of, pause, suspend
-from scenic_lite.dynamics.compiler.parts import ScenarioInstance, part_of
-from scenic_lite.dynamics.compiler.setups import set_up, start_monitor
-from scenic_lite.dynamics.compiler.watchers import conditions, limit_of, see_step, unsatisfied
+from scenic_lite.dynamics.compiler.registers import Variable, store_in_register
+from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, unsatisfied
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE
 from scenic_lite.dynamics.machine.register_values import RegisterValue
-from scenic_lite.language.temporal import is_temporal
+from scenic_lite.errors import ScenicError
+from scenic_lite.evaluation.statements import keep_record, keep_termination
+from scenic_lite.language.classes import checked
+from scenic_lite.language.requirements import source_text
+from scenic_lite.language.specifiers import overridden_property
+from scenic_lite.language.temporal import formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Scenario)
+BEHAVIOR = "(number of its behavior)"  # of an object: 0 the one that it begins with, then those that scenarios give it
+NOBODY = -1  # instead of one: it has none
 
 
 def main_part(c: Compilation) -> ScenarioInstance:
     """Return the program as a scenario: what loading it has made; its variables are those of its setup."""
-    program, code = c.program, c.code
-    main = program.main
-    part = part_of(code, "scenario" if main is None else main.behavior.name, None, main)
+    program, code, main = c.program, c.code, c.program.main
+    part = ScenarioInstance(code, None, main)
     part.ego = c.state.ego
+    code.begin_with(part.running, 1)
     if main is not None and program.main_frame is not None:
         loaded, behavior = program.main_frame, main.behavior
         inlined = InlinedBody((id(behavior.node),), Label(), behavior)
         assert loaded.outer is not None
         part.scope = CompiledScope(c, loaded.source, loaded.locals, loaded.outer, inlined)
         part.scope.assigned = behavior.assigned
+    for call in program.monitors:
+        monitor = add_monitor(c, part, call, None)
+        c.output.starting[monitor.slot] = monitor.entry
+    part.terminations = [WatchedItem(each) for each in program.terminations]
+    part.records = [WatchedItem(each) for each in program.records]
+    for each in program.temporal:
+        part.temporal.append(WatchedItem(each, code.fixed.take(), Automaton(formula_of(each.tree.condition))))
+    c.output.starting[part.slot] = part.beginning
     return part
 
 
@@ -52,14 +79,18 @@ def main_part(c: Compilation) -> ScenarioInstance:
 def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     """Begin all that are named, one after the other, then let each take a step at each time until all have ended."""
     code = c.code
-    parts = [part for call in calls for part in begun(c, call, node)]
-    again, end = Label(), Label()
+    parts: list[ScenarioInstance] = []
+    for call in calls:
+        if isinstance(call, RandomChoice):  # whichever one it is in the match
+            cases = {i: partial(begin, c, option, node, parts) for i, option in enumerate(call.options)}
+            code.dispatch(register_of(code, call.index), cases)
+        else:
+            begin(c, call, node, parts)
+    again, on, end = Label(), Label(), Label()
     code.put_loop(again)
     for part in parts:
-        with entered(c, part, node):
-            step(c, part)
-            show_names(part)
-    on = Label()
+        step(c, part)
+        show_names(part)
     for part in parts:
         code.row(op.JUMP_IF, part.running, c=on)
     code.row(op.JUMP, c=end)
@@ -68,43 +99,34 @@ def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     code.put(end)
 
 
-def begun(c: Compilation, call: Value, node: nodes.Do) -> list[ScenarioInstance]:
-    """Write rows that begin a scenario, or whichever one it is in the match; return all that it can be."""
-    if isinstance(call, BehaviorCall):
-        return [begin(c, call, node)]
-    assert isinstance(call, RandomChoice)
-    parts: list[ScenarioInstance] = []
-    cases = {i: lambda option=option: parts.append(begin(c, option, node)) for i, option in enumerate(call.options)}
-    c.code.dispatch(register_of(c.code, call.index), cases)
-    return parts
-
-
-@contextmanager
-def entered(c: Compilation, part: ScenarioInstance, node: nodes.Do) -> Iterator[None]:
-    """Inside, a part is written at its place. Raises ScenicError for recursion."""
-    assert part.call is not None and part.parent is not None
-    with c.round(node, part.parent.parts.index(part)), c.entered(part.call.behavior, node):
-        yield
-
-
-def begin(c: Compilation, call: BehaviorCall, node: nodes.Do) -> ScenarioInstance:
+def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[ScenarioInstance]) -> None:
     """Write rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
     code, parent = c.code, c.site.part
     assert parent is not None
-    part = part_of(code, call.behavior.name, parent, call)
-    part.ego = c.state.ego
-    with entered(c, part, node):
-        part.scope = frame_of(c, call)
+    with c.round(node, len(parent.parts)), c.entered(call.behavior, node):
+        part = ScenarioInstance(code, parent, call)
+        for family in (parent.parts, parts):
+            family.append(part)
+        part.site = replace(c.site, part=part, composing=False, repeating=0)
+        part.ego, part.scope = c.state.ego, frame_of(c, call)
         del part.scope.locals["self"]
         check_guards(c, part.scope)
         with c.within(part, setting_up=True):
-            set_up(c, part)
+            part.scope.run(call.behavior.scenario.setup)
+            while c.state.monitors:  # in Scenic 2 a definition starts its monitor
+                add_monitor(c, part, c.state.monitors.pop(0), None)
         register_of(code, 1, part.running)
-        start(c, part)
+        if acts(part):
+            code.row(op.SET_SLOT, part.slot, c=part.beginning)
+        with c.within(part):
+            with code.statement():
+                limit_of(c, part)
+            for monitor in part.monitors:
+                with code.statement():
+                    launch(c, monitor)
         show_names(part)
     if parent.ego is None:
         c.state.ego = part.ego
-    return part
 
 
 def show_names(part: ScenarioInstance) -> None:
@@ -114,26 +136,13 @@ def show_names(part: ScenarioInstance) -> None:
     part.call.names.update(part.scope.locals)
 
 
-def start(c: Compilation, part: ScenarioInstance) -> None:
-    """Begin what runs while the scenario does."""
-    code = c.code
-    assert part.call is not None
-    if acts(part.call):
-        code.row(op.SET_SLOT, part.slot, c=part.beginning)
-    with c.within(part), code.statement():
-        limit_of(c, part)
-    for monitor in part.monitors:
-        with c.within(part), code.statement():
-            start_monitor(c, monitor)
-
-
-def acts(call: BehaviorCall) -> bool:
+def acts(part: ScenarioInstance) -> bool:
     """Return whether a scenario has a compose block, or guards to watch over instead."""
-    node = call.behavior.scenario
-    return bool(node.compose or node.preconditions or node.invariants)
+    node = None if part.call is None else part.call.behavior.scenario
+    return node is not None and bool(node.compose or node.preconditions or node.invariants)
 
 
-# ------------------------------------------------------------ a step
+# ------------------------------------------------------------ a step, and the end
 
 
 def step(c: Compilation, part: ScenarioInstance) -> None:
@@ -141,45 +150,27 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
     code, done = c.code, Label()
     if part.parent is not None:
         code.row(op.JUMP_UNLESS, part.running, c=done)
-    if may_require(c, part):
-        part.call_routine(code, part.progress)
-    take_time(c, part)
-    with c.within(part, composing=True):
-        if part.call is not None and acts(part.call):
+    code.put(part.progress)
+    if part.limit is not None:
+        (taken, allowed), going = part.limit, Label()
+        code.row(op.JUMP_LESS, taken, allowed, going)
+        ended(c, part, "reached time limit")
+        code.put(going)
+        code.row(op.ADD, taken, taken, code.constant(1))
+    if acts(part):
+        with c.within(part, composing=True, slot=part.slot):
             compose(c, part)
     with c.within(part):
-        conditions(c, part, "scenario", lambda label: ended(c, part, label))
+        conditions(c, part, "scenario", partial(ended, c, part))
     code.row(op.JUMP, c=done)
     code.put(part.over)
-    part.call_routine(code, part.stop)
+    part.call_stop(code)
     code.row(op.JUMP, c=done)
     code.put(part.kill)
-    part.call_routine(code, part.stop)
+    part.call_stop(code)
     if part.parent is not None:
         code.row(op.JUMP, c=part.parent.kill)
     code.put(done)
-
-
-def may_require(c: Compilation, part: ScenarioInstance) -> bool:
-    """Return whether the scenario can have temporal requirements: written before, or in what is written later."""
-    node = None if part.call is None else part.call.behavior.node
-    trees = [] if node is None else [node]
-    if part.parent is None:
-        trees += [each.node for each in c.program.behaviors.values()]
-    monitors = [each.call.behavior.node for each in part.monitors]
-    every = (each for tree in (*trees, *monitors) for each in ast.walk(tree))
-    return bool(part.temporal) or any(isinstance(each, nodes.Require) and is_temporal(each) for each in every)
-
-
-def take_time(c: Compilation, part: ScenarioInstance) -> None:
-    """Heed `terminate after`."""
-    if part.limit is None:
-        return
-    code, (taken, allowed), going = c.code, part.limit, Label()
-    code.row(op.JUMP_LESS, taken, allowed, going)
-    ended(c, part, "reached time limit")
-    code.put(going)
-    code.row(op.ADD, taken, taken, code.constant(1))
 
 
 def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
@@ -196,61 +187,29 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     node = part.call.behavior.scenario
     code.row(op.RESUME, part.slot)
     code.put_reachable(part.beginning)
-    with c.block(part.slot):
-        if node.compose:
-            scope.pin(watched_names(part))
-            scope.run(node.compose)
-            code.put(scope.inlined.end)
-            ended(c, part, "finished compose block")
-        else:
-            pause(c)
-            check_invariants(c, scope)
-            code.row(op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
+    if node.compose:
+        scope.pin(watched_names(part, node))
+        scope.run(node.compose)
+        code.put(scope.inlined.end)
+        ended(c, part, "finished compose block")
+    else:
+        pause(c)
+        check_invariants(c, scope)
+        code.row(op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
     code.put(part.after)
 
 
-def watched_names(part: ScenarioInstance) -> frozenset[str]:
+def watched_names(part: ScenarioInstance, node: nodes.Scenario) -> frozenset[str]:
     """Return the variables that a compose block assigns and what watches the scenario may read."""
-    assert part.call is not None
-    node = part.call.behavior.scenario
-    inside = [each for statement in node.compose for each in ast.walk(statement)]
-    targets = {name.id for each in inside if isinstance(each, ast.For) for name in names_in(each.target)}
-    changed = targets | assigned_names(*node.compose)
-    watching = [each.watched.tree for each in (*part.terminations, *part.records)]
-    watching += [each for statement in node.setup for each in ast.walk(statement) if isinstance(each, DEFINING)]
-    return frozenset(changed & {name.id for tree in watching for name in names_in(tree)})
+    loops = [each for tree in node.compose for each in ast.walk(tree) if isinstance(each, ast.For)]
+    changed = names_in(*(each.target for each in loops)) | assigned_names(*node.compose)
+    watching: list[ast.AST] = [each.watched.tree for each in (*part.terminations, *part.records)]
+    watching += [each for tree in node.setup for each in ast.walk(tree) if isinstance(each, DEFINING)]
+    return changed & names_in(*watching)
 
 
-def names_in(tree: ast.AST) -> list[ast.Name]:
-    return [each for each in ast.walk(tree) if isinstance(each, ast.Name)]
-
-
-# ------------------------------------------------------------ routines
-
-
-def write_routines(c: Compilation, main: ScenarioInstance) -> None:
-    """Write how each scenario ends, and how its temporal requirements see a step."""
-    code = c.code
-    for part in main.family():
-        code.place = None if part.call is None else part.call.place
-        for label, write, title in (
-            (part.progress, see_steps, "temporal requirements of"),
-            (part.stop, stop, "end of"),
-        ):
-            if label.used:
-                c.output.titles[label] = f"{title} {part.name}"
-                code.reachable = True
-                code.put(label)
-                code.temporaries.used = code.temporaries.most  # others' intermediate results stay as they are
-                with c.within(part):
-                    write(c, part)
-                code.row(op.RESUME, part.back)
-
-
-def see_steps(c: Compilation, part: ScenarioInstance) -> None:
-    for each in part.temporal:
-        with c.code.statement():
-            see_step(c, each)
+def names_in(*trees: ast.AST) -> frozenset[str]:
+    return frozenset(each.id for tree in trees for each in ast.walk(tree) if isinstance(each, ast.Name))
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
@@ -258,18 +217,188 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
-    if part.parent is not None:
-        for monitor in part.monitors:
-            register_of(code, 0, monitor.slot)
     for each in part.parts:
-        each.call_routine(code, each.stop)
-    for property_ in part.overridden.values():
-        with code.when(property_.flag):
-            with code.statement():
-                property_.restore()
-            register_of(code, 0, property_.flag)
+        each.call_stop(code)
+    for key, (flag, before) in part.overridden.items():
+        with code.when(flag), code.statement():
+            c.keep(key, before.load())
     unsatisfied(c, part)
     if part.parent is not None:
         for register, value in part.resets:
             register_of(code, value, register)
     code.put(out)
+
+
+# ------------------------------------------------------------ what a setup makes
+
+
+def flag_if_live(c: Compilation, scope: CompiledScope) -> int | None:
+    """Return a register that says whether a match has come to a statement; None if that is certain."""
+    if not scope.inlined.live:
+        return None
+    flag = own_part(c).register(c.code)
+    register_of(c.code, 1, flag)
+    return flag
+
+
+def own_part(c: Compilation) -> ScenarioInstance:
+    """Return the scenario that keeps what a statement makes. Raises ScenicError if it may be executed again."""
+    if c.site.repeating:
+        raise ScenicError("unsupported", "this cannot be repeated in a match", hint="write it before the loop")
+    assert c.site.part is not None
+    return c.site.part
+
+
+def watch(
+    c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter | nodes.Record
+) -> None:
+    """Let the scenario watch a condition, a time limit or a value."""
+    assert c.site.part is not None
+    if isinstance(node, nodes.Record):
+        keep_record(scope, node)
+        kept, items = c.state.records, c.site.part.records
+    else:
+        keep_termination(scope, node)
+        kept, items = c.state.terminations, c.site.part.terminations
+    items.append(WatchedItem(kept.pop(), flag_if_live(c, scope)))
+
+
+def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMonitor) -> None:
+    """Start a monitor with the scenario, or at once if that is running."""
+    value = scope.value(node.call)
+    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+    call = with_own_arguments(c, value)
+    if c.site.setting_up:
+        assert c.site.part is not None
+        add_monitor(c, c.site.part, call, flag_if_live(c, scope))
+    else:
+        launch(c, add_monitor(c, own_part(c), call, None))
+
+
+def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
+    """Return a behavior or monitor whose arguments stay as they are now."""
+    return replace(call, arguments={name: store_in_register(c.code, each) for name, each in call.arguments.items()})
+
+
+def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall, flag: int | None) -> Thread:
+    where = "" if part.parent is None else f" of {part.name}"
+    title = f"monitor {call.behavior.name}{where}"
+    part.monitors.append(Thread(title, part.register(c.code), call, flag=flag, number=len(part.monitors)))
+    c.code.notes[part.monitors[-1].slot] = f"{call.behavior.name}.slot"
+    return part.monitors[-1]
+
+
+def launch(c: Compilation, thread: Thread) -> None:
+    """Check the guards of a monitor or behavior, and let it begin."""
+    with nullcontext() if thread.flag is None else c.code.when(thread.flag):
+        check_first(c, thread)
+        c.code.row(op.SET_SLOT, thread.slot, c=thread.entry)
+
+
+def check_first(c: Compilation, thread: Thread) -> None:
+    """Check the guards of what begins."""
+    assert thread.call is not None
+    node = thread.call.behavior.node
+    if node.preconditions or node.invariants:
+        with c.at(agent=thread.agent), c.round(node, len(c.output.rejections)), c.entered(thread.call.behavior, node):
+            check_guards(c, frame_of(c, thread.call))
+
+
+# ------------------------------------------------------------ override
+
+
+def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
+    """Compile `override object with p v, ...`, until the scenario ends."""
+    target = scope.value(node.target)
+    if isinstance(target, RandomChoice):
+        raise ScenicError("unsupported", "`override` of whichever object a match finds")
+    if not isinstance(target, Instance) or not target.label:
+        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+    values: dict[str, Value] = {}
+    for each in node.specifiers:
+        name, value = overridden_property(scope, each)
+        if name in c.shown.names:
+            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
+        if name not in target.properties:
+            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
+        values[name] = value if isinstance(value, RandomChoice) else checked(name, value, c.program.dialect)
+    for name, value in values.items():
+        if name != "behavior":
+            c.refuse_live(target, name)
+            set_until_end(c, ("object", target.label, name), value)
+    if "behavior" in values:
+        override_behavior(c, target, values["behavior"])
+
+
+def set_until_end(c: Compilation, key: Key, value: Value) -> None:
+    """Give an object another property until the scenario ends, which then gives back what was before."""
+    part, code, done = c.site.part, c.code, Label()
+    assert part is not None
+    if key not in part.overridden:
+        before = Variable(code, c.types, (*part.site.path, "before", *key), shared=True)
+        part.overridden[key] = part.register(code), before
+    flag, before = part.overridden[key]
+    code.row(op.JUMP_IF, flag, c=done)
+    before.store(c.shared_variable(key).load())
+    register_of(code, 1, flag)
+    code.put(done)
+    c.keep(key, value)
+
+
+def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
+    """Give an object another behavior, or one of several: a register says which one it has now."""
+    numbers, cases = [], {}
+    known = c.drivers.setdefault(target.label, [])
+    for i, call in enumerate(value.options if isinstance(value, RandomChoice) else (value,)):
+        numbers.append(NOBODY)
+        call = checked("behavior", call, c.program.dialect)
+        if call is not None:
+            assert c.site.part is not None
+            title = f"{target.title()}: {call.behavior.name} (override in {c.site.part.name})"
+            numbers[-1] = 1 + len(known)
+            known.append(Thread(title, c.code.fixed.take(), with_own_arguments(c, call), target, number=numbers[-1]))
+            cases[i] = partial(launch, c, known[-1])
+    key = ("object", target.label, BEHAVIOR)
+    if isinstance(value, RandomChoice):
+        set_until_end(c, key, choose(value.index, numbers))
+        c.code.dispatch(register_of(c.code, value.index), cases)
+    else:
+        set_until_end(c, key, numbers[0])
+        for write in cases.values():
+            write()
+
+
+# ------------------------------------------------------------ temporal requirements
+
+
+def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
+    """Make a temporal requirement during the match: its scenario watches it from the next step on."""
+    part, own = own_part(c), with_present_names(c, scope, node)
+    watched = Watched(node, scope.place(node), own, node.name or source_text(scope, node))
+    state = part.register(c.code, -1)
+    part.temporal.append(WatchedItem(watched, state, Automaton(formula_of(node.condition)), own))
+    register_of(c.code, 0, state)
+
+
+def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require) -> CompiledScope:
+    """Return a frame in which the names of a condition keep the values that they have now."""
+    code, names = c.code, dict[str, Value]()
+    at: Environment | None = scope
+    outside, code.variables = code.variables, code.fixed
+    while isinstance(at, CompiledScope):
+        for name in sorted(names_in(node.condition) & set(at.locals) - set(names)):
+            names[name] = store_in_register(code, at.locals[name])
+        at = at.outer
+    code.variables = outside
+    inlined = InlinedBody((*c.site.path, id(node)), Label(), scope.inlined.behavior)
+    return CompiledScope(c, scope.source, names, scope, inlined)
+
+
+SETTING_UP: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
+    nodes.Override: override,
+    nodes.RequireMonitor: require_monitor,
+    nodes.TerminateWhen: watch,
+    nodes.TerminateAfter: watch,
+    nodes.Record: watch,
+}

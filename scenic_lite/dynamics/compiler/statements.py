@@ -109,7 +109,9 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
     """Heed `ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
     if target.id not in TRACKED:
         return
-    if not c.site.setting_up or scope.inlined.live or scope.inlined.behavior is not c.part_behavior:
+    part = c.site.part
+    own = c.site.setting_up and part is not None and part.scope is scope and not scope.inlined.live
+    if not own:
         hint = "only the setup of a scenario may, and not in a branch"
         raise ScenicError("unsupported", f"no match can change {target.id} here", hint=hint)
     TRACKED[target.id](scope, target, value)
@@ -324,11 +326,17 @@ def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> No
     c.code.put(fine)
 
 
+REFUSED = {
+    ast.ClassDef: ("a class cannot be compiled for a match", "write it outside of behaviors"),
+    ast.Delete: ("`del` cannot be compiled for a match", "leave it, or give what changes a name of its own"),
+    nodes.Param: ("`param` has no meaning in a match", "write it in the main scenario"),
+    nodes.Mutate: ("`mutate` has no meaning in a match", "write it in the main scenario"),
+}
+
+
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
-    word, hint = f"`{type(node).__name__.lower()}`", "write it outside of behaviors"
-    if isinstance(node, ast.Delete):
-        word, hint = "`del`", "leave it, or give what changes a name of its own"
-    raise ScenicError("unsupported", f"{word} cannot be compiled for a match", hint=hint)
+    message, hint = REFUSED[type(node)]
+    raise ScenicError("unsupported", message, hint=hint)
 
 
 def define(c: Compilation, scope: CompiledScope, node: ast.FunctionDef) -> None:
@@ -358,8 +366,7 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Assert: compile_assert,
     ast.Pass: skip,
     ast.FunctionDef: define,
-    ast.Delete: refuse,
     ast.Global: declare,
     ast.Nonlocal: declare,
-    ast.ClassDef: refuse,
+    **dict.fromkeys(REFUSED, refuse),
 }

@@ -1,24 +1,28 @@
-"""What watches a match: guards at its start, temporal requirements, `terminate when`, `terminate after`, `record`.
+"""What watches a match: `terminate when`, `terminate after`, `record`, temporal requirements.
 
 A temporal requirement is a small automaton: what remains to be required after a step (`temporal`) is its state, the
-truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.compile`.
+truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.threads`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from itertools import product
 
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
+from scenic_lite.core.types import RandomChoice
 from scenic_lite.dynamics.compiler.choices import branch, needs_number
 from scenic_lite.dynamics.compiler.code import Label, Operands
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
+from scenic_lite.dynamics.compiler.compilation import (
+    Compilation,
+    CompiledScope,
+    InlinedBody,
+    ScenarioInstance,
+    WatchedItem,
+)
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
-from scenic_lite.dynamics.compiler.interrupts import check_guards, frame_of
-from scenic_lite.dynamics.compiler.parts import ScenarioInstance, Temporal, WatchedItem
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
 from scenic_lite.dynamics.machine import opcodes as op
@@ -34,23 +38,23 @@ MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for
 
 
-def start(c: Compilation, main: ScenarioInstance, calls: list[tuple[Instance | None, BehaviorCall]]) -> None:
-    """Check before all else the guards of the main scenario, of behaviors and of monitors; note the time limit."""
-    if main.scope is not None:
-        check_guards(c, main.scope)
-    limit_of(c, main)
-    for agent, call in calls:
-        node, number = call.behavior.node, len(c.output.rejections)
-        with c.acting(agent), c.round(node, number), c.entered(call.behavior, node):
-            c.code.place = call.place
-            check_guards(c, frame_of(c, call))
-
-
 def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
     """Return the names that a statement outside of behaviors sees."""
     c.code.place = watched.place
     inlined = InlinedBody((*c.site.path, id(watched.tree)), Label())
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
+
+
+def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[None]:
+    """Rows written inside are for a statement that the match has come to."""
+    return nullcontext() if item.register is None else c.code.when(item.register)
+
+
+def each_running(c: Compilation, main: ScenarioInstance) -> Iterator[ScenarioInstance]:
+    """Yield each scenario; rows written before the next one are for this one while it runs."""
+    for part in main.family():
+        with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
+            yield part
 
 
 # ------------------------------------------------------------ ends
@@ -74,11 +78,6 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
             register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
 
 
-def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[None]:
-    """Rows written inside are for a statement that the match has come to."""
-    return nullcontext() if item.flag is None else c.code.when(item.flag)
-
-
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
     """Compile `terminate [simulation] when`: end something with the label of the first that holds."""
     for each in part.terminations:
@@ -97,18 +96,9 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
         register_of(c.code, RegisterValue(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
         c.code.row(op.JUMP, c=done)
 
-    for i, part in enumerate(main.family()):
-        with while_running(c, part, i):
-            conditions(c, part, "simulation", end)
+    for part in each_running(c, main):
+        conditions(c, part, "simulation", end)
     c.code.put(done)
-
-
-@contextmanager
-def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterator[None]:
-    """Rows written inside are for a scenario while it runs."""
-    running = nullcontext() if part.parent is None else c.code.when(part.running)
-    with running, c.within(part), c.numbered(number):
-        yield
 
 
 # ------------------------------------------------------------ records
@@ -116,13 +106,11 @@ def while_running(c: Compilation, part: ScenarioInstance, number: int) -> Iterat
 
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
     """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
-    code = c.code
-    for i, part in enumerate(main.family() if when != "final" else [main]):
-        with while_running(c, part, i):
-            for each in part.records:
-                if each.watched.tree.when == when:
-                    with code.statement():
-                        take_record(c, each)
+    for part in each_running(c, main):
+        for each in part.records if when != "final" or part is main else ():
+            if each.watched.tree.when == when:
+                with c.code.statement():
+                    take_record(c, each)
 
 
 def take_record(c: Compilation, item: WatchedItem) -> None:
@@ -151,13 +139,6 @@ def in_registers(c: Compilation, value: Value) -> Value:
     return value
 
 
-def forget_records(c: Compilation) -> None:
-    """Forget what has been recorded in the last step."""
-    for each in c.output.records:
-        if each.when == "each":
-            register_of(c.code, -1, each.taken)
-
-
 # ------------------------------------------------------------ temporal requirements
 
 
@@ -166,28 +147,16 @@ class Automaton:
 
     def __init__(self, formula: Formula) -> None:
         self.states: list[Formula] = [formula]
-        self.atoms: list[list] = []
-        self.next: list[list[int]] = []
+        self.atoms: list[list] = []  # what each state asks for
+        self.next: list[list[int]] = []  # the numbers of the states that follow, by the truths of these
         for state in self.states:  # grows while it is gone through
-            self._explore(state)
-
-    def _explore(self, state: Formula) -> None:
-        atoms: list = []
-
-        def note(expression) -> bool:
-            if expression not in atoms:
-                atoms.append(expression)
-            return True
-
-        state.after(note)
-        if len(atoms) > MOST_ATOMS:
-            raise ScenicError("unsupported", f"a temporal requirement of more than {MOST_ATOMS} conditions at once")
-        following = []
-        for truths in product((False, True), repeat=len(atoms)):
-            known = dict(zip(atoms, truths, strict=True))
-            following.append(self._number(state.after(known.__getitem__)))
-        self.atoms.append(atoms)
-        self.next.append(following)
+            atoms: list = []
+            state.after(lambda atom, atoms=atoms: atom in atoms or atoms.append(atom) is None)  # type: ignore[misc]
+            if len(atoms) > MOST_ATOMS:
+                raise ScenicError("unsupported", f"a temporal requirement of more than {MOST_ATOMS} conditions at once")
+            steps = [dict(zip(atoms, truths, strict=True)) for truths in product((False, True), repeat=len(atoms))]
+            self.atoms.append(atoms)
+            self.next.append([self._number(state.after(known.__getitem__)) for known in steps])
 
     def _number(self, state: Formula) -> int:
         if state not in self.states:
@@ -197,16 +166,19 @@ class Automaton:
         return self.states.index(state)
 
 
-def see_step(c: Compilation, each: Temporal) -> None:
-    """Write rows that let a temporal requirement see the step."""
-    scope = each.scope or frame_for(c, each.watched)
-    with each.watched.bindings.restored(c.state) if each.watched.bindings is not None else nullcontext():
-        progress(c, each, scope)
+def see_steps(c: Compilation, part: ScenarioInstance) -> None:
+    """Write rows that let the temporal requirements of a scenario see a step."""
+    for each in part.temporal:
+        bindings = each.watched.bindings
+        with c.code.statement(), nullcontext() if bindings is None else bindings.restored(c.state):
+            progress(c, each, each.scope or frame_for(c, each.watched))
 
 
-def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
-    code, automaton, state = c.code, each.automaton, each.state
-    c.code.place = each.watched.place
+def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
+    """Write rows that put a requirement into the state that follows."""
+    code, automaton, state = c.code, item.automaton, item.register
+    assert state is not None
+    code.place = item.watched.place
     end = Label()
     for number, (atoms, following) in enumerate(zip(automaton.atoms, automaton.next, strict=True)):
         if isinstance(automaton.states[number], Settled):
@@ -223,21 +195,22 @@ def progress(c: Compilation, each: Temporal, scope: CompiledScope) -> None:
         code.row(op.JUMP, c=end)
         code.put(other)
     code.put(end)
-    refuse(c, each.watched, state, [i for i, each in enumerate(automaton.states) if each == Settled(False)])
+    refuse(c, item, lambda rest: rest == Settled(False))
 
 
 def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
     """Reject the match at the end of a scenario for what was required and has not come."""
     for each in part.temporal:
         c.code.place = each.watched.place
-        states = each.automaton.states
-        refuse(c, each.watched, each.state, [i for i, state in enumerate(states) if not state.at_end()])
+        refuse(c, each, lambda rest: not rest.at_end())
 
 
-def refuse(c: Compilation, watched: Watched, state: int, bad: list[int]) -> None:
-    """Reject the match in some states."""
-    for number in bad:
-        fine = Label()
-        c.code.row(op.JUMP_NOT_EQUAL, state, c.code.constant(number), fine)
-        c.reject(watched.label)
-        c.code.put(fine)
+def refuse(c: Compilation, item: WatchedItem, bad: Callable[[Formula], bool]) -> None:
+    """Reject the match in the bad states of a requirement."""
+    assert item.register is not None
+    for number, rest in enumerate(item.automaton.states):
+        if bad(rest):
+            fine = Label()
+            c.code.row(op.JUMP_NOT_EQUAL, item.register, c.code.constant(number), fine)
+            c.reject(item.watched.label)
+            c.code.put(fine)
