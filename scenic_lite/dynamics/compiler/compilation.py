@@ -34,7 +34,7 @@ DEEPEST = 40  # behaviors and functions inside each other
 
 @dataclass(eq=False)
 class Loop:
-    """Where `break` and `continue` lead; `leave` stores what the loop's target is when it is left."""
+    """Where `break` and `continue` lead."""
 
     exit: Label
     again: Label
@@ -84,12 +84,13 @@ class CompiledScope(Scope):
                 return
             super().run((node,))
 
-    def assign(self, name: str, value: Value) -> None:
-        if name in self.globals:
+    def assign(self, name: str, value: Value, anywhere: bool = False) -> None:
+        """Assign a variable; `anywhere`: change what a name stands for, whoever it belongs to."""
+        owner = self.owner_of(name, anywhere)
+        if owner is None:
             self.compilation.keep_global(self, name, value)
             return
-        if name in self.nonlocals:
-            owner = self.owner_of(name)
+        if owner is not self:
             owner.assign(name, value)
             return
         self.undecided.discard(name)
@@ -102,34 +103,27 @@ class CompiledScope(Scope):
         if name in self.flags:
             code.row(op.COPY, self.flags[name], code.constant(1))
 
+    def owner_of(self, name: str, anywhere: bool) -> CompiledScope | None:
+        """Return the frame whose variable is assigned, None for the module's. Raises ScenicError if that is gone."""
+        if name in self.globals:
+            return None
+        if not anywhere and name not in self.nonlocals:
+            return self
+        scope: Environment | None = self if anywhere else self.outer
+        while scope is not None and name not in scope.locals and scope.locals is not scope.module_names:
+            scope = scope.outer
+        if isinstance(scope, CompiledScope):
+            return scope
+        if name in self.module_names:
+            return None
+        message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
+        raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
+
     def lookup(self, name: str) -> Value:
         if name in self.undecided:
             message = f"what '{name}' is after a loop with `break` the match decides"
             raise ScenicError("unsupported", message, hint="assign it to a variable of its own before the break")
         return super().lookup(name)
-
-    def owner_of(self, name: str) -> CompiledScope:
-        """Return the frame around this one whose variable it is."""
-        scope = self.outer
-        while scope is not None and name not in scope.locals:
-            scope = scope.outer
-        if not isinstance(scope, CompiledScope):
-            message = f"'{name}' belongs to a function that is over, and cannot be assigned in a match"
-            raise ScenicError("unsupported", message)
-        return scope
-
-    def assign_where_it_is(self, name: str, value: Value) -> None:
-        """Change what a name stands for, whoever it belongs to."""
-        scope: Environment | None = self
-        while scope is not None and name not in scope.locals and scope.locals is not scope.module_names:
-            scope = scope.outer
-        if isinstance(scope, CompiledScope):
-            scope.assign(name, value)
-        elif name in self.module_names:
-            self.compilation.keep_global(self, name, value)
-        else:
-            message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
-            raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
 
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
@@ -366,8 +360,7 @@ class Compilation:
         if key in self.shared:
             return self.shared[key]
         table, name = self.table_of(key), key[2]
-        if key[0] == "global" and name in table:
-            assert isinstance(key[1], int)
+        if isinstance(key[1], int) and name in table:
             self.before.setdefault(key[1], {})[name] = table[name]
         if key not in self.types.types:  # what was read of it before was taken for fixed
             self.types.outdated.add(key)

@@ -100,7 +100,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
 def rebind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
     """Assign what has changed, to a variable wherever that belongs."""
     if isinstance(target, ast.Name):
-        scope.assign_where_it_is(target.id, value)
+        scope.assign(target.id, value, anywhere=True)
     else:
         bind(c, scope, target, value)
 

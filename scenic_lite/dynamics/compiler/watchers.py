@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import product
 
 from scenic_lite.core.state import Watched
@@ -50,11 +50,11 @@ def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[Non
     return nullcontext() if item.register is None else c.code.when(item.register)
 
 
-def each_running(c: Compilation, main: ScenarioInstance) -> Iterator[ScenarioInstance]:
-    """Yield each scenario; rows written before the next one are for this one while it runs."""
-    for part in main.family():
-        with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
-            yield part
+@contextmanager
+def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
+    """Rows written inside are for a scenario while it runs."""
+    with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
+        yield
 
 
 # ------------------------------------------------------------ ends
@@ -96,8 +96,9 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
         register_of(c.code, RegisterValue(c.reason(f"simulationTerminationCondition: {label}")), TERMINATED)
         c.code.row(op.JUMP, c=done)
 
-    for part in each_running(c, main):
-        conditions(c, part, "simulation", end)
+    for part in main.family():
+        with while_running(c, part):
+            conditions(c, part, "simulation", end)
     c.code.put(done)
 
 
@@ -106,9 +107,10 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
     """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
-    for part in each_running(c, main):
-        for each in part.records if when != "final" or part is main else ():
-            if each.watched.tree.when == when:
+    for part in main.family() if when != "final" else [main]:
+        items = [each for each in part.records if each.watched.tree.when == when]
+        with while_running(c, part) if items else nullcontext():
+            for each in items:
                 with c.code.statement():
                     take_record(c, each)
 
