@@ -76,15 +76,10 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
         context = Context(context.kind, context.name)
     elif isinstance(node, nodes.Interrupt):
         context = context._replace(handler=True)
-    outer = context
+    outer, after = context, set()
     if isinstance(node, ast.For | ast.While):
-        context = context._replace(loop=True)
-    for name, value in ast.iter_fields(node):
-        if isinstance(value, ast.AST):
-            yield value, context
-        elif isinstance(value, list):
-            inner = outer if name == "orelse" else context
-            yield from ((each, inner) for each in value if isinstance(each, ast.AST))
+        context, after = context._replace(loop=True), set(map(id, node.orelse))
+    yield from ((each, outer if id(each) in after else context) for each in ast.iter_child_nodes(node))
 
 
 class _Checker:

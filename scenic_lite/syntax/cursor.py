@@ -88,10 +88,10 @@ class Cursor:
             return self.is_plain_name(token) or token.text in VALUES or token.text == "new"
         return token.kind in ("number", "string") or (token.kind == "operator" and token.text in signs)
 
-    @property
-    def ends_statement(self) -> bool:
-        """Return whether the statement ends before the next token."""
-        return self.token.kind in ("newline", "end") or self.token.text == ";"
+    def ends_statement(self, token: Token | None = None) -> bool:
+        """Return whether a statement ends before a token, by default the next one."""
+        token = token or self.token
+        return token.kind in ("newline", "end") or token.text == ";"
 
     @property
     def previous(self) -> Token:

@@ -18,26 +18,21 @@ from typing import dataclass_transform
 
 
 @dataclass_transform()
-class Expression(ast.expr):
-    """What Scenic adds to the expressions; annotated names of a subclass become its fields."""
+class _Declared(ast.AST):
+    """Makes of a subclass's annotated names what `ast` goes by: `_fields`, `_attributes` of those with a default."""
 
     def __init_subclass__(cls) -> None:
-        _declare(cls)
+        names = inspect.get_annotations(cls)
+        cls._fields = tuple(name for name in names if name not in cls.__dict__)
+        cls._attributes = (*cls._attributes, *(name for name in names if name in cls.__dict__))
 
 
-@dataclass_transform()
-class Statement(ast.stmt):
-    """What Scenic adds to the statements; annotated names of a subclass become its fields."""
-
-    def __init_subclass__(cls) -> None:
-        _declare(cls)
+class Expression(_Declared, ast.expr):
+    """What Scenic adds to the expressions."""
 
 
-def _declare(cls: type[ast.AST]) -> None:
-    """Set `_fields` and `_attributes`, which `ast` goes by, from the annotations of a class."""
-    names = inspect.get_annotations(cls)
-    cls._fields = tuple(name for name in names if name not in cls.__dict__)
-    cls._attributes = (*cls._attributes, *(name for name in names if name in cls.__dict__))
+class Statement(_Declared, ast.stmt):
+    """What Scenic adds to the statements."""
 
 
 class New(Expression):

@@ -16,7 +16,16 @@ from functools import partial
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes, statements
 from scenic_lite.syntax.cursor import LOAD, STORE, Cursor, describe
-from scenic_lite.syntax.expressions import arguments, atom, bracketed_parameters, condition, element, listed, strings
+from scenic_lite.syntax.expressions import (
+    arguments,
+    atom,
+    bracketed_parameters,
+    condition,
+    element,
+    listed,
+    row,
+    strings,
+)
 from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
 from scenic_lite.syntax.lexer import Source, Token, tokens
 from scenic_lite.syntax.operators import (
@@ -108,11 +117,6 @@ def begins_action(c: Cursor, following: Token) -> bool:
     return begins_value(c, following)
 
 
-def stands_alone(c: Cursor, following: Token) -> bool:
-    """Return whether nothing follows the word."""
-    return following.kind in ("newline", "end") or following.text == ";"
-
-
 def begins_definition(c: Cursor, following: Token) -> bool:
     """Return whether a name follows `behavior`, `monitor` or `scenario`."""
     return following.kind == "name" and following.text not in INFIX
@@ -137,18 +141,18 @@ def param(c: Cursor, start: Token) -> ast.stmt:
 
 def one_param(c: Cursor, node: nodes.Param) -> ast.expr:
     """Add `name = value` to a statement; returns the place of the name."""
-    place, name = param_name(c)
+    place, name = quoted_name(c, "the name of a parameter")
     c.expect("=", f'after the name of the parameter "{name}"', 'write "param name = value"')
     node.names.append(name)
     node.values.append(expression(c))
     return place
 
 
-def param_name(c: Cursor) -> tuple[ast.expr, str]:
+def quoted_name(c: Cursor, what: str) -> tuple[ast.expr, str]:
     """Read a name, or one in quotes; returns its place and its text."""
     start = c.token
     if start.kind != "string":
-        c.name("the name of a parameter")
+        c.name(what)
         return c.at(start, ast.Name(start.text, LOAD)), start.text
     value = strings(c)
     if not isinstance(value, ast.Constant) or not isinstance(value.value, str):
@@ -162,7 +166,7 @@ def require(c: Cursor, start: Token) -> ast.stmt:
         c.advance()
         return nodes.RequireMonitor(expression(c))
     probability = soft(c) if c.token.text == "[" else None
-    if c.ends_statement:
+    if c.ends_statement():
         c.fail('expected a condition after "require"')
     c.temporal = True
     test = condition(c)
@@ -186,14 +190,12 @@ def soft(c: Cursor) -> ast.expr:
 
 def as_name(c: Cursor) -> str | None:
     """Read `[as name]`; the name may stand in quotes."""
-    if not c.accept("as"):
-        return None
-    return param_name(c)[1] if c.token.kind == "string" else c.name("the name of a requirement or record").text
+    return quoted_name(c, "the name of a requirement or record")[1] if c.accept("as") else None
 
 
 def mutate(c: Cursor, start: Token) -> ast.stmt:
     """Read `mutate [objects] [by scale]`."""
-    targets = [] if c.ends_statement or c.token.text == "by" else listed(c, expression)
+    targets = [] if c.ends_statement() or c.token.text == "by" else listed(c, expression)
     return nodes.Mutate(targets, expression(c) if c.accept("by") else None)
 
 
@@ -252,7 +254,7 @@ def duration(c: Cursor, word: str | None) -> tuple[ast.expr | None, str | None]:
         return value, c.advance().text
     if c.token.text in ("second", "step"):
         c.fail(f'unknown unit "{c.token.text}"', f'write "{c.token.text}s"')
-    if c.dialect == 3 or (c.token.kind == "name" and not c.ends_statement):
+    if c.dialect == 3 or (c.token.kind == "name" and not c.ends_statement()):
         hint = nearest(c.token.text, UNITS) or f'write "{word} 3 seconds" or "{word} 3 steps"'
         c.missing('"seconds" or "steps"', hint)
     return value, "seconds"
@@ -265,7 +267,7 @@ def terminate(c: Cursor, start: Token) -> ast.stmt:
         return nodes.TerminateWhen(condition(c), scope, as_name(c))
     if scope == "scenario" and c.token.text == "after":
         return nodes.TerminateAfter(*duration(c, "after"))  # type: ignore[arg-type]  # there is one
-    if not c.ends_statement:
+    if not c.ends_statement():
         hint = 'write "terminate when condition", "terminate after 10 seconds" or "terminate" alone'
         c.fail(f'unexpected {describe(c.token)} after "terminate"', hint)
     return nodes.Terminate(scope)
@@ -339,7 +341,7 @@ def property_default(c: Cursor, start: Token) -> ast.stmt:
             attributes.append(c.advance().text)
             c.accept(",")
     c.advance()
-    if c.ends_statement:
+    if c.ends_statement():
         c.fail(f'expected a default value for the property "{start.text}"')
     value = c.expression()
     if c.token.text != "=" or attributes:
@@ -347,7 +349,7 @@ def property_default(c: Cursor, start: Token) -> ast.stmt:
     c.advance()
     target = ast.Name(start.text, STORE)
     target.lineno, target.col_offset, target.end_lineno, target.end_col_offset = start[2:]
-    return ast.AnnAssign(target, value, statements.assigned_value(c), 1)
+    return ast.AnnAssign(target, value, row(c), 1)
 
 
 # ---------------------------------------------------------------- the tables
@@ -357,15 +359,15 @@ STATEMENTS = {
     ":": Rule(property_default),  # in the body of a class
     "model": Rule(lambda c, _: nodes.Model(statements.dotted_name(c, "a model")), lambda c, then: then.kind == "name"),
     "param": Rule(param, lambda c, then: then.kind in ("name", "string")),
-    "require": Rule(require, lambda c, then: begins_value(c, then) or stands_alone(c, then)),
-    "mutate": Rule(mutate, lambda c, then: c.is_name(then) or then.text == "by" or stands_alone(c, then)),
+    "require": Rule(require, lambda c, then: begins_value(c, then) or c.ends_statement(then)),
+    "mutate": Rule(mutate, lambda c, then: c.is_name(then) or then.text == "by" or c.ends_statement(then)),
     "record": Rule(record, begins_value),
     "simulator": Rule(lambda c, _: nodes.Simulator(expression(c)), begins_value),
     "override": Rule(override, Cursor.is_name),
     "take": Rule(lambda c, _: nodes.Take(listed(c, element)), begins_action),
-    "wait": Rule(wait, lambda c, then: then.text in ("for", "until") or stands_alone(c, then)),
+    "wait": Rule(wait, lambda c, then: then.text in ("for", "until") or c.ends_statement(then)),
     "do": Rule(do, begins_action),
-    "abort": Rule(lambda c, _: nodes.Abort(), stands_alone),
+    "abort": Rule(lambda c, _: nodes.Abort(), Cursor.ends_statement),
     "terminate": Rule(terminate, lambda c, then: then.kind != "operator" or then.text == ";"),
     "interrupt": Rule(statements.refused, begins_interrupt),
 }

@@ -128,7 +128,7 @@ def expression_statement(c: Cursor) -> ast.stmt:
             c.fail(f'cannot use "{text}" here', at=value)
         c.advance()
         c.stored(value)
-        return c.at(start, ast.AugAssign(value, AUGMENTED[text], assigned_value(c)))
+        return c.at(start, ast.AugAssign(value, AUGMENTED[text], expressions.row(c)))
     if text == ":" and isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
         return annotation(c, start, value)
     return c.at(start, ast.Expr(lone_class(c, value, start)))
@@ -142,16 +142,9 @@ def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
             c.fail("cannot assign to an instance", 'write "name = Class specifiers"', at=value)
         targets.append(c.stored(value))
         place = c.token
-        value = assigned_value(c)
+        value = expressions.row(c)
         c.check_chain(len(targets), "targets")
     return c.at(start, ast.Assign(targets, lone_class(c, value, place)))
-
-
-def assigned_value(c: Cursor) -> ast.expr:
-    """Read what follows an `=`."""
-    if c.token.kind in ("newline", "end"):
-        c.fail('expected a value after "="')
-    return expressions.row(c)
 
 
 def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
@@ -162,7 +155,7 @@ def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.S
             c.fail(f'unknown statement "{start.text}"', hint, at=start)
         c.fail('expected an annotation after ":"')
     kind = c.expression()
-    value = assigned_value(c) if c.accept("=") else None
+    value = expressions.row(c) if c.accept("=") else None
     simple = int(isinstance(target, ast.Name) and start.text != "(")
     c.stored(target)
     return c.at(start, ast.AnnAssign(target, kind, value, simple))
@@ -353,7 +346,7 @@ SIMPLE = {
     "pass": Rule(lambda c, start: ast.Pass()),
     "break": Rule(lambda c, start: ast.Break()),
     "continue": Rule(lambda c, start: ast.Continue()),
-    "return": Rule(lambda c, start: ast.Return(None if c.ends_statement else expressions.row(c))),
+    "return": Rule(lambda c, start: ast.Return(None if c.ends_statement() else expressions.row(c))),
     "assert": Rule(lambda c, start: ast.Assert(condition(c), c.expression() if c.accept(",") else None)),
     "del": Rule(
         lambda c, start: ast.Delete(
