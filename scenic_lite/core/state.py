@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from scenic_lite.core.budget import Budget, exceeded
 from scenic_lite.core.checks import RuntimeChecks
-from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance, Namespace, Source
+from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance, Namespace, Source, for_each_option
 from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector
@@ -148,6 +148,7 @@ class Handlers:
     builtins: dict[str, Value]
     call: Callable[..., Value]  # (scope, function, arguments, keywords, node) -> value
     unpack: Callable[..., None]  # (scope, target, value)
+    undecided: Callable[..., Value] = for_each_option  # (function, place of what is undecided, arguments, keywords)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ from typing import Any
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Located, Vector, as_vector
-from scenic_lite.values.graph import RandomExpr, Value, select
+from scenic_lite.values.graph import RandomExpr, Value, kind_of, select
 from scenic_lite.values.regions import Region, VectorField
 
 # ------------------------------------------------------------ names
@@ -167,8 +167,12 @@ class Instance(Located):
         return self.label or self.name or self.cls.name
 
 
+class Undecided:
+    """One of several values, or as long as a match decides: `Handlers.undecided` says how functions are done to it."""
+
+
 @dataclass(eq=False)
-class RandomChoice(Located):
+class RandomChoice(Undecided, Located):
     """A random one of several structured values (objects, regions, tuples); numbers, texts are `RandomExpr` instead."""
 
     index: RandomExpr
@@ -189,7 +193,8 @@ class RandomChoice(Located):
 
 def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
     """options[index], as simple a value as the options allow."""
-    if all(isinstance(option, int | float | str | RandomExpr) for option in options):
+    kinds = {kind_of(option) for option in options}
+    if "other" not in kinds and (len(kinds) == 1 or "text" not in kinds):
         return select(index, tuple(options))
     if all(isinstance(option, Vector) for option in options):
         return Vector(
@@ -199,20 +204,28 @@ def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
 
 
 def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
-    """Return a function that is mapped over the options of a random choice which it gets at one of these positions."""
+    """Return a function that is mapped over the options of a random choice which it gets at one of these positions.
+
+    Its first argument is the scope: the mode may do it in another way, or refuse it.
+    """
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
         @wraps(function)
         def mapped(*arguments: Any, **keywords: Any) -> Value:
-            at = next((i for i in positions if i < len(arguments) and isinstance(arguments[i], RandomChoice)), None)
-            if at is None:
-                return function(*arguments, **keywords)
-            before, after = arguments[:at], arguments[at + 1 :]
-            return arguments[at].each(lambda option: mapped(*before, option, *after, **keywords))
+            for at in positions:
+                if at < len(arguments) and isinstance(arguments[at], Undecided):
+                    return arguments[0].handlers.undecided(mapped, at, arguments, keywords)
+            return function(*arguments, **keywords)
 
         return mapped
 
     return decorate
+
+
+def for_each_option(function: Callable[..., Value], at: int, arguments: tuple, keywords: dict[str, Value]) -> Value:
+    """Return the same choice as argument `at` among what a function makes of its options."""
+    before, after = arguments[:at], arguments[at + 1 :]
+    return arguments[at].each(lambda option: function(*before, option, *after, **keywords))
 
 
 @dataclass(frozen=True, eq=False)

@@ -172,20 +172,23 @@ def keys_of(scope: Scope, node: ast.AST, keys: Value, value: Value = None) -> di
 # ------------------------------------------------------------ texts
 
 
-def represent(state: LoadState, value: Value, depth: int = 0) -> str:
-    """Return a value as it is written inside a container, a text in quotes."""
+def represent(state: LoadState, value: Value, depth: int = 0) -> Value:
+    """Return a value as it is written inside a container, a text in quotes; row by row if it is random."""
     if depth > DEEPEST:
         raise exceeded("a text of collections that are nested too deeply")
     if isinstance(value, dict):
-        pairs = (f"{represent(state, k, depth + 1)}: {represent(state, v, depth + 1)}" for k, v in value.items())
-        return f"{{{', '.join(pairs)}}}"
+        pairs = [represent(state, k, depth + 1) + ": " + represent(state, v, depth + 1) for k, v in value.items()]
+        return "{" + separated(state, pairs) + "}"
     if isinstance(value, list | tuple):
-        inside = ", ".join(represent(state, element, depth + 1) for element in value)
-        state.budget.text(len(inside))
-        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+        inside = separated(state, [represent(state, element, depth + 1) for element in value])
+        return "[" + inside + "]" if isinstance(value, list) else "(" + inside + "," * (len(value) == 1) + ")"
     if isinstance(value, Vector):
         x, y = represent(state, value.x), represent(state, value.y)
-        return f"({x} @ {y})" if state.dialect == 2 else f"Vector({x}, {y}, 0)"
+        return "(" + x + " @ " + y + ")" if state.dialect == 2 else "Vector(" + x + ", " + y + ", 0)"
+    if isinstance(value, RandomExpr):
+        return RandomExpr(array_represented, (value,), "text")
+    if isinstance(value, RandomChoice):
+        return value.each(lambda option: represent(state, option, depth))
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, int | float | str | range | type(None)):
@@ -193,6 +196,21 @@ def represent(state: LoadState, value: Value, depth: int = 0) -> str:
     if isinstance(value, ScenicClass) or (isinstance(value, Builtin) and value.types):
         return f"<class '{value.name}'>"
     return describe_kind(value)
+
+
+def array_represented(values: Any) -> Any:
+    """Return each element [N] as it is written inside a container."""
+    texts = [repr(element.item() if hasattr(element, "item") else element) for element in values]
+    return np.array(texts + [None], dtype=object)[:-1]
+
+
+def separated(state: LoadState, parts: list[Value]) -> Value:
+    """Return texts with commas between them."""
+    if not all(isinstance(part, str) for part in parts):
+        return reduce(lambda before, part: before + ", " + part, parts)
+    inside = ", ".join(parts)
+    state.budget.text(len(inside))
+    return inside
 
 
 @broadcasts_over_choices(1)

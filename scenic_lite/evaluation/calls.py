@@ -67,7 +67,7 @@ def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: Ran
 
 def call_node(scope: Scope, node: ast.Call) -> Value:
     function = scope.value(node.func)
-    return call(scope, function, *arguments_of(scope, function, node), node)
+    return scope.call(function, *arguments_of(scope, function, node), node)
 
 
 def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:

@@ -153,14 +153,14 @@ def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> N
 def unary(scope: Scope, node: ast.UnaryOp) -> Value:
     value = scope.value(node.operand)
     if not isinstance(node.op, ast.Not):
-        return apply_sign(node.op, value)
+        return apply_sign(scope, node.op, value)
     if isinstance(value, RandomExpr) and scope.mode.symbolic:
         return apply(NOT, value)
     return not scope.certain_truth(value, node.operand)
 
 
-@broadcasts_over_choices(1)
-def apply_sign(sign: ast.unaryop, value: Value) -> Value:
+@broadcasts_over_choices(2)
+def apply_sign(scope: Scope, sign: ast.unaryop, value: Value) -> Value:
     if isinstance(sign, ast.Invert) and isinstance(value, int):
         return ~value
     if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | RandomExpr):
@@ -244,10 +244,12 @@ def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: V
     scope.mode.budget.whole(left)
     scope.mode.budget.whole(right)
     scope.refuse_comparison(node, left, right)
-    if isinstance(left, RandomChoice):
-        return left.each(lambda option: compared(scope, node, sign, option, right))
-    if isinstance(right, RandomChoice):
-        return right.each(lambda option: compared(scope, node, sign, left, option))
+    return related(scope, sign, left, right)
+
+
+@broadcasts_over_choices(2, 3)
+def related(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
+    """Return whether `left sign right`, for all signs but `is` and `in`."""
     if isinstance(sign, ast.Eq | ast.NotEq):
         return equality(scope, sign, left, right)
     for side in (left, right):
@@ -296,7 +298,7 @@ def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Va
 def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Value:
     """`item in container`: a region holds points and objects, other containers elements."""
     if isinstance(container, Region):
-        inside = in_region(container, item)
+        inside = in_region(scope, container, item)
         if isinstance(inside, RandomExpr):
             scope.refuse_comparison(node, inside)
         return inside
@@ -310,12 +312,12 @@ def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Va
     result: Value = False
     for element in elements:
         same = element is item or compared(scope, node, ast.Eq(), item, element)
-        result = apply(OR, result, same)
+        result = same if result is False else apply(OR, result, same)
     return result
 
 
-@broadcasts_over_choices(1)
-def in_region(region: Region, item: Value) -> Value:
+@broadcasts_over_choices(2)
+def in_region(scope: Scope, region: Region, item: Value) -> Value:
     if is_object(item):
         return region.contains_corners(outline(item))
     point = as_vector(item)

@@ -24,7 +24,6 @@ from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.expressions import compared
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
 from scenic_lite.values.operations import AND, EQUAL, NOT, NOT_EQUAL, OR
 
@@ -226,19 +225,6 @@ def joined(c: Compilation, otherwise: Label, yes: Computed, no: Computed) -> Val
 
 
 # ------------------------------------------------------------ comparisons of two values
-
-
-def related(c: Compilation, scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """Return whether `left sign right`, for all signs but `is` and `in`."""
-    if isinstance(left, RandomChoice):
-        return over_options(c, left, lambda each: related(c, scope, node, sign, each, right))
-    if isinstance(right, RandomChoice):
-        return over_options(c, right, lambda each: related(c, scope, node, sign, left, each))
-    if isinstance(left, RegisterList) or isinstance(right, RegisterList):
-        raise ScenicError("unsupported", "lists whose length varies cannot be compared in a match")
-    if type(left) is not type(right) and None in (left, right) and isinstance(sign, ast.Eq | ast.NotEq):
-        return isinstance(sign, ast.NotEq)
-    return compared(scope, node, sign, left, right)
 
 
 def same_thing(left: Value, right: Value) -> Value:

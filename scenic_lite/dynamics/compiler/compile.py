@@ -7,7 +7,7 @@ are therefore written once. Code of their own need only
 
     statements, by jumps                                `statements`, `behaviors`, `interrupts`
     values that are one of several, conditions          `choices`, `expressions`
-    lists whose length the match decides                `lists`, `list_functions`
+    lists whose length the match decides                `lists`
     variables, by the type that they are assigned       `types`, `registers`
     operations of the graph, one row each               `emit`
     scenarios that run inside each other                `scenarios`, `watchers`
@@ -37,7 +37,7 @@ from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
-from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary
+from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary, for_undecided
 from scenic_lite.dynamics.compiler.layout import finished
 from scenic_lite.dynamics.compiler.registers import TypeTable
 from scenic_lite.dynamics.compiler.scenarios import SETTING_UP
@@ -108,6 +108,7 @@ def compile_mode(c: Compilation) -> Mode:
         expressions=loaded.handlers.expressions | own | {nodes.New: partial(new, c)},
         statements=loaded.handlers.statements | statements,
         call=call,
+        undecided=partial(for_undecided, c),
         builtins=loaded.handlers.builtins | {"simulation": simulation},
     )
     state = loaded.state.copy_to_play()

@@ -11,71 +11,59 @@ from collections.abc import Callable
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice
+from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import (
     boolean,
     conditional,
     either,
     opposite,
     over_options,
-    related,
     same_thing,
     truth,
     whole_choice,
 )
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
-from scenic_lite.dynamics.compiler.list_functions import FUNCTIONS
-from scenic_lite.dynamics.compiler.lists import DECIDED, comprehension, contains, item_at, refused
+from scenic_lite.dynamics.compiler.emit import is_whole, register_of
+from scenic_lite.dynamics.compiler.lists import DECIDED, FUNCTIONS, comprehension, contains, element_at, refused
 from scenic_lite.dynamics.compiler.registers import materialize, moves_to, registers_in, snapshot
 from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.access import attribute, item_of
+from scenic_lite.evaluation.access import item_of
 from scenic_lite.evaluation.builtins import text_of
-from scenic_lite.evaluation.calls import Return, arguments_of, call, seen_from
-from scenic_lite.evaluation.expressions import apply_sign, combine
+from scenic_lite.evaluation.calls import Return, call, check_signature, seen_from
+from scenic_lite.evaluation.expressions import apply_sign, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
-from scenic_lite.values.operations import AND
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, as_number, kind_of
+from scenic_lite.values.operations import ADD, AND, EQUAL, LESS
 
 
-def attribute_of(c: Compilation, scope: Scope, node: ast.Attribute) -> Value:
-    return attribute_named(c, scope, scope.value(node.value), node.attr)
-
-
-def attribute_named(c: Compilation, scope: Scope, value: Value, name: str) -> Value:
-    if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: attribute_named(c, scope, option, name))
+def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
+    """Do one of the evaluator's functions to whichever option it is in the match. Raises ScenicError for a list."""
+    before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
     if isinstance(value, RegisterList):
-        raise refused(f"{name}() of a list {DECIDED}", "it can be appended to; else write a loop or a comprehension")
-    return attribute(scope, value, name)
+        what, hint = REFUSED.get(function.__name__, (f"a list {DECIDED} cannot be used here", LOOP))
+        raise refused(what.format(*arguments), hint)
+    return over_options(c, value, lambda option: function(*before, option, *after, **keywords))
 
 
-def binary(c: Compilation, scope: Scope, node: ast.BinOp) -> Value:
-    return combination(c, scope, node.op, scope.value(node.left), scope.value(node.right))
-
-
-def combination(c: Compilation, scope: Scope, sign: ast.operator, left: Value, right: Value) -> Value:
-    """Return `left sign right`."""
-    if isinstance(left, RandomChoice):
-        return over_options(c, left, lambda each: combination(c, scope, sign, each, right))
-    if isinstance(right, RandomChoice):
-        return over_options(c, right, lambda each: combination(c, scope, sign, left, each))
-    if isinstance(left, RegisterList) or isinstance(right, RegisterList):
-        raise refused(f"a list {DECIDED} cannot be added to another or repeated", "append to it, or write one filter")
-    return combine(scope, sign, left, right)
+LOOP = "write a loop or a comprehension"
+REFUSED: dict[str, tuple[str, str]] = {  # by what is done to a list whose length the match decides
+    "attribute": (f"{{2}}() of a list {DECIDED}", "it can be appended to; else write a loop or a comprehension"),
+    "combine": (f"a list {DECIDED} cannot be added to another or repeated", "append to it, or write one filter"),
+    "related": (f"a list {DECIDED} cannot be compared", LOOP),
+    "text_of": (f"a list {DECIDED} cannot be written as text", "write its elements one by one"),
+}
 
 
 def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
     value = scope.value(node.operand)
-    return opposite(truth(value)) if isinstance(node.op, ast.Not) else with_sign(c, node.op, value)
+    return opposite(truth(value)) if isinstance(node.op, ast.Not) else apply_sign(scope, node.op, value)
 
 
-def with_sign(c: Compilation, sign: ast.unaryop, value: Value) -> Value:
-    if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: with_sign(c, sign, option))
-    return apply_sign(sign, value)
+# ------------------------------------------------------------ elements
 
 
 def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
@@ -83,28 +71,79 @@ def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
 
 
 def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
-    """Return `container[index]`."""
+    """Return `container[index]`; a fault if there is no such element."""
     if isinstance(container, RandomChoice):
-        return over_options(c, container, lambda each: item(c, scope, each, index))
+        return over_options(c, container, lambda option: item(c, scope, option, index))
     if isinstance(index, RandomChoice):
-        return over_options(c, index, lambda each: item(c, scope, container, each))
+        return over_options(c, index, lambda option: item(c, scope, container, option))
     ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
-    if isinstance(container, RegisterList) or any(isinstance(each, RandomExpr) for each in ends):
-        return item_at(c, scope, container, index)
-    return item_of(scope, container, index)
+    if not isinstance(container, RegisterList) and not any(isinstance(end, RandomExpr) for end in ends):
+        return item_of(scope, container, index)
+    if isinstance(index, slice):
+        raise refused(f"a slice of a list {DECIDED}, or up to where it decides")
+    if isinstance(container, dict):
+        return choose(place_of_key(c, container, index), list(container.values()))
+    if not is_whole(index := as_number(index)):
+        what = "a fraction" if kind_of(index) == "number" else describe_kind(index)
+        raise ScenicError("type", f"the index of a list is an integer, not {what}")
+    items = container if isinstance(container, RegisterList) else scope.elements(container, ast.Pass())
+    if isinstance(items, list) and not items:
+        raise ScenicError("value", "list index out of range")
+    length = items.length if isinstance(items, RegisterList) else len(items)
+    place = from_start(c.code, index, length)
+    if isinstance(items, RegisterList) or all(element is items[0] for element in items):  # no choice would tell
+        inside = c.code.temporaries.take()
+        c.code.row(op.IS_INDEX, inside, register_of(c.code, place), register_of(c.code, length))
+        c.code.fault_unless(inside, "list index out of range")
+    return element_at(c.code, items, place)
+
+
+def from_start(code: Assembler, index: Value, length: Value) -> Value:
+    """Return an index counted from the start of the list: a negative one counts from its end."""
+    if isinstance(index, int):
+        return index if index >= 0 else materialize(code, apply(ADD, length, index))
+    index = materialize(code, index)
+    negative = apply(LESS, index, 0)
+    return materialize(code, choose(as_number(negative), [index, apply(ADD, index, length)]))
+
+
+def place_of_key(c: Compilation, table: dict, key: Value) -> Value:
+    """Return the place of a live key among those of a dictionary; a fault if it is not there."""
+    if isinstance(key, RandomChoice):
+        keys = list(table)
+        known = [next((i for i, other in enumerate(keys) if other is option), len(keys)) for option in key.options]
+        place = materialize(c.code, choose(key.index, known))
+    else:
+        place = len(table)
+        for i, known_key in reversed(list(enumerate(table))):
+            same = materialize(c.code, apply(EQUAL, known_key, key))
+            place = choose(as_number(same), [place, i])
+        place = materialize(c.code, place)
+    inside = apply(LESS, place, len(table))
+    c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
+    return place
+
+
+def with_item(c: Compilation, scope: Scope, container: Value, index: Value, value: Value) -> Value:
+    """Return a container with another element."""
+    if isinstance(index, RandomExpr | RandomChoice | slice) or not isinstance(container, dict | list):
+        what = f"elements of {describe_kind(container)}" if not isinstance(container, RegisterList) else "elements"
+        raise refused(f"{what} where the match decides cannot be assigned", "use a variable for each of them")
+    if isinstance(container, dict):
+        return {**container, index: value}
+    changed = list(container)
+    changed[index] = value
+    return changed
+
+
+# ------------------------------------------------------------ texts, operators, comparisons
 
 
 def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
-    """Return a value as it stands in an f-string."""
-    spec = "" if node.format_spec is None else scope.value(node.format_spec)
-    return text_with(c, scope, scope.value(node.value), spec)
-
-
-def text_with(c: Compilation, scope: Scope, value: Value, spec: str) -> Value:
-    if isinstance(value, RandomChoice):
-        return over_options(c, value, lambda option: text_with(c, scope, option, spec))
-    if isinstance(value, RegisterList):
-        raise refused(f"a list {DECIDED} cannot be written as text", "write its elements one by one")
+    """Return a value as it stands in an f-string; a fraction has other formats than an integer."""
+    value, spec = scope.value(node.value), "" if node.format_spec is None else scope.value(node.format_spec)
+    if kind_of(value) == "number" and not is_whole(value):
+        format(0.5, spec)  # raises ValueError if the spec is none for it
     return text_of(scope, value, spec)
 
 
@@ -158,7 +197,7 @@ def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left:
     if isinstance(sign, ast.In | ast.NotIn):
         inside = contains(c, scope, node, right, left)
         return inside if isinstance(sign, ast.In) else opposite(inside)
-    return related(c, scope, node, sign, left, right)
+    return related(scope, sign, left, right)
 
 
 def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
@@ -167,11 +206,6 @@ def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.e
 
 
 # ------------------------------------------------------------ calls
-
-
-def call_node(c: Compilation, scope: Scope, node: ast.Call) -> Value:
-    function = scope.value(node.func)
-    return call_value(c, scope, function, *arguments_of(scope, function, node), node)
 
 
 def call_value(
@@ -198,9 +232,11 @@ def call_builtin(
     c: Compilation, scope: Scope, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     own = FUNCTIONS.get(function.name)
-    result = NotImplemented if own is None else own(c, scope, node, arguments, keywords)
-    if result is not NotImplemented:
-        return result
+    if own is not None:
+        check_signature(function, [scope, node, *arguments] if function.needs_context else arguments, keywords)
+        result = own(c, scope, node, *arguments, **keywords)
+        if result is not NotImplemented:
+            return result
     if any(isinstance(each, RegisterList) for each in arguments):
         raise refused(f"{function.name}() of a list {DECIDED}")
     at = next((i for i, each in enumerate(arguments) if isinstance(each, RandomChoice)), None)
@@ -325,9 +361,6 @@ def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
 
 
 EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {
-    ast.Call: call_node,
-    ast.Attribute: attribute_of,
-    ast.BinOp: binary,
     ast.UnaryOp: unary,
     ast.Subscript: subscript,
     ast.FormattedValue: formatted,

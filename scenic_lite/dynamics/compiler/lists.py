@@ -1,8 +1,9 @@
-"""Lists while a match runs: filters, `len`, the nearest by `min` with a key, one `sorted`, `append`, indices, `in`.
+"""Lists while a match runs: filters, loops, indices, `in`, `append`, and the built-in functions of lists.
 
 A fixed list is Python's own list of values. What is filtered or grown during a match stands in registers, as long as
-its first register says; it is read and looped over, but not cut, added to another or compared. A loop over many
-objects has one body, over few things one for each. Read next: `dynamics.compiler.expressions`.
+its first register says; it is read and looped over, but not cut, added to another or compared. `rounds` is how all that
+goes through a list does so: one body for many objects and for a list in registers, else one for each element. Read
+next: `dynamics.compiler.expressions`.
 """
 
 from __future__ import annotations
@@ -11,27 +12,25 @@ import ast
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Instance, RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.choices import jump_on, over_options, related, whole_choice
-from scenic_lite.dynamics.compiler.code import Assembler, Label, Row
+from scenic_lite.dynamics.compiler.choices import jump_on, over_options, truth
+from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
-from scenic_lite.dynamics.compiler.emit import jump, register_of
+from scenic_lite.dynamics.compiler.emit import is_live, is_whole, jump, register_of
 from scenic_lite.dynamics.compiler.registers import Place, materialize, moves_to, place_for, store
 from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, common_type, join, loaded, type_of
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import unpack
-from scenic_lite.evaluation.expressions import membership
-from scenic_lite.values.graph import RandomExpr, Value, apply, as_number
-from scenic_lite.values.operations import ADD, EQUAL, LESS, OR
-from scenic_lite.values.regions import Region
+from scenic_lite.evaluation.expressions import membership, related
+from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
+from scenic_lite.values.operations import ADD, AND, LESS, NEGATE, OR
 
 MANY = 8  # objects: a loop over so many has the same rows for all of them
-ADD_HERE = -2  # in place of an opcode: a comprehension adds an element here
 DECIDED = "whose length the match decides"
 
 
@@ -50,15 +49,16 @@ def refused(what: str, hint: str = "write a loop or a comprehension") -> ScenicE
 
 def elements(c: Compilation, scope: Scope, value: Value, node: ast.AST) -> list[Value]:
     """Return the elements of what has a fixed number of them."""
-    if isinstance(value, RandomChoice):
-        value = one_list(c, value)
+    value = one_list(c, value)
     if isinstance(value, RegisterList | LiveRange):
         raise scope.placed(refused(f"a list {DECIDED} cannot be taken apart here"), node)
     return scope.elements(value, node)
 
 
-def one_list(c: Compilation, value: RandomChoice) -> Value:
-    """Return a choice among lists as one list."""
+def one_list(c: Compilation, value: Value) -> Value:
+    """Return a choice among lists as one list, anything else as it is."""
+    if not isinstance(value, RandomChoice):
+        return value
     if not all(isinstance(option, list | tuple) for option in value.options):
         raise ScenicError("type", f"{describe_kind(value)} has no elements")
     options = [list(option) for option in value.options]
@@ -73,16 +73,19 @@ def in_registers(code: Assembler, items: Value, more: Value = None, capacity: in
     element = own.element if more is None else join(own.element, type_of(more))
     place = Place(code, ListType(element, max(own.capacity, capacity, 1)), code.variables)
     place.store(items)
-    copy = place.load()
-    assert isinstance(copy, RegisterList)
-    return copy
+    return place.load()
+
+
+# ------------------------------------------------------------ going through
+
+
+def are_objects(items: Value) -> bool:
+    return isinstance(items, list | tuple) and all(isinstance(item, Instance) and item.label for item in items)
 
 
 def many(items: Value) -> bool:
     """Return whether there are so many objects that a loop over them is worth one body for all."""
-    if not isinstance(items, list | tuple) or len(items) < MANY:
-        return False
-    return all(isinstance(each, Instance) and each.label for each in items)
+    return are_objects(items) and len(items) >= MANY
 
 
 @contextmanager
@@ -93,13 +96,108 @@ def loop(code: Assembler, items: RegisterList | list | tuple) -> Iterator[tuple[
         yield element_at(code, items, counter), counter, following
 
 
+def rounds(code: Assembler, items: RegisterList | list) -> Iterator[tuple[Value, Value, Label]]:
+    """Yield elements, with their places and the labels that begin the next rounds: rows written now are for them."""
+    if isinstance(items, RegisterList) or many(items):
+        with loop(code, items) as whole:
+            yield whole
+        return
+    for i, item in enumerate(items):
+        following = Label()
+        yield item, i, following
+        code.put(following)
+
+
+# ------------------------------------------------------------ comprehensions
+
+
+def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.GeneratorExp) -> Value:
+    """Return a list: fixed if its sources and tests are, else in registers."""
+    with c.code.captured() as rows:
+        fixed = fixed_elements(c, scope, node.generators, node.elt)
+    if fixed is None:
+        return Filter(c, node.elt).result(scope, node.generators)
+    c.code.rows.extend(rows)
+    return fixed
+
+
+def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
+    """Return the elements of a comprehension; None if the match decides which they are."""
+    first, *rest = generators
+    items = one_list(c, scope.value(first.iter))
+    if isinstance(items, RegisterList):
+        return None
+    result: list[Value] = []
+    for i, item in enumerate(elements(c, scope, items, first.iter)):
+        following = Label()
+        with c.round(first, i):
+            inner = tested(c, scope, first, item, following)
+            if following.used and c.code.reachable:
+                return None
+            if c.code.reachable:
+                more = fixed_elements(c, inner, rest, element) if rest else [materialize(c.code, inner.value(element))]
+                if more is None:
+                    return None
+                result += more
+        c.code.put(following)
+    return result
+
+
+def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Value, following: Label) -> Scope:
+    """Return the scope of one round; rows that follow are come to if the tests hold."""
+    inner = scope.inner({})
+    inner.transparent = True
+    unpack(inner, generator.target, item)
+    for test in generator.ifs:
+        jump_on(c, inner, test, following, when=False)
+    return inner
+
+
+class Filter:
+    """A comprehension of which the match decides which elements it has: loops around one row of `put`s."""
+
+    def __init__(self, c: Compilation, element: ast.expr) -> None:
+        self.c, self.element = c, element
+        self.count = c.code.variables.take()
+        self.items: RegisterList | list = []  # of what is never come to
+
+    def result(self, scope: Scope, generators: list) -> Value:
+        register_of(self.c.code, 0, self.count)
+        self._loop(scope, generators, 1)
+        return self.items
+
+    def _loop(self, scope: Scope, generators: list, most: int) -> None:
+        """Write the loop of the first generator, in it those of the others; `most`: rounds of those around it."""
+        (first, *rest), code = generators, self.c.code
+        items = one_list(self.c, scope.value(first.iter))
+        if not isinstance(items, RegisterList):
+            items = elements(self.c, scope, items, first.iter)
+            if not items:
+                return
+            items = items if are_objects(items) else in_registers(code, items)
+        most *= items.type.capacity if isinstance(items, RegisterList) else len(items)
+        with loop(code, items) as (item, _, following):
+            inner = tested(self.c, scope, first, item, following)
+            if code.reachable and rest:
+                self._loop(inner, rest, most)
+            elif code.reachable:
+                self._add(inner.value(self.element), most)
+
+    def _add(self, value: Value, most: int) -> None:
+        code = self.c.code
+        type = ListType(type_of(value), min(most, LONGEST))
+        start = code.variables.take(type.size - 1)
+        self.items = RegisterList(type, (self.count, *range(start, start + type.size - 1)))
+        put_item(code, self.items, value, checked=most > LONGEST)
+
+
 # ------------------------------------------------------------ elements
 
 
 def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value) -> Value:
     """Return an element that is known to be there."""
     if not isinstance(items, RegisterList):
-        return choose(index, items)
+        return items[index] if isinstance(index, int) else choose(index, items)
     if isinstance(index, int):
         return items.at(index)
     if items.type.element is None:
@@ -112,64 +210,6 @@ def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value
     return loaded(items.type.element, iter(registers))
 
 
-def item_at(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
-    """Return `container[index]` where one of both is live; a fault if there is no such element."""
-    if isinstance(index, slice):
-        raise refused(f"a slice of a list {DECIDED}, or up to where it decides")
-    if isinstance(container, dict):
-        return choose(place_of_key(c, container, index), list(container.values()))
-    if not isinstance(index, RandomExpr | int) or isinstance(index, bool):
-        raise ScenicError("type", f"the index of a list is an integer, not {describe_kind(index)}")
-    items = container if isinstance(container, RegisterList) else scope.elements(container, ast.Pass())
-    length = items.length if isinstance(items, RegisterList) else len(items)
-    place = from_start(c.code, index, length)
-    if isinstance(items, RegisterList) or all(each is items[0] for each in items):  # no choice would tell
-        inside = c.code.temporaries.take()
-        c.code.row(op.IS_INDEX, inside, register_of(c.code, place), register_of(c.code, length))
-        c.code.fault_unless(inside, "list index out of range")
-    if not isinstance(items, RegisterList) and not items:
-        raise ScenicError("value", "list index out of range")
-    return element_at(c.code, items, place)
-
-
-def from_start(code: Assembler, index: Value, length: Value) -> Value:
-    """Return an index counted from the start of the list: a negative one counts from its end."""
-    if isinstance(index, int):
-        return index if index >= 0 else materialize(code, apply(ADD, length, index))
-    index = materialize(code, index)
-    negative = apply(LESS, index, 0)
-    return materialize(code, choose(as_number(negative), [index, apply(ADD, index, length)]))
-
-
-def place_of_key(c: Compilation, table: dict, key: Value) -> Value:
-    """Return the place of a live key among those of a dictionary; a fault if it is not there."""
-    if isinstance(key, RandomChoice):
-        keys = list(table)
-        known = [next((i for i, each in enumerate(keys) if each is option), len(keys)) for option in key.options]
-        place = materialize(c.code, choose(key.index, known))
-    else:
-        place = len(table)
-        for i, each in reversed(list(enumerate(table))):
-            same = materialize(c.code, apply(EQUAL, each, key))
-            place = choose(as_number(same), [place, i])
-        place = materialize(c.code, place)
-    inside = apply(LESS, place, len(table))
-    c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
-    return place
-
-
-def with_item(c: Compilation, scope: Scope, container: Value, index: Value, value: Value) -> Value:
-    """Return a container with another element."""
-    if isinstance(index, RandomExpr | RandomChoice | slice) or not isinstance(container, dict | list):
-        what = f"elements of {describe_kind(container)}" if not isinstance(container, RegisterList) else "elements"
-        raise refused(f"{what} where the match decides cannot be assigned", "use a variable for each of them")
-    if isinstance(container, dict):
-        return {**container, index: value}
-    changed = list(container)
-    changed[index] = value
-    return changed
-
-
 # ------------------------------------------------------------ adding
 
 
@@ -178,128 +218,24 @@ def appended(c: Compilation, items: Value, item: Value) -> Value:
     if not isinstance(items, RegisterList):
         return [*items, item]
     longer = in_registers(c.code, items, item, LONGEST)
-    put_with_room(c.code, longer, item)
+    put_item(c.code, longer, item)
     return longer
 
 
-def put_with_room(code: Assembler, items: RegisterList, item: Value) -> None:
-    """Put an element behind the last, in place; a fault if there is no room."""
-    fits = code.temporaries.take()
-    code.row(op.LESS, fits, items.registers[0], code.constant(items.type.capacity))
-    code.fault_unless(fits, f"a list grows beyond {items.type.capacity} elements")
-    put_at_end(code, items, item)
-
-
-def put_at_end(code: Assembler, items: RegisterList, item: Value) -> None:
-    """Put an element behind the last, in place."""
-    element, length = items.type.element, items.registers[0]
+def put_item(code: Assembler, items: RegisterList, item: Value, checked: bool = True) -> None:
+    """Put an element behind the last, in place; a fault if there is no room, where that is `checked`."""
+    (element, capacity), length = (items.type.element, items.type.capacity), items.registers[0]
     assert element is not None
+    if checked:
+        fits = code.temporaries.take()
+        code.row(op.LESS, fits, length, code.constant(capacity))
+        code.fault_unless(fits, f"a list grows beyond {capacity} elements")
     start = code.temporaries.take(element.size)
     registers = range(start, start + element.size)
     store(code, list(moves_to(element, iter(registers), item)))
     for i, register in enumerate(registers):
-        code.row(op.STORE, items.registers[1 + i * items.type.capacity], length, register)
+        code.row(op.STORE, items.registers[1 + i * capacity], length, register)
     code.row(op.ADD, length, length, code.constant(1))
-
-
-class Gathered:
-    """The elements of a comprehension in turn, and marks in the rows where they are added.
-
-    If no match has a say in which they are, they are a fixed list; else the marks become rows that add to one in
-    registers, whose type is known by then.
-    """
-
-    def __init__(self, code: Assembler) -> None:
-        self.code = code
-        self.values: list[Value] = []
-        self.capacity = 0
-        self.rounds = 1  # of the loops with one body around the present element
-        self.live = False
-
-    def add(self, value: Value) -> None:
-        self.values.append(materialize(self.code, value))
-        self.capacity += self.rounds
-        self.code.rows.append(Row(ADD_HERE, len(self.values) - 1, 0, 0, self.code.place))
-
-    def result(self, rows: list[Row]) -> Value:
-        code = self.code
-        if self.live and self.values:
-            element, capacity = common_type(self.values), min(self.capacity, LONGEST)
-            items = Place(code, ListType(element, capacity), code.variables).load()
-            assert isinstance(items, RegisterList)
-            register_of(code, 0, items.registers[0])
-            put = put_at_end if capacity == self.capacity else put_with_room
-        for row in rows:
-            if row.opcode != ADD_HERE:
-                code.rows.append(row)
-            elif self.live:
-                code.known.clear()
-                put(code, items, self.values[row.a])
-        code.known.clear()
-        return items if self.live and self.values else self.values
-
-
-def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.GeneratorExp) -> Value:
-    """Return a list: fixed if its source and tests are."""
-    gathered = Gathered(c.code)
-    with c.code.captured() as rows:
-        gather(c, scope, node.generators, node.elt, gathered)
-    return gathered.result(rows)
-
-
-def gather(c: Compilation, scope: Scope, generators: list, element: ast.expr, gathered: Gathered) -> None:
-    """Write the rounds of the first generator, and in each those of the others."""
-    first, *rest = generators
-
-    def one_round(item: Value, following: Label) -> None:
-        inner = scope.inner({})
-        inner.transparent = True
-        unpack(inner, first.target, item)
-        for test in first.ifs:
-            jump_on(c, inner, test, following, when=False)
-        if c.code.reachable and rest:
-            gather(c, inner, rest, element, gathered)
-        elif c.code.reachable:
-            gathered.add(inner.value(element))
-
-    items = scope.value(first.iter)
-    items = one_list(c, items) if isinstance(items, RandomChoice) else items
-    if isinstance(items, RegisterList):
-        one_body(c, items, gathered, one_round)
-    else:
-        body_for_each(c, elements(c, scope, items, first.iter), first.iter, gathered, one_round)
-
-
-OneRound = Callable[[Value, Label], None]
-
-
-def one_body(c: Compilation, items: RegisterList | list, gathered: Gathered, one_round: OneRound) -> None:
-    """Write one body for all elements."""
-    outer, gathered.live = gathered.rounds, True
-    gathered.rounds *= items.type.capacity if isinstance(items, RegisterList) else len(items)
-    with loop(c.code, items) as (item, _, following):
-        one_round(item, following)
-    gathered.rounds = outer
-
-
-def body_for_each(c: Compilation, items: list, node: ast.AST, gathered: Gathered, one_round: OneRound) -> None:
-    """Write a body for each element; from the first on that the match decides about one body for many objects."""
-    code = c.code
-    for i, item in enumerate(items):
-        following, before = Label(), (len(gathered.values), gathered.capacity)
-        with c.round(node, i), code.captured() as rows:
-            one_round(item, following)
-        decided = following.used and code.reachable
-        code.reachable = True
-        if decided and many(items[i:]):
-            del gathered.values[before[0] :]
-            gathered.capacity = before[1]
-            one_body(c, items[i:], gathered, one_round)
-            return
-        gathered.live |= decided
-        code.rows.extend(rows)
-        if following.used:
-            code.put(following)
 
 
 # ------------------------------------------------------------ asking
@@ -307,18 +243,10 @@ def body_for_each(c: Compilation, items: list, node: ast.AST, gathered: Gathered
 
 def contains(c: Compilation, scope: Scope, node: ast.Compare, container: Value, item: Value) -> Value:
     """Return `item in container`."""
-    if isinstance(container, Region):
-        return membership(scope, node, whole_choice(item, c), container)
     if isinstance(container, RandomChoice):
-        return over_options(c, container, lambda each: contains(c, scope, node, each, item))
-    equals = partial(related, c, scope, node, ast.Eq(), item)
+        return over_options(c, container, lambda option: contains(c, scope, node, option, item))
     if isinstance(container, RegisterList):
-        return decided_by(c.code, container, equals, True)
-    if isinstance(item, RandomExpr | RandomChoice) and not isinstance(container, str):
-        inside: Value = False
-        for same in map(equals, scope.elements(container, node)):
-            inside = same if inside is False else apply(OR, inside, same)
-        return inside
+        return decided_by(c.code, container, partial(related, scope, ast.Eq(), item), True)
     return membership(scope, node, item, container)
 
 
@@ -330,3 +258,156 @@ def decided_by(code: Assembler, items: RegisterList, test: Callable[[Value], Val
         jump(code, test(item), following, when=not decisive)
         register_of(code, decisive, result)
     return RegisterValue(result, "truth", lasting=False)
+
+
+# ------------------------------------------------------------ functions
+
+
+def length(c: Compilation, scope: Scope, node: ast.AST, value: Value) -> Value:
+    return value.length if isinstance(value, RegisterList) else NotImplemented
+
+
+def to_range(c: Compilation, scope: Scope, node: ast.AST, *ends: Value) -> Value:
+    """Return `range` with live ends."""
+    if not any(isinstance(end, RandomExpr) for end in ends):
+        return NotImplemented
+    start, stop, step = [0, *ends, 1] if len(ends) == 1 else [*ends, 1][:3]
+    if not isinstance(step, int) or step == 0:
+        raise refused("the step of a range must be a fixed integer in a match", "")
+    return LiveRange(materialize(c.code, start), materialize(c.code, stop), step)
+
+
+def truth_of(c: Compilation, scope: Scope, node: ast.AST, value: Value = False) -> Value:
+    return truth(value)
+
+
+def to_list(c: Compilation, scope: Scope, node: ast.AST, values: Value = ()) -> Value:
+    values = one_list(c, values)
+    return values if isinstance(values, RegisterList) else NotImplemented
+
+
+def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: Value) -> Value:
+    """Return `any`, `all` of truths that may be live."""
+    if isinstance(values, RegisterList):
+        return decided_by(c.code, values, truth, decisive)
+    if not isinstance(values, list | tuple):
+        return NotImplemented
+    return reduce(partial(apply, OR if decisive else AND), map(truth, values), not decisive)
+
+
+def total(c: Compilation, scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value:
+    """Return `sum` of a list in registers."""
+    if not isinstance(values, RegisterList):
+        return NotImplemented
+    result = c.code.variables.take()
+    register_of(c.code, start, result)
+    with loop(c.code, values) as (item, _, _):
+        register_of(c.code, apply(ADD, RegisterValue(result), item), result)
+    return RegisterValue(result, whole=is_whole(values.at(0)), lasting=False)
+
+
+def extreme(
+    least: bool, c: Compilation, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...
+) -> Value:
+    """Return `min`, `max` with a key, or of a list in registers: the first of those that are equal."""
+    code, number = c.code, partial(number_of, c, scope, node, key)
+    items = one_list(c, values[0]) if len(values) == 1 else values
+    if not isinstance(items, RegisterList):
+        if key is None or not (items := [materialize(code, item) for item in elements(c, scope, items, node)]):
+            return NotImplemented
+    elif default is not ...:
+        place = place_for(code, [default, items.at(0)])
+        place.store(default)
+        with code.when(items.registers[0]):
+            place.store(element_at(code, items, place_of_extreme(code, items, number, least)))
+        return place.load()
+    else:
+        code.fault_unless(items.registers[0], "the least or greatest of no values")
+    return element_at(code, items, place_of_extreme(code, items, number, least))
+
+
+def place_of_extreme(code: Assembler, items: Value, number: Callable[[Value], Value], least: bool) -> RegisterValue:
+    """Return the place of the first element whose number is the least, or the greatest."""
+    best = RegisterValue(code.variables.take())
+    chosen = RegisterValue(code.variables.take(), whole=True, lasting=False)
+    for item, place, following in rounds(code, items):
+        mark, better = materialize(code, number(item)), Label()
+        if isinstance(place, RegisterValue):
+            code.row(op.JUMP_EQUAL, place.register, code.constant(0), better)
+        if isinstance(place, RegisterValue) or place > 0:
+            jump(code, apply(LESS, *((mark, best) if least else (best, mark))), following, when=False)
+        code.put(better)
+        register_of(code, mark, best.register)
+        register_of(code, place, chosen.register)
+    return chosen
+
+
+def number_of(c: Compilation, scope: Scope, node: ast.AST, key: Value, item: Value) -> Value:
+    """Return the number by which an element is compared."""
+    number = item if key is None else scope.call(key, [item], {}, node)
+    if isinstance(number, RegisterList) or kind_of(number) not in ("number", "truth"):
+        what = f"in a match elements are compared by numbers, not by {describe_kind(number)}"
+        raise refused(what, "give a key that is a number")
+    return number
+
+
+def in_order(
+    c: Compilation, scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False
+) -> Value:
+    """Return `sorted` by live keys: a list in registers."""
+    code, values = c.code, one_list(c, values)
+    if isinstance(reverse, RandomExpr):
+        raise refused("whether a list is sorted in reverse must be fixed in a match", "")
+    if not isinstance(values, RegisterList):
+        values = [materialize(code, item) for item in elements(c, scope, values, node)]
+        with code.captured():
+            keys = values if key is None else [scope.call(key, [item], {}, node) for item in values]
+        if not any(isinstance(each_key, RandomExpr | RandomChoice) for each_key in keys):
+            return NotImplemented
+    items = values if isinstance(values, RegisterList) else in_registers(code, values)
+    numbers, order = (code.variables.take(items.type.capacity) for _ in range(2))
+    for item, place, _ in rounds(code, values):
+        number = number_of(c, scope, node, key, item)
+        number = register_of(code, apply(NEGATE, number) if reverse else number)
+        code.row(op.STORE, numbers, register_of(code, place), number)
+    code.row(op.SORT, order, numbers, items.registers[0])
+    return permuted(code, items, order)
+
+
+def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
+    """Return the elements in the order of some indices."""
+    ordered = Place(code, items.type, code.variables).load()
+    register_of(code, items.length, ordered.registers[0])
+    place, value = code.temporaries.take(), code.temporaries.take()
+    with code.rounds(items.registers[0]) as (counter, _):
+        code.row(op.LOAD_INDEXED, place, order, counter.register)
+        for first in range(1, items.type.size, items.type.capacity):
+            code.row(op.LOAD_INDEXED, value, items.registers[first], place)
+            code.row(op.STORE, ordered.registers[first], counter.register, value)
+    return ordered
+
+
+def rounded(c: Compilation, scope: Scope, node: ast.AST, number: Value, ndigits: Value = None) -> Value:
+    """Return `round(x, digits)`."""
+    if not isinstance(ndigits, int) or not is_live(number):
+        return NotImplemented
+    register = c.code.temporaries.take()
+    c.code.row(op.ROUND_DIGITS, register, register_of(c.code, number), c.code.constant(ndigits))
+    return RegisterValue(register, lasting=False)
+
+
+# With the arguments of the evaluator's functions of these names, which go on where one of these gives NotImplemented.
+FUNCTIONS: dict[str, Callable[..., Value]] = {
+    "len": length,
+    "range": to_range,
+    "bool": truth_of,
+    "list": to_list,
+    "tuple": to_list,
+    "any": partial(folded, True),
+    "all": partial(folded, False),
+    "sum": total,
+    "min": partial(extreme, True),
+    "max": partial(extreme, False),
+    "sorted": in_order,
+    "round": rounded,
+}

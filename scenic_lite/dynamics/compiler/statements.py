@@ -17,7 +17,7 @@ from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, Loop, assigned_names, suspends
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.expressions import combination
+from scenic_lite.dynamics.compiler.expressions import with_item
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
     appended,
@@ -25,8 +25,7 @@ from scenic_lite.dynamics.compiler.lists import (
     loop,
     many,
     one_list,
-    put_with_room,
-    with_item,
+    put_item,
 )
 from scenic_lite.dynamics.compiler.registers import Variable, materialize, snapshot, store_in_register
 from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, type_of
@@ -36,6 +35,7 @@ from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.expressions import combine
 from scenic_lite.evaluation.statements import define_function, nothing
 from scenic_lite.language.classes import checked
 from scenic_lite.syntax import nodes
@@ -75,7 +75,7 @@ def augmented(c: Compilation, scope: CompiledScope, node: ast.AugAssign) -> None
         old = scope.value(ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target))
     else:
         old = scope.value(ast.copy_location(ast.Attribute(target.value, target.attr, ast.Load()), target))
-    bind(c, scope, target, combination(c, scope, node.op, old, scope.value(node.value)))
+    bind(c, scope, target, combine(scope, node.op, old, scope.value(node.value)))
 
 
 def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
@@ -130,7 +130,7 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
     variable = scope.variables.get(target.id) if isinstance(target, ast.Name) else None
     if variable is not None and isinstance(items, RegisterList):
         variable.declare(RegisterList(ListType(type_of(item), LONGEST), ()))
-        put_with_room(c.code, variable.load(), item)
+        put_item(c.code, variable.load(), item)
     else:
         rebind(c, scope, target, appended(c, items, item))
     return True
@@ -212,7 +212,7 @@ def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
 def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
     """Compile a loop: one body for numbers, for a list of the match and for many objects, else one for each element."""
     items = scope.value(node.iter)
-    items = one_list(c, items) if isinstance(items, RandomChoice) else items
+    items = one_list(c, items)
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
     if isinstance(items, LiveRange):

@@ -12,7 +12,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Bound, Builtin, Function, Instance, RandomChoice, describe_kind
+from scenic_lite.core.types import (
+    BehaviorCall,
+    Bound,
+    Builtin,
+    Function,
+    Instance,
+    RandomChoice,
+    Undecided,
+    describe_kind,
+)
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
@@ -88,7 +97,7 @@ class ListType(Type):
 
 
 @dataclass(frozen=True, eq=False)
-class RegisterList:
+class RegisterList(Undecided):
     """A list in registers: as long as the first one says."""
 
     type: ListType

@@ -5,6 +5,7 @@ ego = new Object at 0 @ 0, with behavior Main(), with requireVisible False
 mate = new Object at 4 @ Range(0, 3){other}, with requireVisible False
 foe = new Object at -4 @ 1, with requireVisible False
 things = [ego, mate, foe]
+word = Uniform('up', 'down')
 """
 PROGRAMS = {
     "global": """
@@ -131,6 +132,27 @@ behavior Main():
         else:
             take 'else'
         take n
+""",
+    "number or text": """
+behavior Main():
+    while True:
+        take mate.position.y and 'a', self.position.y > 3 or 'b'
+        take [1, 'x', 2][int(self.position.y) % 3], Uniform(1, 'x')
+        for x in [z for z in (1, 'x') if self.position.y > 4]:
+            take x
+""",
+    "values as texts": """
+behavior Main():
+    while True:
+        take str(self.position), f'{[self.position.y, word]} {(mate.position.y,)} {dict(a=self.position.y)}'
+""",
+    "filters of pairs": """
+behavior Main():
+    while True:
+        take sum([i for i, o in enumerate(things) if o.position.y > 2])
+        take sum([a.position.y - b.position.x for a in things for b in things if a.position.y > b.position.y + 0.5])
+        take sum([Range(0, 1) for o in things if o.position.y > 1 and Range(0, 1) < 0.5])
+        take len([n for n in [] if self.position.y > n])
 """,
     "dict comp": """
 behavior Main():

@@ -191,6 +191,12 @@ FAULTS = {
         4,
         "out of range",
     ),
+    "a fraction": (
+        "    take 'abc'[int(self.position.y)]\n    take 'abc'[self.position.y]\n",
+        3,
+        "an integer, not a fraction",
+    ),
+    "a format": ("    take f'{self.position.y:.2f}'\n    take f'{self.position.y:d}'\n", 3, "format code 'd'"),
     "domain": ("    while True:\n        take sqrt(3.5 - self.position.y)\n", 3, "math domain"),
     "none": (
         "    best = None\n    for i in range(5):\n        if i == 2:\n            best = None\n        elif i < 2:\n"
