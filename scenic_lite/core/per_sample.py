@@ -18,9 +18,9 @@ from scenic_lite.core.checks import FallibleOperation
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import (
-    Behavior,
     BehaviorCall,
     Bound,
+    Definition,
     Environment,
     Function,
     Instance,
@@ -138,11 +138,7 @@ class Bindings:
 
 def scopes_of(scope: Scope) -> list[Names]:
     """Return the dictionaries that names are looked up in, innermost first."""
-    scopes: list[Names] = []
-    at: Environment | None = scope
-    while at is not None:
-        scopes.append(at.locals)
-        at = at.outer
+    scopes = [at.locals for at in scope.outwards()]
     return scopes if scopes[-1] is scope.module_names else [*scopes, scope.module_names]
 
 
@@ -169,13 +165,15 @@ def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
         scope, tree = pending.pop()
         for path in names_in(tree):
             value = value_at(scope, path)
-            if id(value) not in seen:
-                seen.add(id(value))
-                values.append(value)
-                values += attributes_of_class(value)
-                for part in definitions_in(value):
-                    values += part.defaults()
-                    pending += [(part.scope, statement) for statement in body_of(part)]
+            if id(value) in seen:
+                continue
+            seen.add(id(value))
+            values.append(value)
+            if isinstance(value, Instance):
+                values += members_of(value)
+            for part in definitions_in(value):
+                values += part.defaults()
+                pending += [(part.scope, statement) for statement in part.trees()]
     return values
 
 
@@ -194,8 +192,9 @@ def path_of(node: ast.AST) -> tuple[str, ...]:
 
 
 def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
-    """Return what a path of modules and classes leads to; None if it leaves them."""
-    value = visible(scope, path[0])
+    """Return what a path of modules and classes leads to; None if it leaves them, or has no value yet."""
+    value = next((at.locals[path[0]] for at in scope.outwards() if path[0] in at.locals), None)
+    value = scope.module_names.get(path[0]) if value is None else value
     for name in path[1:]:
         if isinstance(value, Namespace):
             value = value.names.get(name)
@@ -204,45 +203,25 @@ def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
     return value
 
 
-def attributes_of_class(value: Value) -> list[Value]:
+def members_of(instance: Instance) -> list[Value]:
     """Return what an object reads of its class."""
-    return (
-        [member for cls in value.cls.lineage() for member in cls.members.values()]
-        if isinstance(value, Instance)
-        else []
-    )
+    return [member for cls in instance.cls.lineage() for member in cls.members.values()]
 
 
-def visible(scope: Environment, name: str) -> Value:
-    """Return the value of a name, or None: it may be a local of a function not yet called."""
-    at: Environment | None = scope
-    while at is not None:
-        if name in at.locals:
-            return at.locals[name]
-        at = at.outer
-    return scope.module_names.get(name)
-
-
-def definitions_in(value: Value) -> Iterator[Function | Behavior]:
+def definitions_in(value: Value) -> Iterator[Definition]:
     """Return the functions and behaviors that a value is or carries: methods of objects are among them."""
-    if isinstance(value, Function | Behavior):
+    parts: Iterable[Value] = ()
+    if isinstance(value, Definition):
         yield value
-    elif isinstance(value, Bound):
-        yield from definitions_in(value.function)
     elif isinstance(value, BehaviorCall):
         yield value.behavior
     elif isinstance(value, Instance):
-        for cls in value.cls.lineage():
-            yield from (member for member in cls.members.values() if isinstance(member, Function))
+        yield from (member for member in members_of(value) if isinstance(member, Function))
+    elif isinstance(value, Bound):
+        parts = (value.function,)
     elif isinstance(value, list | tuple):
-        for option in value:
-            yield from definitions_in(option)
+        parts = value
     elif isinstance(value, RandomChoice):
-        for option in value.options:
-            yield from definitions_in(option)
-
-
-def body_of(definition: Function | Behavior) -> list[ast.AST]:
-    if isinstance(definition, Behavior):
-        return [definition.node]
-    return list(definition.body) if isinstance(definition.body, list) else [definition.body]
+        parts = value.options
+    for part in parts:
+        yield from definitions_in(part)

@@ -121,12 +121,10 @@ class Scope(Environment):
 
     def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
         """Raise the error for control flow on a random value, naming the branch and the draw."""
-        if isinstance(value, RandomChoice):
-            value = value.index
-        if not isinstance(value, RandomExpr):
-            return
-        hint = "write it in `require`, or decide in a behavior"
-        raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
+        value = value.index if isinstance(value, RandomChoice) else value
+        if isinstance(value, RandomExpr):
+            hint = "write it in `require`, or decide in a behavior"
+            raise self.error("random-control-flow", message, node, hint, self.drawn_notes(value))
 
     def refuse_random_in(self, values: Iterable[Value], node: ast.AST, message: str) -> None:
         for value in values:
@@ -216,12 +214,7 @@ class Scope(Environment):
         raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
 
     def visible_names(self) -> list[str]:
-        names = [*self.handlers.builtins, "ego", "workspace"]
-        scope: Environment | None = self
-        while scope is not None:
-            names += scope.locals
-            scope = scope.outer
-        return names
+        return [*self.handlers.builtins, "ego", "workspace", *(name for at in self.outwards() for name in at.locals)]
 
     def assign(self, name: str, value: Value) -> None:
         self.names_of(name)[name] = value

@@ -112,6 +112,17 @@ class LoadState:
         self.columns.append(ThetaColumn(kind, place, offset, span))
         return self.columns[-1]
 
+    @contextmanager
+    def placing(self, place: SourceSpan | None) -> Iterator[None]:
+        """Inside, an error without a place of its own gets this one."""
+        try:
+            yield
+        except ScenicError as error:
+            if error.place is None and place is not None:
+                error.place = place
+                error.source_line = self.sources[place.file].line(place.line)
+            raise
+
     def forget_watched(self) -> None:
         """Begin new lists of what is watched in episodes: what follows belongs to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []

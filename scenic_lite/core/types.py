@@ -252,6 +252,10 @@ class Definition:
     scope: Environment
     assigned: frozenset[str]
 
+    def trees(self) -> list[ast.AST]:
+        """Return what is executed."""
+        raise NotImplementedError
+
     def defaults(self) -> list[Value]:
         """Return the values of the parameters that need not be given."""
         return [each.default for each in self.signature.parameters.values() if each.default is not Parameter.empty]
@@ -289,6 +293,9 @@ class Function(Definition):
     """A `def` or `lambda` of a program."""
 
     body: list[ast.stmt] | ast.expr
+
+    def trees(self) -> list[ast.AST]:
+        return list(self.body) if isinstance(self.body, list) else [self.body]
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,6 +343,9 @@ class Behavior(Definition):
     """A `behavior`, `monitor` or `scenario` definition, kept as a tree."""
 
     node: nodes.Behavior | nodes.Scenario
+
+    def trees(self) -> list[ast.AST]:
+        return [self.node]
 
     @property
     def kind(self) -> str:

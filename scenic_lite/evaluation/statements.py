@@ -16,7 +16,6 @@ from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Default,
-    Environment,
     Instance,
     LazyValue,
     ScenicClass,
@@ -141,19 +140,11 @@ def declare_global(scope: Scope, node: ast.Global) -> None:
 
 
 def declare_nonlocal(scope: Scope, node: ast.Nonlocal) -> None:
+    around = [] if scope.outer is None else [at for at in scope.outer.outwards() if at.locals is not at.module_names]
     for name in node.names:
-        if not has_local(scope.outer, name):
+        if not any(name in at.locals or name in at.assigned for at in around):
             raise ScenicError("syntax", f"no function around this one has a variable '{name}'")
     scope.nonlocals.update(node.names)
-
-
-def has_local(scope: Environment | None, name: str) -> bool:
-    """Return whether a function, from this one outwards, has a variable; those of the module do not count."""
-    while scope is not None and scope.locals is not scope.module_names:
-        if name in scope.locals or name in scope.assigned:
-            return True
-        scope = scope.outer
-    return False
 
 
 def check_assertion(scope: Scope, node: ast.Assert) -> None:

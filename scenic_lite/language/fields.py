@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.per_sample import PerSampleOperation, body_of, definitions_in, reached
+from scenic_lite.core.per_sample import PerSampleOperation, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import PathEnumerator
 from scenic_lite.core.types import randoms_in
@@ -54,7 +54,7 @@ def heading_by_row(
     scope: Scope, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
 ) -> RandomExpr:
     """Return what a function of the program says at a random point, called once for each sample."""
-    pending = [(part.scope, tree) for part in definitions_in(function) for tree in body_of(part)]
+    pending = [(part.scope, tree) for part in definitions_in(function) for tree in part.trees()]
     columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
     result = RandomExpr(HeadingByRow(scope, node, function, columns, heading), (point.x, point.y, *columns))
     scope.watch(result)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from scenic_lite.core.checks import SceneChecks
-from scenic_lite.core.per_sample import body_of, reached
+from scenic_lite.core.per_sample import reached
 from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
@@ -28,10 +28,10 @@ def build_program(mode: Mode, source: Source, text: str, warnings: tuple[ScenicE
     objects = name_objects(sorted(state.objects, key=lambda instance: instance is not state.ego))  # the ego first
     constraints = constraints_of(state, objects)
     read_in_episodes = values_read_in_episodes(state, objects)
-    refuse_huge_values(state, objects, source.file)
+    refuse_huge_values(state, objects)
     roots = list(random_roots(state, objects, constraints, read_in_episodes))
-    layout = lay_out_theta(state, objects, roots, source.file)
-    tape = Tape(roots, layout.columns, state.budget.limits.operations)
+    layout = lay_out_theta(state, objects, [node for node, _ in roots], source.file)
+    tape = tape_of(state, roots, layout.columns)
     constraints.read_from(tape)
     checks = state.watching.checks.values()
     runtime_checks = SceneChecks(checks, tape, constraint_of_requirement(state, constraints))
@@ -79,30 +79,50 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
     watched = (*state.terminations, *state.records, *state.temporal)
     pending: list[tuple[Environment, ast.AST]] = [(statement.scope, statement.tree) for statement in watched]
     for call in calls:
-        pending += [(call.behavior.scope, part) for part in body_of(call.behavior)]
+        pending += [(call.behavior.scope, part) for part in call.behavior.trees()]
     if state.main is not None and state.main_frame is not None:
         pending.append((state.main_frame, state.main.behavior.node))
     durations = [item.duration for item in state.terminations]
     return [*(call.arguments for call in calls), *durations, *reached(pending)]
 
 
-def refuse_huge_values(state: LoadState, objects: list[Instance], file: str) -> None:
+def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
     """Raise ScenicError for a property or parameter that scenes cannot hold."""
     for instance in objects:
-        refuse_huge(instance.properties, f"a property of {instance.title()} in {file}")
-    refuse_huge(state.params, f"a parameter of {file}")
+        with state.placing(instance.place):
+            refuse_huge(instance.properties, f"a property of {instance.title()}")
+    for name, value in state.params.items():
+        with state.placing(state.param_places[name]):
+            refuse_huge(value, f"the parameter '{name}'")
 
 
 def random_roots(
     state: LoadState, objects: list[Instance], constraints: Constraints, read_in_episodes: list[Value]
-) -> Iterator[RandomExpr]:
-    """Yield the random nodes that scenes and episodes are made of."""
+) -> Iterator[tuple[RandomExpr, SourceSpan | None]]:
+    """Yield the random nodes that scenes and episodes are made of, each with the statement that makes it needed."""
     for instance in objects:
-        yield from randoms_in(instance)
-    yield from randoms_in(state.params)
-    yield from (value for _, value in constraints.nodes if isinstance(value, RandomExpr))
+        yield from ((node, instance.place) for node in randoms_in(instance))
+    for name, value in state.params.items():
+        yield from ((node, state.param_places[name]) for node in randoms_in(value))
+    yield from ((value, constraint.place) for constraint, value in constraints.nodes if isinstance(value, RandomExpr))
     for value in read_in_episodes:
-        yield from randoms_in(value)
+        yield from ((node, None) for node in randoms_in(value))
+
+
+def tape_of(state: LoadState, roots: list[tuple[RandomExpr, SourceSpan | None]], columns: list[ThetaColumn]) -> Tape:
+    """Return the tape of all roots. Raises ScenicError, at the first statement that needs too much of it."""
+    reached: list[SourceSpan | None] = []
+
+    def nodes() -> Iterator[RandomExpr]:
+        for node, place in roots:
+            reached.append(place)
+            yield node
+
+    try:
+        return Tape(nodes(), columns, state.budget.limits.operations)
+    except ScenicError as error:
+        with state.placing(reached[-1]):
+            raise error from None
 
 
 def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> ThetaLayout:

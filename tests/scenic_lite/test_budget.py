@@ -33,10 +33,10 @@ TOO_MUCH = [
     ("for i in range(10**4):\n    Object at 3 * i @ 9", "more than 400 objects"),
     ("x = [Range(0, 1) for i in range(10**4)]", "more than 2,000 random values"),
     ("x = Range(0, 1)\nfor i in range(15000):\n    x = x * 1.5 + 1\nparam x = x", "more than 20,000 random operations"),
-    ("x = []\nx.append(x)\nparam x = x", "a parameter of <program> has more than 20,000 parts, or holds itself"),
+    ("x = []\nx.append(x)\nparam x = x", "the parameter 'x' has more than 20,000 parts, or holds itself"),
     (
         "x = [1]\nfor i in range(60):\n    x = [x, x]\nparam x = x",
-        "a parameter of <program> has more than 20,000 parts",
+        "the parameter 'x' has more than 20,000 parts",
     ),
     ("x = " + "(" * 500 + "1" + ")" * 500, "nested more than"),
     ("x = " + "-" * 5000 + "1", "nested too deeply"),
@@ -78,6 +78,7 @@ def test_budget(text, message):
     with pytest.raises(ScenicError) as caught:
         load(START + text)
     assert message in caught.value.message
+    assert caught.value.place is not None
     assert len(str(caught.value)) < 20_000
 
 
@@ -120,8 +121,9 @@ def test_endless_arguments_and_options_are_refused(use):
         "ego = new Object at 9 @ 9\nbehavior B(x):\n    take x\na = (1, Range(0, 1))\n"
         f"for i in range(60):\n    a = (a, a)\n{use}\n"
     )
-    with pytest.raises(ScenicError, match="has more than 20,000 parts, or holds itself"):
+    with pytest.raises(ScenicError, match="has more than 20,000 parts, or holds itself") as caught:
         load(text)
+    assert caught.value.line == 7
 
 
 BRANCHING = """

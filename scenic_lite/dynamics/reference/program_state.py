@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.per_sample import body_of
-from scenic_lite.core.types import Behavior, Function, Instance, Namespace, parts_of
+from scenic_lite.core.types import Definition, Instance, Namespace, parts_of
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
@@ -55,7 +54,7 @@ def variables(program: Program) -> list[dict[str, Value]]:
 
 
 def assigns_globals(value: Value) -> bool:
-    return isinstance(value, Function | Behavior) and any(has_global(tree) for tree in body_of(value))
+    return isinstance(value, Definition) and any(has_global(tree) for tree in value.trees())
 
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
