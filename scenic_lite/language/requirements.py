@@ -1,14 +1,28 @@
-"""`require` and `mutate`: what a scene must satisfy, and the noise that its objects get when all else is computed.
+"""`require` and `mutate`: what scenes and episodes must satisfy, and the noise that objects get when all is computed.
 
-A condition is evaluated where it stands, so that its errors stand there too; if objects
-are given noise it is evaluated again after the last statement, since it speaks of the scene with the noise. Read next:
-`core.per_sample`, `scene.constraints`.
+A condition is evaluated where it stands, so that its errors stand there too; if objects are given noise it is evaluated
+again after the last statement, since it speaks of the scene with the noise.
+
+Temporal requirements are linear temporal logic over finite episodes, with four truth values. After each step a formula
+is true, presumably true, presumably false or false: `False` and `True` say that no further step can change it,
+`Presumably` what it would be if the episode ended now. A formula is carried along by progression: `after(step)` is what
+remains to be required of the steps to come. So `always p` stays itself while p holds, and `eventually p` until it does.
+`next` is strong: it is presumably false at the last step. An `until` whose left side has failed is false at once
+(Scenic waits for its right side, and rejects in the end all the same).
+
+The operands of `and`, `or`, `not`, `implies` that contain no temporal operator are one expression, evaluated as
+anywhere else, with short circuits. Every such expression that what remains mentions is evaluated once in a step. A
+formula without a temporal operator is about the first step. Read next: `core.per_sample`, `scene.constraints`.
 """
 
 from __future__ import annotations
 
 import ast
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from functools import reduce
 
 from scenic_lite.core.per_sample import Bindings, per_sample_condition
 from scenic_lite.core.scope import Scope
@@ -16,11 +30,14 @@ from scenic_lite.core.state import LoadState, Requirement, Watched
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
-from scenic_lite.language.temporal import formula_of, is_temporal, possible
 from scenic_lite.syntax import nodes
 from scenic_lite.values.formulas import normal_quantile
 from scenic_lite.values.geometry import Vector, normalised
-from scenic_lite.values.graph import RandomExpr, Value, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, is_number
+from scenic_lite.values.operations import AND, NOT, OR
+
+TEMPORAL = frozenset({"always", "eventually", "next", "until", "implies"})
+Step = Callable[[ast.expr], bool]  # the truth of an expression in the present step
 
 
 def require(scope: Scope, node: nodes.Require) -> None:
@@ -51,7 +68,8 @@ def require(scope: Scope, node: nodes.Require) -> None:
 def condition_of(scope: Scope, node: ast.expr) -> Value:
     """Return a condition over all samples at once; row by row if functions in it decide on random values."""
     if is_temporal(node):
-        return possible(formula_of(node), lambda part: condition_of(scope, part))
+        false = formula_of(node).known(lambda part: condition_of(scope, part), False)
+        return apply(NOT, false)
     try:
         condition = scope.requiring().value(node)
     except ScenicError as error:
@@ -144,3 +162,180 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
     column.low, column.high = -math.inf, math.inf
     column.shown = spread * RandomExpr(normal_quantile, (column,))
     return column.shown
+
+
+# ------------------------------------------------------------ temporal logic
+
+
+class Truth(Enum):
+    """What is known of a formula after a step."""
+
+    TRUE = 4
+    PRESUMABLY_TRUE = 3
+    PRESUMABLY_FALSE = 2
+    FALSE = 1
+
+
+class Formula:
+    """What is required from some step on; the classes below are its forms."""
+
+    def after(self, step: Step) -> Formula:
+        """Return what remains to be required of the later steps once `step` has passed."""
+        match self:
+            case Atom(expression):
+                return Settled(step(expression))
+            case Not(operand):
+                return negation(operand.after(step))
+            case Both(left, right):
+                return conjunction(left.after(step), right.after(step))
+            case Next(operand, begun):
+                return operand.after(step) if begun else Next(operand, begun=True)
+            case Until(left, right):
+                kept, reached = left.after(step), right.after(step)
+                return disjunction(reached, conjunction(kept, self))
+        return self
+
+    def at_end(self) -> bool:
+        """Return whether it holds of an episode that ends before the step it begins with."""
+        match self:
+            case Settled(value):
+                return value
+            case Not(operand):
+                return not operand.at_end()
+            case Both(left, right):
+                return left.at_end() and right.at_end()
+        return False
+
+    def known(self, value: Callable[[ast.expr], Value], truth: bool) -> Value:
+        """Return whether it is known to be `truth` after the first step; to Scenic an `until` is never false."""
+        match self:
+            case Settled(settled):
+                return settled is truth
+            case Atom(expression):
+                return value(expression) if truth else apply(NOT, value(expression))
+            case Not(operand):
+                return operand.known(value, not truth)
+            case Both(left, right):
+                return apply(AND if truth else OR, left.known(value, truth), right.known(value, truth))
+            case Until(_, right) if truth:
+                return right.known(value, True)
+        return False
+
+
+@dataclass(frozen=True)
+class Settled(Formula):
+    """True or false, whatever comes."""
+
+    value: bool
+
+
+@dataclass(frozen=True)
+class Atom(Formula):
+    """An expression, true or false in one step."""
+
+    expression: ast.expr
+
+
+@dataclass(frozen=True)
+class Not(Formula):
+    operand: Formula
+
+
+@dataclass(frozen=True)
+class Both(Formula):
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True)
+class Next(Formula):
+    """`begun`: the step of the `next` itself has passed, and one more is needed."""
+
+    operand: Formula
+    begun: bool = False
+
+
+@dataclass(frozen=True)
+class Until(Formula):
+    left: Formula
+    right: Formula
+
+
+TRUE, FALSE = Settled(True), Settled(False)
+
+
+def negation(formula: Formula) -> Formula:
+    if isinstance(formula, Settled):
+        return Settled(not formula.value)
+    return formula.operand if isinstance(formula, Not) else Not(formula)
+
+
+def conjunction(left: Formula, right: Formula) -> Formula:
+    """Return both, as simple as can be: what is settled or said twice is left out."""
+    if left == FALSE or right == FALSE:
+        return FALSE
+    if left == TRUE or left in parts_of(right):
+        return right
+    return left if right == TRUE or right in parts_of(left) else Both(left, right)
+
+
+def parts_of(formula: Formula) -> list[Formula]:
+    return [*parts_of(formula.left), *parts_of(formula.right)] if isinstance(formula, Both) else [formula]
+
+
+def disjunction(left: Formula, right: Formula) -> Formula:
+    return negation(conjunction(negation(left), negation(right)))
+
+
+def is_temporal(node: ast.AST) -> bool:
+    """Return whether an expression contains a temporal operator."""
+    return any(isinstance(part, nodes.Operator) and part.name in TEMPORAL for part in ast.walk(node))
+
+
+def formula_of(node: ast.expr) -> Formula:
+    """Return the formula that an expression writes."""
+    if not is_temporal(node):
+        return Atom(node)
+    if isinstance(node, ast.UnaryOp):
+        return negation(formula_of(node.operand))
+    if isinstance(node, ast.BoolOp):
+        join = conjunction if isinstance(node.op, ast.And) else disjunction
+        return reduce(join, map(formula_of, node.values))
+    assert isinstance(node, nodes.Operator), "the checker lets temporal operators stand nowhere else"
+    operands = [formula_of(operand) for operand in node.operands if operand is not None]
+    return MEANINGS[node.name](*operands)
+
+
+MEANINGS: dict[str, Callable[..., Formula]] = {
+    "always": lambda operand: negation(Until(TRUE, negation(operand))),
+    "eventually": lambda operand: Until(TRUE, operand),
+    "next": Next,
+    "until": Until,
+    "implies": lambda left, right: disjunction(negation(left), right),
+}
+
+
+class Check:
+    """One requirement in one episode."""
+
+    def __init__(self, formula: Formula) -> None:
+        self.rest = formula
+
+    def step(self, step: Step) -> Truth:
+        """Take in what holds now, and return what is known then."""
+        known: dict[int, bool] = {}
+
+        def once(expression: ast.expr) -> bool:
+            if id(expression) not in known:
+                known[id(expression)] = step(expression)
+            return known[id(expression)]
+
+        self.rest = self.rest.after(once)
+        if isinstance(self.rest, Settled):
+            return Truth.TRUE if self.rest.value else Truth.FALSE
+        return Truth.PRESUMABLY_TRUE if self.rest.at_end() else Truth.PRESUMABLY_FALSE
+
+    @property
+    def holds(self) -> bool:
+        """Return whether the requirement holds if the episode ends now."""
+        return self.rest.at_end()

@@ -6,11 +6,12 @@ Operands left out are None and stand for the ego. Read next: `evaluation.express
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import EPISODE, LOAD
-from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
+from scenic_lite.core.types import Instance, LazyValue, RandomChoice, broadcasts_over_choices, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import (
     SIDES,
@@ -26,11 +27,11 @@ from scenic_lite.language.classes import (
     view_of,
 )
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifier_rules import ego_of, viewer_of
-from scenic_lite.values import polygons
+from scenic_lite.language.specifier_rules import at_position, ego_of, or_ego, viewer_of
 from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET
+from scenic_lite.values.polygons import common_part, remainder
 from scenic_lite.values.regions import Region, VectorField
 
 DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
@@ -43,8 +44,7 @@ def degrees(scope: Scope, angle: Value) -> Value:
 
 
 def distance(scope: Scope, start: Value, end: Value) -> Value:
-    start = ego_of(scope) if start is None else start
-    end = ego_of(scope) if end is None else end
+    start, end = or_ego(scope, start), or_ego(scope, end)
     for region, other in ((start, end), (end, start)):
         if isinstance(region, Region):
             return region.distance(vector_of(other, "distance to"))
@@ -52,29 +52,27 @@ def distance(scope: Scope, start: Value, end: Value) -> Value:
 
 
 def angle(scope: Scope, start: Value, end: Value) -> Value:
-    start = ego_of(scope) if start is None else start
-    end = ego_of(scope) if end is None else end
-    return angle_between(vector_of(start, "angle from"), vector_of(end, "angle to"))
+    return angle_between(vector_of(or_ego(scope, start), "angle from"), vector_of(or_ego(scope, end), "angle to"))
 
 
 def relative_heading(scope: Scope, heading: Value, base: Value) -> Value:
-    base = ego_of(scope) if base is None else base
+    base = or_ego(scope, base)
     return normalised(heading_of(heading, "relative heading of") - heading_of(base, "relative heading ... from"))
 
 
 def apparent_heading(scope: Scope, seen: Value, viewpoint: Value) -> Value:
-    viewpoint = ego_of(scope) if viewpoint is None else viewpoint
-    line = angle_between(vector_of(viewpoint, "apparent heading ... from"), vector_of(seen, "apparent heading of"))
+    start = vector_of(or_ego(scope, viewpoint), "apparent heading ... from")
+    line = angle_between(start, vector_of(seen, "apparent heading of"))
     return normalised(heading_of(seen, "apparent heading of") - line)
 
 
 def relative_position(scope: Scope, place: Value, base: Value) -> Value:
-    base = ego_of(scope) if base is None else base
+    base = or_ego(scope, base)
     return vector_of(place, "relative position of") - vector_of(base, "relative position ... from")
 
 
 def distance_past(scope: Scope, place: Value, base: Value) -> Value:
-    base = ego_of(scope) if base is None else base
+    base = or_ego(scope, base)
     offset = vector_of(base, "distance past ... of") - vector_of(place, "distance past")
     return offset.rotated(-heading_of(base, "distance past ... of")).y
 
@@ -89,7 +87,8 @@ def field_at(scope: Scope, field: Value, place: Value) -> Value:
 def relative_to(scope: Scope, x: Value, y: Value) -> Value:
     """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
     if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
-        return field_relative(x, y)
+        first, second = late_heading(x), late_heading(y)
+        return LazyValue(first.needs | second.needs, lambda self: first.compute(self) + second.compute(self))
     random_frames = is_random_frame if scope.state.dialect == 3 else is_oriented
     if all(is_oriented(operand) or random_frames(operand) for operand in (x, y)):
         raise ScenicError("type", "`X relative to Y` of two oriented objects", hint="use x.heading or x.position")
@@ -100,9 +99,9 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
     if is_scalar(x) and is_scalar(y):
         return x + y
     if scope.state.dialect == 3 and is_random_frame(x):
-        return x.map_options([relative_to(scope, option, y) for option in x.options])
+        return x.each(lambda option: relative_to(scope, option, y))
     if scope.state.dialect == 3 and is_random_frame(y):
-        return y.map_options([relative_to(scope, x, option) for option in y.options])
+        return y.each(lambda option: relative_to(scope, x, option))
     return vector_of(x, "relative to") + vector_of(y, "relative to")
 
 
@@ -122,28 +121,20 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
     raise ScenicError("type", f"a vector is needed beside an oriented object, not {describe_kind(offset)}", hint=hint)
 
 
-def field_relative(x: Value, y: Value) -> LazyValue:
-    """Return headings that wait for the object's position: a field stands for its heading there."""
-    terms = [late_heading(value) for value in (x, y)]
-    needs = frozenset().union(*(needed for needed, _ in terms))
-    return LazyValue(needs, lambda self: terms[0][1](self) + terms[1][1](self))
-
-
-def late_heading(value: Value) -> tuple[frozenset[str], Callable[[Instance], Value]]:
-    if isinstance(value, VectorField):
-        return frozenset({"position"}), lambda self: value.heading_at(self.properties["position"])
+def late_heading(value: Value) -> LazyValue:
+    """Return a heading that waits for the object's position: a field stands for its heading there."""
     if isinstance(value, LazyValue):
-        return value.needs, value.compute
+        return value
+    if isinstance(value, VectorField):
+        return at_position(value.heading_at)
     heading = heading_of(value, "relative to")
-    return frozenset(), lambda self: heading
+    return LazyValue(frozenset(), lambda self: heading)
 
 
 def offset_along(scope: Scope, start: Value, direction: Value, offset: Value) -> Value:
     vector = vector_of(start, "offset along")
-    if isinstance(direction, VectorField):
-        turn = direction.heading_at(vector)
-    else:
-        turn = heading_of(direction, "offset along")
+    field = isinstance(direction, VectorField)
+    turn = direction.heading_at(vector) if field else heading_of(direction, "offset along")
     return vector + vector_of(offset, "offset along ... by").rotated(turn)
 
 
@@ -151,62 +142,47 @@ def sees(scope: Scope, viewer: Value, seen: Value) -> Value:
     dialect = scope.state.dialect
     if not scope.mode.symbolic and scope.mode.phase != EPISODE and dialect == 3:
         raise ScenicError("type", "`can see` is meant for requirements", hint="write `require X can see Y`")
-    result = over_choices(lambda a, b: can_see(viewer_of(scope, a), b, dialect), viewer, seen)
+    result = one_sees(scope, viewer, seen)
     if isinstance(result, RandomExpr) and not scope.mode.symbolic:
         raise ScenicError("random-control-flow", "what can be seen differs from scene to scene", hint="write `require`")
     return result
 
 
+@broadcasts_over_choices(1, 2)
+def one_sees(scope: Scope, viewer: Value, seen: Value) -> Value:
+    return can_see(viewer_of(scope, viewer), seen, scope.state.dialect)
+
+
+@broadcasts_over_choices(1, 2)
 def intersects(scope: Scope, x: Value, y: Value) -> Value:
-    return over_choices(objects_intersect, x, y)
-
-
-def objects_intersect(x: Value, y: Value) -> Value:
     if not (is_object(x) and is_object(y)):
         raise ScenicError("unsupported", "`intersects` is supported between objects only")
-    numbers = [part for instance in (x, y) for part in rectangle_of(instance)]
-    return apply(RECTANGLES_MEET, *numbers)
-
-
-def over_choices(relation: Callable[[Value, Value], Value], x: Value, y: Value) -> Value:
-    """Return a relation of two values, of which each may be a random one of several."""
-    if isinstance(x, RandomChoice):
-        return x.map_options([over_choices(relation, option, y) for option in x.options])
-    if isinstance(y, RandomChoice):
-        return y.map_options([over_choices(relation, x, option) for option in y.options])
-    return relation(x, y)
+    return apply(RECTANGLES_MEET, *rectangle_of(x), *rectangle_of(y))
 
 
 def follow_field(scope: Scope, field: Value, start: Value, length: Value) -> Value:
-    base = ego_of(scope) if start is None else start
+    base = or_ego(scope, start)
     point, heading = follow(field, vector_of(base, "follow ... from"), length)
     place = base.place if isinstance(base, Instance) else SourceSpan(scope.source.file, 1, 0, 1, 1)
     return oriented_point(point, heading, place)
 
 
-def visible_part(scope: Scope, region: Value) -> Region:
-    return visible_from(scope, region, ego_of(scope))
+def visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
+    return common_part(region_of(region, "visible"), view_of(viewer_of(scope, viewer)), scope.state.dialect)
 
 
-def visible_from(scope: Scope, region: Value, viewer: Value) -> Region:
-    return polygons.common_part(region_of(region, "visible"), view_of(viewer_of(scope, viewer)), scope.state.dialect)
+def not_visible(scope: Scope, region: Value) -> Region:
+    return remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
 
 
-def hidden_part(scope: Scope, region: Value) -> Region:
-    return polygons.remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
-
-
-def side(words: str) -> Callable[[Scope, Value], Value]:
+def side(name: str, words: str) -> Callable[[Scope, Value], Value]:
     """Return the operator `front of O`, `back left of O`, ..."""
-    first, *rest = words.split()
-    name = first + "".join(word.capitalize() for word in rest)
 
     def operator(scope: Scope, instance: Value) -> Value:
         if not is_oriented(instance):
-            raise ScenicError("type", f"`{words} of` needs an object, not {describe_kind(instance)}")
+            raise ScenicError("type", f"`{words}` needs an object, not {describe_kind(instance)}")
         return side_of(instance, name)
 
-    assert name in SIDES
     return operator
 
 
@@ -231,15 +207,10 @@ OPERATORS: dict[str, Callable[..., Value]] = {
     "can see": sees,
     "intersects": intersects,
     "follow": follow_field,
-    "visible": visible_part,
-    "not visible": hidden_part,
-    "visible from": visible_from,
-    "front of": side("front"),
-    "back of": side("back"),
-    "left of": side("left"),
-    "right of": side("right"),
-    "front left of": side("front left"),
-    "front right of": side("front right"),
-    "back left of": side("back left"),
-    "back right of": side("back right"),
+    "visible": visible,
+    "not visible": not_visible,
+    "visible from": visible,
 }
+for name in SIDES:  # "backLeft" is written `back left of`
+    words = re.sub("[A-Z]", lambda capital: " " + capital[0].lower(), name) + " of"
+    OPERATORS[words] = side(name, words)

@@ -1,7 +1,6 @@
 """Specifiers: what each gives and needs, and how an instance's properties are resolved from them.
 
-Read next: `language.specifier_rules`, the
-specifier of each specifier.
+Read next: `language.specifier_rules`, the meaning of each specifier.
 """
 
 from __future__ import annotations
@@ -10,6 +9,7 @@ import ast
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from inspect import Signature
+from typing import NamedTuple
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, RandomChoice, ScenicClass, near
@@ -19,23 +19,33 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalised
 from scenic_lite.values.graph import Value, is_number
 
-REQUIRED, OPTIONAL = 1, 3  # priorities: the lower number wins
+REQUIRED, MODIFYING, OPTIONAL = 1, 2, 3  # priorities: the lower number wins
+
+
+class Given(NamedTuple):
+    """What a specifier gives a property: a value, or a LazyValue of other properties."""
+
+    priority: int
+    value: Value
 
 
 @dataclass(frozen=True, eq=False)
 class ResolvedSpecifier:
     """One specifier with its operands evaluated.
 
-    `gives`: property -> priority; `needs`: properties of the same object; `compute` returns the properties given;
-    `always` is what it means besides, even where specifiers of higher priority give all that it would.
+    `always` is what it means besides what it gives, even where specifiers of higher priority give all that it would.
     """
 
     name: str
     node: ast.AST
-    gives: dict[str, int]
-    compute: Callable[[Instance], dict[str, Value]]
-    needs: frozenset[str] = frozenset()
+    gives: dict[str, Given]
     always: Callable[[Instance], None] | None = None
+
+    @property
+    def needs(self) -> frozenset[str]:
+        """Return the properties of the same object that must be known first."""
+        values = (given.value for given in self.gives.values())
+        return frozenset().union(*(value.needs for value in values if isinstance(value, LazyValue)))
 
 
 @dataclass(eq=False)
@@ -45,24 +55,26 @@ class Resolution:
     scope: Scope
     instance: Instance
     by_property: dict[str, ResolvedSpecifier]
-    done: set[int] = field(default_factory=set)
+    done: set[ResolvedSpecifier] = field(default_factory=set)
     waiting: list[ResolvedSpecifier] = field(default_factory=list)
 
     def resolve(self, specifier: ResolvedSpecifier) -> None:
         """Compute what `specifier` gives, after what it needs."""
-        if id(specifier) in self.done:
+        if specifier in self.done:
             return
         if specifier in self.waiting:
-            raise self.scope.error(
-                "specifier", f"`{specifier.name}` depends on itself", specifier.node, self._circle(specifier)
-            )
+            others = [other.name for other in self.waiting[self.waiting.index(specifier) + 1 :]]
+            hint = f"through `{'`, `'.join(others)}`" if others else ""
+            raise self.scope.error("specifier", f"`{specifier.name}` depends on itself", specifier.node, hint)
         self.waiting.append(specifier)
         for need in sorted(specifier.needs):
             if need not in self.by_property:
-                raise self._missing(specifier, need)
+                what = f"the property '{need}', which {self.instance.cls.name} does not have"
+                message, hint = f"`{specifier.name}` needs {what}", near(need, self.by_property)
+                raise self.scope.error("specifier", message, specifier.node, hint)
             self.resolve(self.by_property[need])
         self.waiting.pop()
-        self.done.add(id(specifier))
+        self.done.add(specifier)
         try:
             self._compute(specifier)
         except ScenicError as error:
@@ -71,27 +83,15 @@ class Resolution:
     def _compute(self, specifier: ResolvedSpecifier) -> None:
         if specifier.always is not None:
             specifier.always(self.instance)
-        if not any(self.by_property.get(name) is specifier for name in specifier.gives):
-            return
-        given = specifier.compute(self.instance)
-        for name, value in given.items():
+        for name, (_, value) in specifier.gives.items():
             if self.by_property.get(name) is specifier:
+                value = value.compute(self.instance) if isinstance(value, LazyValue) else value
                 self.instance.properties[name] = checked(name, value, self.scope.state.dialect)
-
-    def _missing(self, specifier: ResolvedSpecifier, need: str) -> ScenicError:
-        message = f"`{specifier.name}` needs the property '{need}', which {self.instance.cls.name} does not have"
-        return self.scope.error("specifier", message, specifier.node, near(need, self.by_property))
-
-    def _circle(self, specifier: ResolvedSpecifier) -> str:
-        others = [other.name for other in self.waiting[self.waiting.index(specifier) + 1 :]]
-        return f"through `{'`, `'.join(others)}`" if others else ""
 
 
 def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], instance: Instance) -> Instance:
     """Resolve the properties of a new instance and, if it is an Object, put it into the scene."""
-    refuse_final(scope, cls, specifiers)
-    if scope.state.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
-        refuse_heading(scope, cls, specifiers)
+    refuse(scope, cls, specifiers)
     by_property = resolve_priorities(scope, specifiers)
     for name in cls.property_names():
         if name not in by_property:
@@ -111,47 +111,36 @@ def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], in
     return instance
 
 
-def refuse_final(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
-    """Raise ScenicError where a specifier gives a property that its class calls final, or a name that is taken."""
+def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
+    """Raise ScenicError where one gives a final property or a name that is taken, or faces without a heading."""
     for specifier in specifiers:
+        message = hint = ""
         for name in specifier.gives:
             if any("final" in default.attributes for default in cls.defaults_of(name)):
-                raise scope.error(
-                    "specifier", f"the property '{name}' is final: no specifier can set it", specifier.node
-                )
-            if name in SIDES:
-                raise scope.error("specifier", f"'{name}' is the place at a side of every object", specifier.node)
-
-
-def refuse_heading(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
-    """Raise ScenicError where a class without a heading is to face somewhere."""
-    for specifier in specifiers:
-        if "facing" in specifier.name:
-            hint = "an OrientedPoint has one"
-            raise scope.error("specifier", f"a {cls.name} has no heading for `{specifier.name}`", specifier.node, hint)
+                message = f"the property '{name}' is final: no specifier can set it"
+            elif name in SIDES:
+                message = f"'{name}' is the place at a side of every object"
+        if "facing" in specifier.name and scope.state.dialect == 3 and not cls.derives_from(ORIENTED_POINT):
+            message, hint = f"a {cls.name} has no heading for `{specifier.name}`", "an OrientedPoint has one"
+        if message:
+            raise scope.error("specifier", message, specifier.node, hint)
 
 
 def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
     """Return for each property the specifier that sets it. Raises ScenicError where two have the same priority."""
-    seen: dict[str, ResolvedSpecifier] = {}
+    seen: set[str] = set()
     by_property: dict[str, ResolvedSpecifier] = {}
-    for specifier in specifiers:
-        if specifier.name in seen:
-            raise scope.error("specifier", f"`{specifier.name}` is given twice", specifier.node)
-        seen[specifier.name] = specifier
-        for name in specifier.gives:
-            by_property[name] = higher_priority(scope, name, by_property.get(name), specifier)
+    for new in specifiers:
+        if new.name in seen:
+            raise scope.error("specifier", f"`{new.name}` is given twice", new.node)
+        seen.add(new.name)
+        for name, (priority, _) in new.gives.items():
+            old = by_property.setdefault(name, new)
+            if old is not new and priority == old.gives[name].priority:
+                raise scope.error("specifier", f"`{old.name}` and `{new.name}` both set the {name}", new.node)
+            if priority < old.gives[name].priority:
+                by_property[name] = new
     return by_property
-
-
-def higher_priority(
-    scope: Scope, name: str, old: ResolvedSpecifier | None, new: ResolvedSpecifier
-) -> ResolvedSpecifier:
-    if old is None or new.gives[name] < old.gives[name]:
-        return new
-    if new.gives[name] == old.gives[name]:
-        raise scope.error("specifier", f"`{old.name}` and `{new.name}` both set the {name}", new.node)
-    return old
 
 
 def default_of(
@@ -163,46 +152,47 @@ def default_of(
     additive = "additive" in defaults[0].attributes
     used = defaults if additive else defaults[:1]
 
-    def compute(self: Instance) -> dict[str, Value]:
+    def compute(self: Instance) -> Value:
         values = tuple(default.compute(owning, self) for default in used)
-        return {name: values if additive else values[0]}
+        return values if additive else values[0]
 
-    needs = frozenset().union(*(default.needs for default in used))
-    return ResolvedSpecifier(f"default of {name}", instance_node(instance), {name: OPTIONAL}, compute, needs)
+    return optional(
+        f"default of {name}", instance, name, compute, *(need for default in used for need in default.needs)
+    )
 
 
-def instance_node(instance: Instance) -> ast.AST:
-    """Return a node at the place where the instance is made, to blame for its defaults."""
+def optional(
+    title: str, instance: Instance, name: str, compute: Callable[[Instance], Value], *needs: str
+) -> ResolvedSpecifier:
+    """Return what an instance gets unless a specifier says otherwise; to blame is the place where it is made."""
     place = instance.place
-    return ast.Pass(
+    node = ast.Pass(
         lineno=place.line, col_offset=place.column, end_lineno=place.end_line, end_col_offset=place.end_column
     )
+    return ResolvedSpecifier(title, node, {name: Given(OPTIONAL, LazyValue(frozenset(needs), compute))})
 
 
 def split_heading(
     scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
 ) -> None:
     """Make the heading of dialect 3 that of the parent + yaw, unless required; the class's default is the parent's."""
-    node, heading, yaw = instance_node(instance), by_property["heading"], by_property.get("yaw")
+    heading, yaw = by_property["heading"], by_property.get("yaw")
     if not heading.name.startswith("default"):
         if yaw is not None:
             raise scope.error("specifier", f"`{heading.name}` and `{yaw.name}` both set the yaw", yaw.node)
         return
-    default = default_of(scope, cls, "heading", instance, "parentOrientation")
+    default = default_of(scope, cls, "heading", instance, "parentOrientation").gives["heading"].value
 
-    def parent(self: Instance) -> dict[str, Value]:
-        return {"parentOrientation": default.compute(self)["heading"]}
+    def turned(self: Instance) -> Value:
+        return normalised(self.properties["parentOrientation"] + self.properties["yaw"])
 
-    def turned(self: Instance) -> dict[str, Value]:
-        return {"heading": normalised(self.properties["parentOrientation"] + self.properties["yaw"])}
+    parent = optional("parent heading", instance, "parentOrientation", default.compute, *default.needs)
+    by_property.setdefault("parentOrientation", parent)
+    by_property.setdefault("yaw", optional("yaw", instance, "yaw", lambda self: 0.0))
+    by_property["heading"] = optional("heading", instance, "heading", turned, "parentOrientation", "yaw")
 
-    parts = frozenset({"parentOrientation", "yaw"})
-    by_property.setdefault(
-        "parentOrientation",
-        ResolvedSpecifier("parent heading", node, {"parentOrientation": OPTIONAL}, parent, default.needs),
-    )
-    by_property.setdefault("yaw", ResolvedSpecifier("yaw", node, {"yaw": OPTIONAL}, lambda self: {"yaw": 0.0}))
-    by_property["heading"] = ResolvedSpecifier("heading", node, {"heading": OPTIONAL}, turned, parts)
+
+# ------------------------------------------------------------ `with`
 
 
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
@@ -216,12 +206,7 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
         value = scope.call(value, [], {}, node)
     elif name == "behavior":
         value = one_behavior(scope, node, value)
-    if isinstance(value, LazyValue):
-        delayed = value
-        return ResolvedSpecifier(
-            f"with {name}", node, {name: REQUIRED}, lambda self: {name: delayed.compute(self)}, value.needs
-        )
-    return ResolvedSpecifier(f"with {name}", node, {name: REQUIRED}, lambda self: {name: value})
+    return ResolvedSpecifier(f"with {name}", node, {name: Given(REQUIRED, value)})
 
 
 def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:

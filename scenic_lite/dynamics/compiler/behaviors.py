@@ -35,8 +35,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.requirements import source_text
-from scenic_lite.language.temporal import is_temporal
+from scenic_lite.language.requirements import is_temporal, source_text
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value, is_number
 

@@ -39,9 +39,8 @@ from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.statements import keep_record, keep_termination
 from scenic_lite.language.classes import checked
-from scenic_lite.language.requirements import source_text
+from scenic_lite.language.requirements import formula_of, source_text
 from scenic_lite.language.specifiers import overridden_property
-from scenic_lite.language.temporal import formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 

@@ -30,7 +30,7 @@ from scenic_lite.dynamics.machine.bytecode import TERMINATED
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.dynamics.machine.register_values import Listed, RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.temporal import Formula, Settled
+from scenic_lite.language.requirements import Formula, Settled
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
 

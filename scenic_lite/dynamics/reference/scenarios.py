@@ -31,7 +31,7 @@ from scenic_lite.core.types import BehaviorCall, Instance, describe_kind
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
 from scenic_lite.evaluation.calls import scenario_frame
-from scenic_lite.language.temporal import Check, Truth, formula_of
+from scenic_lite.language.requirements import Check, Truth, formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
 

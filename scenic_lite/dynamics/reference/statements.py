@@ -27,9 +27,8 @@ from scenic_lite.evaluation import statements as loading
 from scenic_lite.evaluation.access import unpack
 from scenic_lite.evaluation.statements import Break, Continue, went_round
 from scenic_lite.language.classes import checked, is_object
-from scenic_lite.language.requirements import source_text
+from scenic_lite.language.requirements import is_temporal, source_text
 from scenic_lite.language.specifiers import overridden_property
-from scenic_lite.language.temporal import is_temporal
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenic_lite import ScenicError, load
-from scenic_lite.language.temporal import Check, Truth, formula_of
+from scenic_lite.language.requirements import Check, Truth, formula_of
 from scenic_lite.syntax.parser import parse
 
 FORMULAS = {
