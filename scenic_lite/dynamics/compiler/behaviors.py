@@ -7,7 +7,8 @@ What each means, and in which order its parts are evaluated, is the reference in
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from functools import partial
 from typing import Any
 
@@ -23,7 +24,6 @@ from scenic_lite.dynamics.compiler.interrupts import (
     check_guards,
     check_invariants,
     frame_of,
-    limit_of,
     limited,
     pause,
     suspend,
@@ -96,7 +96,7 @@ def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
     if node.duration is None and node.until is None:
         pause(c)
     else:
-        limited(c, scope, limit_of(c, scope, node), partial(idle, c))
+        limited(c, scope, node, partial(idle, c))
     check_invariants(c, scope)
 
 
@@ -188,19 +188,17 @@ def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool
 
 def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
     calls = calls_of(c, scope, node)
-    used = c.code.variables.used
     if node.how == "choose":
-        run = choose_one(c, calls, node)  # before a condition is looked at
+        chosen = pick(c, calls, node)  # before a condition is looked at
+        run = partial(run_one_of, c, [call for call, _ in calls], node, chosen)
     elif node.how == "shuffle":
         run = partial(shuffle, c, calls, node)
     else:
         run = partial(run_called, c, [call for call, _ in calls], node)
     if node.duration is not None or node.until is not None:
-        limited(c, scope, limit_of(c, scope, node), run)
+        limited(c, scope, node, run)
     else:
         run()
-    if not scope.inlined.live and not c.site.suspending and not c.site.composing:
-        c.code.variables.used = used
     check_invariants(c, scope)
 
 
@@ -211,14 +209,17 @@ def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     elif isinstance(calls[0], BehaviorCall):
         run_behavior(c, calls[0], node)
     else:
-        options = enumerate(calls[0].options)
-        cases = {i: partial(run_round, c, partial(run_behavior, c, option, node), node, i) for i, option in options}
-        c.code.dispatch(register_of(c.code, calls[0].index), cases)
+        run_one_of(c, calls[0].options, node, register_of(c.code, calls[0].index))
 
 
-def run_round(c: Compilation, run: Callable[[], object], node: ast.AST, number: int) -> None:
-    with c.round(node, number):
-        run()
+def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: int) -> None:
+    """Run that of some whose number stands in a register."""
+
+    def run(number: int, call: Value) -> None:
+        with c.round(node, number):
+            run_called(c, [call], node)
+
+    c.code.dispatch(chosen, {i: partial(run, i, call) for i, call in enumerate(calls)})
 
 
 def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Called]:
@@ -254,50 +255,32 @@ def called(c: Compilation, scope: Scope, value: Value, place: ast.expr) -> Value
 # ------------------------------------------------------------ one of several
 
 
-def choose_one(c: Compilation, calls: list[Called], node: nodes.Do) -> Callable[[], None]:
-    """Write rows that choose, by weight, one of those whose guards hold now; return what writes those that run it."""
-    able = c.code.variables.take(len(calls))
-    for i, (call, _) in enumerate(calls):
-        can_start(c, call, node, i, able + i)
-    chosen = drawn(c, [weight for _, weight in calls], able)
-    return lambda: c.code.dispatch(chosen, running(c, calls, node))
-
-
-def running(c: Compilation, calls: list[Called], node: nodes.Do) -> dict[int, Callable[[], None]]:
-    """Return what writes the rows that run each of some."""
-    return {
-        i: partial(run_round, c, partial(run_called, c, [call], node), node, i) for i, (call, _) in enumerate(calls)
-    }
-
-
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
     """Compile `do shuffle`: again and again one of those that are left."""
     code = c.code
-    able, left = code.variables.take(len(calls)), code.variables.take(len(calls))
+    left = code.variables.take(len(calls))
     for i in range(len(calls)):
         register_of(code, 1, left + i)
-    again, some, end = Label(), Label(), Label()
-    code.put_loop(again)
-    for i in range(len(calls)):
-        code.row(op.JUMP_IF, left + i, c=some)
-    code.row(op.JUMP, c=end)
-    code.put(some)
+    with code.rounds(code.constant(len(calls)), at_least_one=True):
+        chosen = pick(c, calls, node, left)
+        code.row(op.STORE, left, chosen, code.constant(0))
+        run_one_of(c, [call for call, _ in calls], node, chosen)
+
+
+def pick(c: Compilation, calls: list[Called], node: nodes.Do, left: int | None = None) -> int:
+    """Return a register with the number of one that is chosen by weight, of those left whose guards hold now."""
+    able = c.code.variables.take(len(calls))
     for i, (call, _) in enumerate(calls):
-        register_of(code, 0, able + i)
-        with code.when(left + i):
+        register_of(c.code, 0, able + i)
+        with nullcontext() if left is None else c.code.when(left + i):
             can_start(c, call, node, i, able + i)
-    chosen = drawn(c, [weight for _, weight in calls], able)
-    code.row(op.STORE, left, chosen, code.constant(0))
-    code.dispatch(chosen, running(c, calls, node))
-    code.row(op.JUMP, c=again)
-    code.put(end)
+    return drawn(c, [weight for _, weight in calls], able)
 
 
 def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: int) -> None:
-    """Put into a register whether the guards of a behavior hold now."""
+    """Put 1 into a register if the guards of a behavior hold now."""
     if not isinstance(call, BehaviorCall):
         raise ScenicError("unsupported", "`do choose` and `do shuffle` of a random behavior")
-    register_of(c.code, 0, able)
     fails = Label()
     with c.round(node, -1 - number), c.entered(call.behavior, node):
         scope = frame_of(c, call)

@@ -10,7 +10,6 @@ import ast
 from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 from scenic_lite.core.scope import Scope
@@ -19,12 +18,12 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Function
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_to, store_in_register
+from scenic_lite.dynamics.compiler.types import Const
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
-from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 # "object" and its label, "simulation" and "", "global" and its module's number; then the attribute or variable
@@ -58,7 +57,7 @@ class InlinedBody:
 class CompiledScope(Scope):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "flags", "inlined", "undecided", "variables")
+    __slots__ = ("compilation", "flags", "if_unset", "inlined", "undecided", "unset", "variables")
 
     def __init__(
         self,
@@ -71,7 +70,9 @@ class CompiledScope(Scope):
         super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
         self.variables: dict[str, Variable] = {}
-        self.flags: dict[str, int] = {}  # registers that say whether variables have a value yet
+        self.unset: set[str] = set()  # variables that may have no value yet where the walk is
+        self.flags: dict[str, int] = {}  # registers that say whether those that are read nevertheless have one
+        self.if_unset: Label | None = None  # where the match goes that comes to one without; None: it stops
         self.undecided: set[str] = set()  # targets of loops that a `break` may have left with any element
 
     def inner(self, names: dict[str, Value]) -> Scope:
@@ -100,6 +101,7 @@ class CompiledScope(Scope):
             return
         variable.store(value)
         self.locals[name] = variable.load()
+        self.unset.discard(name)
         if name in self.flags:
             code.row(op.COPY, self.flags[name], code.constant(1))
 
@@ -119,11 +121,21 @@ class CompiledScope(Scope):
         message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
         raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
 
-    def lookup(self, name: str) -> Value:
+    def check_set(self, name: str) -> None:
+        """Write rows that stop a match which reads a variable without a value. Raises ScenicError if that is vague."""
         if name in self.undecided:
             message = f"what '{name}' is after a loop with `break` the match decides"
             raise ScenicError("unsupported", message, hint="assign it to a variable of its own before the break")
-        return super().lookup(name)
+        if name not in self.unset:
+            return
+        types, key, flag = self.compilation.types, self.variables[name].key, self.flags.get(name)
+        if flag is None:  # the next walk has a flag for it
+            types.types[(*key, "set")] = Const(True)
+            types.outdated.add((*key, "set"))
+        elif self.if_unset is not None:
+            self.compilation.code.row(op.JUMP_UNLESS, flag, c=self.if_unset)
+        else:
+            self.compilation.code.fault_unless(flag, f"'{name}' has no value yet")
 
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
@@ -136,6 +148,11 @@ class CompiledScope(Scope):
             self.variables[name] = variable
             if name in self.locals:
                 variable.store(self.locals[name])
+            else:
+                self.unset.add(name)
+                if (*variable.key, "set") in c.types.types:
+                    self.flags[name] = c.code.variables.take()
+                    c.code.row(op.COPY, self.flags[name], c.code.constant(0))
             if variable.place is not None:
                 self.locals[name] = variable.load()
 
@@ -143,10 +160,12 @@ class CompiledScope(Scope):
     def in_dynamic_branch(self) -> Iterator[None]:
         """Inside, whether a statement is reached is decided during a match."""
         self.inlined.live += 1
+        before = set(self.unset)
         try:
             yield
         finally:
             self.inlined.live -= 1
+            self.unset |= before
 
 
 @dataclass(eq=False)
@@ -236,7 +255,6 @@ class Site:
     inside: tuple = ()  # bodies of the behaviors and functions that are being inlined
     agent: Instance | None = None  # which `self` is
     slot: int = 0  # register of the innermost block: where it goes on when time has passed
-    suspending: int = 0  # statements with a scan around the present one: their variables all last
     repeating: int = 0  # constructs around it that may execute it several times
     part: ScenarioInstance | None = None  # the scenario to which it belongs
     composing: bool = False  # to its compose block
@@ -412,38 +430,3 @@ class Compilation:
         if message not in self.output.reasons:
             self.output.reasons.append(message)
         return self.code.constant(1 + self.output.reasons.index(message))
-
-
-@lru_cache(maxsize=4096)
-def assigned_names(*trees: ast.AST) -> frozenset[str]:
-    """Return the variables that some statements change, loop targets aside: a loop looks after its own."""
-    names: set[str] = set()
-    for node in nodes.walk_own(*trees):
-        if isinstance(node, ast.Assign):
-            targets: list[ast.expr] = node.targets
-        elif isinstance(node, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
-            targets = [node.target]
-        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "append":
-            targets = [node.func.value]
-        else:
-            continue
-        for target in targets:
-            names |= {part.id for part in base_names(target)}
-    return frozenset(names)
-
-
-def base_names(target: ast.expr) -> Iterator[ast.Name]:
-    """Yield the variables that assigning to a target changes."""
-    if isinstance(target, ast.Name):
-        yield target
-    elif isinstance(target, ast.Tuple | ast.List):
-        for each in target.elts:
-            yield from base_names(each)
-    elif isinstance(target, ast.Starred | ast.Subscript):
-        yield from base_names(target.value)
-
-
-def suspends(trees: Iterable[ast.AST]) -> bool:
-    """Return whether time may pass in some statements."""
-    kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
-    return any(isinstance(each, kinds) for each in nodes.walk_own(*trees))

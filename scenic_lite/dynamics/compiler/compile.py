@@ -32,7 +32,7 @@ from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import PYTHON_FAULTS, from_python
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
-from scenic_lite.core.types import Builtin, Instance, Namespace, ScenicClass, describe_kind
+from scenic_lite.core.types import Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow
@@ -96,7 +96,8 @@ def compile_mode(c: Compilation) -> Mode:
     """Return how nodes are evaluated while a program is compiled; what statements make is the walk's own."""
     loaded = c.program.mode
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
-    own |= {kind: partial(dictionary, loaded.handlers.expressions[kind]) for kind in (ast.Dict, ast.DictComp, ast.Name)}
+    own |= {kind: partial(dictionary, loaded.handlers.expressions[kind]) for kind in (ast.Dict, ast.DictComp)}
+    own[ast.Name] = partial(name, loaded.handlers.expressions[ast.Name])
     statements = {kind: with_location(c, handler) for kind, handler in (STATEMENTS | DYNAMIC | SETTING_UP).items()}
     simulation = Builtin("simulation", lambda: c.simulation, over_choices=False)
 
@@ -113,6 +114,16 @@ def compile_mode(c: Compilation) -> Mode:
     )
     state = loaded.state.copy_to_play()
     return Mode(COMPILE, state, handlers, Budget(state.budget.limits), partial(draw, c), symbolic=True)
+
+
+def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Name) -> Value:
+    """Return what a name stands for; a match that has given it no value yet stops."""
+    at: Environment | None = scope
+    while at is not None and node.id not in at.locals and not (isinstance(at, CompiledScope) and node.id in at.unset):
+        at = at.outer
+    if isinstance(at, CompiledScope):
+        at.check_set(node.id)
+    return dictionary(handler, scope, node)
 
 
 def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:

@@ -10,19 +10,27 @@ if there is none, the body. A handler that ends clears its slot and scans again 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
 
 from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, truth
 from scenic_lite.dynamics.compiler.code import Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody, assigned_names
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
+from scenic_lite.dynamics.compiler.statements import assigned_names
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.errors import UnsetVariable
 from scenic_lite.syntax import nodes
 
-Limit = Callable[[Label], None]  # rows that jump when it is over
+
+class Handler(NamedTuple):
+    """What interrupts a body: what writes rows that jump when it does, and its block; without one the body ends."""
+
+    ask: Callable[[Label], None]
+    block: list[ast.stmt] | None = None
 
 
 def suspend(c: Compilation, on: Label) -> None:
@@ -81,90 +89,69 @@ def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.
 
 
 def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> None:
-    flags = flags_of_unset(c, scope, node)
     scope.pin(assigned_names(node))
-    code, begun = c.code, c.scenarios_begun()
-    body = code.variables.take(1 + len(node.interrupts))
-    slots = [body + 1 + i for i in range(len(node.interrupts))]
+    handlers = [Handler(partial(interrupt_on, c, scope, each.condition), each.body) for each in node.interrupts]
+    interruptible(c, scope, handlers, partial(scope.run, node.body))
+
+
+def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler], run: Callable[[], None]) -> None:
+    """Compile a body under the eyes of some handlers, of which the last comes first."""
+    code, begun, before = c.code, c.scenarios_begun(), set(scope.unset)
+    body = code.variables.take(1 + len(handlers))
     begin, scan, end = Label(), Label(), Label()
-    handlers = [(slot, handler, Label()) for slot, handler in zip(slots, node.interrupts, strict=True)]
-    for slot in slots:
-        register_of(code, 0, slot)
+    blocks = [(body + 1 + i, each, Label()) for i, each in enumerate(handlers)]
+    for slot, handler, _ in blocks:
+        if handler.block:
+            register_of(code, 0, slot)
     enter(c, scope, body, begin, scan)
-    for slot, handler, start in reversed(handlers):
-        code.row(op.RESUME_IF_RUNNING, slot)
+    for slot, handler, start in reversed(blocks):
+        if handler.block:
+            code.row(op.RESUME_IF_RUNNING, slot)
         with code.statement():
-            code.place = scope.place(handler.condition)
-            with once_set(c, scope, surely_read(handler.condition) & flags.keys()) as readable:
-                if readable:
-                    interrupt_on(c, scope, handler.condition, start)
+            handler.ask(start if handler.block else end)
     code.row(op.RESUME, body)
-    with scope.in_dynamic_branch(), c.at(suspending=c.site.suspending + 1):
+    with scope.in_dynamic_branch():
         code.put_reachable(begin)
         with c.at(slot=body):
-            scope.run(node.body)
+            run()
         code.row(op.JUMP, c=end)
-        for slot, handler, start in handlers:
-            code.put(start)
-            scope.inlined.aborts.append(end)
-            with c.at(slot=slot), c.repeated():
-                scope.run(handler.body)
-            scope.inlined.aborts.pop()
-            register_of(code, 0, slot)
-            code.row(op.LOOP_BACK, c=scan)
+        for slot, handler, start in blocks:
+            if handler.block:
+                scope.unset |= before
+                code.put(start)
+                scope.inlined.aborts.append(end)
+                with c.at(slot=slot), c.repeated():
+                    scope.run(handler.block)
+                scope.inlined.aborts.pop()
+                register_of(code, 0, slot)
+                code.row(op.LOOP_BACK, c=scan)
     code.put(end)
     c.stop_scenarios(begun)
 
 
 def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
-    """Go to a handler if its condition holds, which cannot be a behavior that somebody forgot to `do`."""
-    if not isinstance(condition, ast.Call) or not c.code.reachable:
-        jump_on(c, scope, condition, start, when=True)
-        return
-    value = scope.value(condition)
-    if isinstance(value, BehaviorCall):
-        error = scope.error("type", "a behavior cannot be called in a condition", condition)
-        c.output.doubts.append(error)
-        c.stop_with(error)
-    else:
-        jump(c.code, truth(value), start, when=True)
-
-
-def flags_of_unset(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> dict[str, int]:
-    """Return registers that say in a compose block whether variables that conditions read by now have a value.
-
-    One that has none makes the condition false; in a behavior it is a fault, and so it is here within a loop.
-    """
-    if not c.site.composing or c.site.repeating:
-        return {}
-    names = {name for handler in node.interrupts for name in surely_read(handler.condition)}
-    flags = {name: c.code.variables.take() for name in sorted(names & assigned_names(node) - scope.locals.keys())}
-    for register in flags.values():
-        register_of(c.code, 0, register)
-    scope.flags |= flags
-    return flags
-
-
-def surely_read(condition: ast.expr) -> set[str]:
-    """Return the names in a condition; what stands behind an `or` might not be come to."""
-    if any(isinstance(each, ast.Or | ast.IfExp) for each in ast.walk(condition)):
-        return set()
-    return {each.id for each in ast.walk(condition) if isinstance(each, ast.Name)}
-
-
-@contextmanager
-def once_set(c: Compilation, scope: CompiledScope, names: set[str]) -> Iterator[bool]:
-    """Rows written inside, a condition, are only come to when these variables have a value; whether they may be."""
-    unset = Label()
-    before = dict(scope.locals)
-    for name in sorted(names):
-        c.code.row(op.JUMP_UNLESS, scope.flags[name], c=unset)
-        c.types.read.add(scope.variables[name].key)  # also while nothing is known of it
-        scope.locals[name] = scope.variables[name].load()
-    yield all(scope.variables[name].place is not None for name in names)
-    scope.locals.clear()
-    scope.locals.update(before)
-    c.code.put(unset)
+    """Go to a handler if its condition holds; in a compose block one about what has no value yet does not."""
+    code, rows = c.code, len(c.code.rows)
+    code.place = scope.place(condition)
+    unset = scope.if_unset = Label() if c.site.composing else None
+    try:
+        value = scope.value(condition) if isinstance(condition, ast.Call) else None
+        if isinstance(value, BehaviorCall):  # which somebody forgot to `do`
+            error = scope.error("type", "a behavior cannot be called in a condition", condition)
+            c.output.doubts.append(error)
+            c.stop_with(error)
+        elif isinstance(condition, ast.Call):
+            jump(code, truth(value), start, when=True)
+        else:
+            jump_on(c, scope, condition, start, when=True)
+    except UnsetVariable:
+        if unset is None and not c.types.outdated:
+            raise
+        del code.rows[rows:]  # the next walk knows its type
+    finally:
+        scope.if_unset = None
+    if unset is not None:
+        code.put(unset)
 
 
 def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: Label) -> None:
@@ -180,27 +167,15 @@ def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: L
     code.put_loop(scan)
 
 
-def limited(c: Compilation, scope: CompiledScope, over: Limit, run: Callable[[], None]) -> None:
-    """Compile a body that ends when its limit says so: looked at before it begins and whenever it would be resumed."""
-    code, begun = c.code, c.scenarios_begun()
-    body = code.variables.take()
-    begin, scan, end = Label(), Label(), Label()
-    enter(c, scope, body, begin, scan)
-    with code.statement():
-        over(end)
-    code.row(op.RESUME, body)
-    code.put_reachable(begin)
-    with scope.in_dynamic_branch(), c.at(slot=body, suspending=c.site.suspending + 1):
-        run()
-    code.put(end)
-    c.stop_scenarios(begun)
+def limited(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait, run: Callable[[], None]) -> None:
+    """Compile a body that its limit ends: looked at before it begins and whenever it would be resumed."""
+    interruptible(c, scope, [Handler(limit_of(c, scope, node))], run)
 
 
-def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Limit:
+def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Callable[[Label], None]:
     """Return what writes rows that jump when a `do` or `wait` is over."""
     if node.until is not None:
-        until = node.until
-        return lambda end: jump_on(c, scope, until, end, when=True)
+        return partial(jump_on, c, scope, node.until, when=True)
     assert node.duration is not None
     duration = needs_number(scope.value(node.duration), "a duration")
     code, time = c.code, c.time()

@@ -27,11 +27,11 @@ from scenic_lite.dynamics.compiler.compilation import (
     ScenarioInstance,
     Thread,
     WatchedItem,
-    assigned_names,
 )
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.registers import Variable, store_in_register
+from scenic_lite.dynamics.compiler.statements import assigned_names
 from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, unsatisfied
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE

@@ -7,15 +7,17 @@ What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, nullcontext
+from copy import copy
+from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.scope import near
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, Loop, assigned_names, suspends
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, Loop
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import with_item
 from scenic_lite.dynamics.compiler.lists import (
@@ -36,7 +38,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import combine
-from scenic_lite.evaluation.statements import define_function, nothing
+from scenic_lite.evaluation.statements import define_function
 from scenic_lite.language.classes import checked
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import walk_own
@@ -56,26 +58,17 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
 # ------------------------------------------------------------ assignments
 
 
-def assign(c: Compilation, scope: CompiledScope, node: ast.Assign) -> None:
-    value = scope.value(node.value)
-    for target in node.targets:
-        bind(c, scope, target, value)
-
-
-def annotated(c: Compilation, scope: CompiledScope, node: ast.AnnAssign) -> None:
+def assign(c: Compilation, scope: CompiledScope, node: ast.Assign | ast.AnnAssign) -> None:
     if node.value is not None:
-        bind(c, scope, node.target, scope.value(node.value))
+        value = scope.value(node.value)
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+            bind(c, scope, target, value)
 
 
 def augmented(c: Compilation, scope: CompiledScope, node: ast.AugAssign) -> None:
-    target = node.target
-    if isinstance(target, ast.Name):
-        old = scope.lookup(target.id)
-    elif isinstance(target, ast.Subscript):
-        old = scope.value(ast.copy_location(ast.Subscript(target.value, target.slice, ast.Load()), target))
-    else:
-        old = scope.value(ast.copy_location(ast.Attribute(target.value, target.attr, ast.Load()), target))
-    bind(c, scope, target, combine(scope, node.op, old, scope.value(node.value)))
+    old = copy(node.target)
+    old.ctx = ast.Load()
+    bind(c, scope, node.target, combine(scope, node.op, scope.value(old), scope.value(node.value)))
 
 
 def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
@@ -177,11 +170,16 @@ def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
         scope.pin(assigned_names(*node.body, *node.orelse))
     c.code.rows.extend(rows)
     c.code.reachable = reachable
+    unset, before = set[str](), set(scope.unset)
     with scope.in_dynamic_branch() if live else nullcontext():
-        scope.run(node.body)
-        c.code.row(op.JUMP, c=end)
-        c.code.put(no)
-        scope.run(node.orelse)
+        for side in (node.body, node.orelse):
+            scope.unset = set(before)
+            scope.run(side)
+            unset |= scope.unset if c.code.reachable else set()
+            if side is node.body:
+                c.code.row(op.JUMP, c=end)
+                c.code.put(no)
+    scope.unset = unset
     c.code.put(end)
 
 
@@ -344,18 +342,48 @@ def define(c: Compilation, scope: CompiledScope, node: ast.FunctionDef) -> None:
     define_function(scope, node)
 
 
-def declare(c: Compilation, scope: CompiledScope, node: ast.Global | ast.Nonlocal) -> None:
-    (scope.globals if isinstance(node, ast.Global) else scope.nonlocals).update(node.names)
+# ------------------------------------------------------------ what statements change
 
 
-def skip(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
-    nothing(scope, node)
+@lru_cache(maxsize=4096)
+def assigned_names(*trees: ast.AST) -> frozenset[str]:
+    """Return the variables that some statements change, loop targets aside: a loop looks after its own."""
+    names: set[str] = set()
+    for node in walk_own(*trees):
+        if isinstance(node, ast.Assign):
+            targets: list[ast.expr] = node.targets
+        elif isinstance(node, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
+            targets = [node.target]
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "append":
+            targets = [node.func.value]
+        else:
+            continue
+        for target in targets:
+            names |= {part.id for part in base_names(target)}
+    return frozenset(names)
+
+
+def base_names(target: ast.expr) -> Iterator[ast.Name]:
+    """Yield the variables that assigning to a target changes."""
+    if isinstance(target, ast.Name):
+        yield target
+    elif isinstance(target, ast.Tuple | ast.List):
+        for each in target.elts:
+            yield from base_names(each)
+    elif isinstance(target, ast.Starred | ast.Subscript):
+        yield from base_names(target.value)
+
+
+def suspends(trees: Iterable[ast.AST]) -> bool:
+    """Return whether time may pass in some statements."""
+    kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
+    return any(isinstance(each, kinds) for each in walk_own(*trees))
 
 
 STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Expr: expression,
     ast.Assign: assign,
-    ast.AnnAssign: annotated,
+    ast.AnnAssign: assign,
     ast.AugAssign: augmented,
     ast.If: compile_if,
     ast.While: compile_while,
@@ -364,9 +392,6 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Continue: compile_continue,
     ast.Return: compile_return,
     ast.Assert: compile_assert,
-    ast.Pass: skip,
     ast.FunctionDef: define,
-    ast.Global: declare,
-    ast.Nonlocal: declare,
     **dict.fromkeys(REFUSED, refuse),
 }
