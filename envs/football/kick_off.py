@@ -25,7 +25,7 @@ class MatchConfig:
     mode other than 0, so a throw-in, a corner, a goal kick, a foul or an offside; never a kick-off. Possession: the
     ball is owned by the other team than the last that owned it, however long nobody did, and goals do not make that
     forgotten. An episode has exactly `game_duration` steps, and the second half begins after exactly `second_half` of
-    them. (Theirs has one step more, because its first action is lost.)
+    them. (Theirs has one step more.)
     """
 
     game_duration: npt.ArrayLike = 400

@@ -10,6 +10,7 @@ from envs.football.ai.decide import choose_command, read_game
 from envs.football.ai.keeper import kick_out_if_overdue
 from envs.football.ai.set_pieces import wait_for_restart
 from envs.football.constants import BUILTIN_AI, RUNNING, STAND
+from envs.football.control.active_player import settle_first_step
 from envs.football.control.agents import assign_actions, choose_controlled
 from envs.football.control.episode import end_episode
 from envs.football.control.keys import apply_action, release_keys
@@ -52,6 +53,8 @@ def choose_actions(match, actions, code, object_to_player, registers, commands):
 @kernel
 def play(match):
     """Move a match on in which every player has his action."""
+    if match.step == 0:
+        settle_first_step(match)
     if not wait_for_restart(match):
         play_on(match)
     play_frames(match)

@@ -109,8 +109,15 @@ MATCH_FIELDS = (
     ("second_half", "i8", (), "steps", "played when the second half begins; beyond the duration there is none"),
     # Written by every draw
     ("random", "u8", (), "", "state of the stream of random numbers"),
-    # Who decides for whom in the next step: `control.agents` at the end of a step
+    # Who decides for whom in the next step: `control` at the end of a step
     ("agents", "i8", (MAX_PLAYERS,), "", "player whom each agent's next action moves, left agents first; -1 nobody"),
+    (
+        "designated",
+        "i8",
+        (2,),
+        "",
+        "player of each team who is to win the ball, where an agent is `active`; -1 none yet",
+    ),
     # Who has the ball: `skills` and `physics.possession`, whenever it is touched, lost or kicked
     ("carrier", "i8", (), "", "player who leads the ball with his feet or holds it, -1 for a free ball"),
     ("keeper_holding", "i8", (), "", "keeper with the ball in his hands, -1 none"),
@@ -173,7 +180,7 @@ MATCH_FIELDS = (
 
 NOBODY_YET = (
     *("reported_owner", "carrier", "keeper_holding", "kicker", "last_touch", "last_owned_team", "saver", "chaser"),
-    *("receiver", "restart_team", "restart_kick", "taker", "foul_player", "foul_victim"),
+    *("receiver", "restart_team", "restart_kick", "taker", "foul_player", "foul_victim", "designated"),
     *("team_in_possession", "last_carrier", "presser", "runner"),
 )
 

@@ -7,7 +7,7 @@ import pytest
 from pitch import position, take_over
 
 from envs.football.config import FootballConfig
-from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SPRINT
+from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SHOT, SPRINT
 from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.scenic.lineup import NotAMatchError
 from envs.football.simulator import step_matches
@@ -44,7 +44,7 @@ def started(control: str, right_control: str = "none", count: int = 2) -> Footba
         ("closest1", [1]),
         ("closest2", [1, 3]),
         ("closest3", [1, 3, 2]),
-        ("active", [1]),
+        ("active", [0]),
         ("1", [1]),
         ("2", [1, 3]),
         ("4", [1, 3, 2, 0]),
@@ -192,6 +192,100 @@ def test_right_agents_are_paid_for_their_goals() -> None:
 
 
 # ---------------------------------------------------------------- the original's active player
+
+
+UNITS = np.array([54.4, -83.6])  # of the original, in m
+STRETCHED = np.array([55.0, -83.6 * 1.016])  # where its players stand
+
+
+def original(players: list[tuple[float, float]], ball: tuple[float, float], keeper: int = 0) -> np.ndarray:
+    """Left players at these places of the original's, against two far away; its built-in keeper is one of them."""
+    places = (np.array(players) * STRETCHED).tolist()
+    left = [(x, y, LEFT, GK if i == keeper else CM) for i, (x, y) in enumerate(places)]
+    rows = [*left, (55.0, 0.0, RIGHT, GK), (49.5, 25.0, RIGHT, CM)]
+    x, y = np.array(ball) * UNITS
+    return position(rows, (x, y), MatchConfig(control="active", end_episode_on_possession_change=False))
+
+
+ROW = [(-1.0, 0.0), *((-0.5 + 0.09 * i, 0.3 - 0.06 * i) for i in range(1, 11))]
+
+
+@pytest.mark.parametrize(
+    ("size", "first", "second"),
+    [(1, 0, 0), (2, 0, 0), (3, 0, 0), (4, 0, 3), (5, 0, 4), (6, 5, 5), (7, 6, 6), (8, 6, 6), (11, 6, 6)],
+)
+def test_who_is_active_at_first_is_the_original_s_measured_choice(size: int, first: int, second: int) -> None:
+    """Seen in the real engine, the ball in the middle: before and after a first step. Of 2, 28 m is not near enough."""
+    matches = original(ROW[:size], (0.0, 0.0))
+    assert matches["agents"][0, 0] == first
+    step_matches(matches, np.array([[0]]))
+    assert matches["agents"][0, 0] == second
+
+
+SEVEN = [(-1.0, 0.0), (-0.5, 0.3), (-0.5, -0.3), (-0.3, 0.1), (-0.3, -0.1), (-0.2, 0.3), (0.6, 0.0)]
+THREE = [(-1.0, 0.0), (0.0, 0.0), (0.3, 0.2)]
+
+
+@pytest.mark.parametrize(
+    ("players", "ball", "active"),
+    [(SEVEN, (0.62, 0.0), 6), (SEVEN, (0.9, 0.3), 6), (THREE, (0.2, 0.0), 1), (THREE, (-0.8, 0.0), 0)],
+)
+def test_control_goes_where_the_original_s_went(players, ball, active: int) -> None:
+    """Measured, too; a keeper who is nearest to the ball keeps it."""
+    matches = original(players, ball)
+    for _ in range(8):
+        step_matches(matches, np.array([[0]]))
+        assert matches["agents"][0, 0] == active
+
+
+def test_sticky_keys_of_the_first_step_count_and_its_kick_is_lost_with_the_player() -> None:
+    three = [(-1.0, 0.0), (0.6, 0.0), (0.7, 0.2), (0.7, -0.2)]
+    runs = [original(three, (0.62, 0.0)) for _ in range(4)]
+    for matches, keys in zip(runs, ([SHOT], [0], [DIRECTION_RIGHT], [0, DIRECTION_RIGHT]), strict=True):
+        for step in range(8):
+            step_matches(matches, np.array([[keys[step] if step < len(keys) else 0]]))
+    shot, idle, right, later = (matches["ball"]["x"][0] for matches in runs)
+    assert shot == idle and runs[0]["players"]["x"][0, 0] == runs[1]["players"]["x"][0, 0]
+    assert min(right, later) > idle + 1.0
+    assert runs[2]["players"]["direction"][0, 1] == DIRECTION_RIGHT and runs[2]["players"]["direction"][0, 0] == 0
+
+
+def test_a_kick_of_the_first_step_counts_where_control_stays() -> None:
+    """Player 6 has the ball from the beginning; in the original it leaves at step 4."""
+    matches = original(SEVEN, (0.62, 0.0))
+    speeds = []
+    for step in range(8):
+        step_matches(matches, np.array([[SHOT if step == 0 else 0]]))
+        speeds.append(matches["ball"]["vx"][0])
+    assert max(speeds) > 15.0
+
+
+def test_nobody_owns_the_ball_until_it_is_touched() -> None:
+    """As seen in the original: the owner is reported from the step on in which the ball first moves, 1 to 5 there."""
+    matches = original([(-1.0, 0.0), (0.0, 0.0)], (0.02, 0.0))
+    owners, moved = [], []
+    for _ in range(8):
+        step_matches(matches, np.array([[DIRECTION_RIGHT]]))
+        owners.append(int(matches["reported_owner"][0]))
+        moved.append(matches["ball"]["x"][0] - 0.02 * 54.4 > 0.05)
+    assert owners[0] == NOBODY and owners[-1] == 1
+    assert [owner != NOBODY for owner in owners] == moved
+
+
+def test_another_player_is_designated_only_where_he_is_clearly_sooner() -> None:
+    """A mate a little nearer to a loose ball does not get the agent; one much nearer does, but no keeper."""
+    for place, gets in ((9.0, False), (0.9, True)):
+        rows = [(-54.0, 0.0, LEFT, GK), (10.0, 0.0, LEFT, CM), (-place, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)]
+        matches = position(rows, (0.0, 0.0), MatchConfig(control="active", end_episode_on_possession_change=False))
+        matches["agents"][0, 0], matches["designated"][0, 0] = 1, 1
+        matches["players"]["agent"][0, :3] = NOBODY, 0, NOBODY
+        step_matches(matches, np.array([[0]]))
+        assert (matches["agents"][0, 0] == 2) == gets
+    rows = [(-2.0, 0.0, LEFT, GK), (10.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)]
+    matches = position(rows, (0.0, 0.0), MatchConfig(control="active", end_episode_on_possession_change=False))
+    matches["agents"][0, 0], matches["players"]["agent"][0, :2] = 1, (NOBODY, 0)
+    step_matches(matches, np.array([[0]]))
+    assert matches["designated"][0, 0] == 0 and matches["agents"][0, 0] == 1
 
 
 def test_the_active_player_is_the_receiver_as_soon_as_a_pass_leaves() -> None:

@@ -9,21 +9,9 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
-    ACTIVE,
-    BAD_ACTION,
-    BUILTIN_AI,
-    CLOSEST,
-    GK,
-    LEFT,
-    NOBODY,
-    NUM_ACTIONS,
-    RIGHT,
-)
-from envs.football.physics.possession import ball_speed, meeting_time
+from envs.football.constants import ACTIVE, BAD_ACTION, BUILTIN_AI, CLOSEST, LEFT, NOBODY, NUM_ACTIONS, RIGHT
+from envs.football.control.active_player import choose_active
 from scenic_lite.kernels.jit import kernel
-
-SWITCH = 0.2  # s by which a mate must be sooner at a loose ball to become the active player
 
 
 @kernel
@@ -93,50 +81,3 @@ def choose_closest(match, team, first):
         match.agents[agent] = best
         if best != NOBODY:
             match.players[best].agent = agent
-
-
-@kernel
-def choose_active(match, team, agent):
-    """Give the only agent of a team the player whom Google Research Football would; its sticky keys go with it."""
-    old = match.agents[agent]
-    new = active_player(match, team, old)
-    if new in (old, NOBODY):
-        return
-    match.agents[agent] = new
-    there = match.players[new]
-    there.agent = agent
-    if old != NOBODY:
-        here = match.players[old]
-        here.agent = NOBODY
-        there.direction, there.sprint, there.dribble = here.direction, here.sprint, here.dribble
-
-
-@kernel
-def active_player(match, team, old):
-    """Return who takes the restart or has the ball, else for whom a mate's pass is meant, else who is soonest."""
-    if match.taker != NOBODY and match.players[match.taker].team == team:
-        return match.taker
-    if match.carrier != NOBODY and match.players[match.carrier].team == team:
-        return match.carrier
-    if match.carrier == NOBODY and receives(match, team):
-        return match.receiver
-    speed = ball_speed(match.ball)
-    best, soonest = old, math.inf
-    if old != NOBODY and match.players[old].role != GK and not match.players[old].has_left:
-        soonest = meeting_time(match, match.players[old], speed) - SWITCH
-    for i in range(match.num_players):
-        player = match.players[i]
-        if player.team != team or player.has_left or i == old or player.role == GK:
-            continue
-        time = meeting_time(match, player, speed)
-        if time < soonest or (time == soonest and player.order < match.players[best].order):
-            best, soonest = i, time
-    return best
-
-
-@kernel
-def receives(match, team):
-    """Return whether a pass to a player of the team is under way: nobody but the passer has touched it."""
-    if match.receiver == NOBODY or match.last_touch == NOBODY or match.last_touch == match.receiver:
-        return False
-    return match.players[match.receiver].team == team and match.players[match.last_touch].team == team

@@ -1,13 +1,17 @@
 """Which players of a team the agents move: the modes by their names, and who is whose when a match begins.
 
     closest1, closest2, closest3    the players closest to the ball, nearest first, chosen anew before every action
-    active                          one player, as a single agent of Google Research Football has him: best placed to
-                                    reach the ball, the receiver as soon as a pass leaves the foot
+    active                          one player, as a single agent of Google Research Football has him: on the ball or
+                                    much sooner at it, the receiver as soon as a pass leaves the foot. At the start it
+                                    is the keeper, or the player of a certain index; control goes to the ball within the
+                                    first step, whose kick or slide is then lost: see `control.active_player`
     a whole number N                the N closest at the start, nearest first; they stay
     all, allNonGK                   everybody, or everybody but the keeper, in the order of the program; they stay
     none                            nobody: the built-in players have the team to themselves
 
-Where distances are equal the order of the program decides. Read next: `control.agents`, who is whose from step to step.
+Where distances are equal the order of the program decides. Only `active` begins as the original does: the others are
+ours, or stay with their players, and an action always moves whom the observation before it showed. Read next:
+`control.agents`, who is whose from step to step.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ import numpy as np
 
 from envs.football.config import check_control
 from envs.football.constants import ACTIVE, CLOSEST, FIXED, GK, LEFT, NO_AGENTS, NOBODY, RIGHT
+from envs.football.control.active_player import FIRST_PLAYERS
 
 _KINDS = {"none": NO_AGENTS, "active": ACTIVE, "closest1": CLOSEST, "closest2": CLOSEST, "closest3": CLOSEST}
 
@@ -52,6 +57,9 @@ def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> No
         count = count_agents(mode, players["role"][0, members], team)
         matches["num_agents"][:, team] = count
         matches["control"][:, team] = _KINDS.get(str(mode), FIXED)
+        if str(mode) == "active":  # the original counts players by their index
+            members = members[np.argsort(players["shirt"][0, members])]
+            matches["designated"][:, team] = members[0]
         chosen = _chosen(str(mode), players[:, members], matches["ball"])[:, :count]
         matches["agents"][:, first : first + count] = members[chosen]
         first += count
@@ -68,6 +76,9 @@ def release_agents(matches: np.ndarray) -> None:
 
 def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
     """Return who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
+    if mode == "active":
+        size = members.shape[1]
+        return np.full((len(members), 1), FIRST_PLAYERS[min(size, len(FIRST_PLAYERS) - 1)])
     if mode == "all":
         return np.broadcast_to(np.arange(members.shape[1]), members.shape)
     if mode == "allNonGK":

@@ -56,7 +56,7 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
     plane = side * np.array([1 / UNIT_X, 1 / UNIT_Y])
     spin = SPIN_UNIT / BALL_RADIUS * side
     owners = _of(players, "team", matches["reported_owner"])
-    alone = matches["num_agents"][:, us] == 1
+    alone, chosen = matches["num_agents"][:, us] == 1, matches["designated"][:, us]
     observation = {
         "ball": _vectors(plane, ball["x"], ball["y"], ball["z"]),
         "ball_direction": STEP * _vectors(plane, ball["vx"], ball["vy"], ball["vz"]),
@@ -64,7 +64,9 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
         "ball_owned_team": np.where(owners < 0, -1, owners ^ us),
         "ball_owned_player": _of(players, "shirt", matches["reported_owner"]),
         "active": _of(players, "shirt", me),
-        "designated": _of(players, "shirt", np.where(alone, me, matches["chaser"][:, us])),
+        "designated": _of(
+            players, "shirt", np.where(chosen < 0, np.where(alone, me, matches["chaser"][:, us]), chosen)
+        ),
         "sticky_actions": _sticky(players, me, right),
         "score": matches["score"][:, ::-1].copy() if right else matches["score"].copy(),
         "steps_left": matches["game_duration"] - matches["step"],

@@ -36,6 +36,7 @@ class Chase(NamedTuple):
 # Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
 # family matches.
 OWNED, CHASE = Owned(), Chase()
+PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
 
 
@@ -114,9 +115,16 @@ def update_possession(match):
     match.reported_owner = NOBODY
     if match.keeper_holding != NOBODY:
         match.reported_owner = match.keeper_holding
-    elif match.last_touch != NOBODY and owns(match.ball, match.players[match.last_touch]):
+    elif match.last_touch != NOBODY and has_moved(match) and owns(match.ball, match.players[match.last_touch]):
         match.reported_owner = match.last_touch
     compare_owner(match)
+
+
+@kernel
+def has_moved(match):
+    """Return whether the ball has been played at all: until it leaves its place nobody is reported to own it."""
+    ball = match.ball
+    return match.last_owned_team != NOBODY or length(ball.x - match.ball_start_x, ball.y - match.ball_start_y) > PLAYED
 
 
 @kernel
