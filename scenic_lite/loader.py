@@ -57,8 +57,7 @@ def load(
     set_up_main(mode, own, scenario)
     warn_of_overrides(state, own)
     apply_mutations(state)
-    if state.ego is None and needs_ego(state):
-        raise no_ego(state, own)
+    refuse_without_ego(state, own)
     prune(state)
     return build_program(mode, own, text, warnings_of(state))
 
@@ -93,7 +92,7 @@ def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | No
     if len(known) > 1:
         hint = 'call the one to run "Main", or say which one it is'
         message = f"there are several scenarios: {', '.join(known)}"
-        raise ScenicError("value", message, SourceSpan(source.file, 1, 0, 1, 1), hint=hint, source_line=source.line(1))
+        raise ScenicError("value", message, source.start, hint=hint, source_line=source.line(1))
     only = next(iter(known.values()), None)
     return only if only is not None and not only.required() else None
 
@@ -117,7 +116,7 @@ def override(state: LoadState, file: str, params: Mapping[str, object], model: s
 
 def warn_of_overrides(state: LoadState, own: Source) -> None:
     """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
-    unset = SourceSpan(own.file, 1, 0, 1, 1)
+    unset = own.start
     known = {name for name, place in state.param_places.items() if place != unset}
     known |= state.domain.params if state.domain else frozenset()
     for name in sorted(state.fixed_params - known):
@@ -147,12 +146,20 @@ def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
     return tuple(warnings.values())
 
 
-def no_ego(state: LoadState, source: Source) -> ScenicError:
-    """Return the error for a program without an ego, at its first object."""
+def refuse_without_ego(state: LoadState, source: Source) -> None:
+    """Raise ScenicError, at its first object, for a program that sets no ego but needs one.
+
+    Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it.
+    """
+    if state.dialect == 2:
+        needed = state.main is None or not state.main.behavior.scenario.compose
+    else:
+        needed = any(instance.properties["requireVisible"] is True for instance in state.objects)
+    if state.ego is not None or not needed:
+        return
     own = (instance.place for instance in state.objects if instance.place.file == source.file)
-    where = next(own, SourceSpan(source.file, 1, 0, 1, 1))
-    hint = "write ego = ... before one of its objects"
-    return ScenicError("name", "the program sets no ego", where, hint=hint, source_line=source.line(where.line))
+    with state.placing(next(own, source.start)):
+        raise ScenicError("name", "the program sets no ego", hint="write ego = ... before one of its objects")
 
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:
@@ -180,10 +187,3 @@ def load_mode(domain: Domain | None, dialect: int) -> Mode:
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
     handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)
     return Mode(LOAD, state, handlers, state.budget, state.column)
-
-
-def needs_ego(state: LoadState) -> bool:
-    """Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it."""
-    if state.dialect == 2:
-        return state.main is None or not state.main.behavior.scenario.compose
-    return any(instance.properties["requireVisible"] is True for instance in state.objects)

@@ -22,11 +22,15 @@ from scenic_lite.values.operations import Operation, row_of
 PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
 
 
-PYTHON_FAULTS = (ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
+FAULTS = (  # of programs: our own, and those of Python's operators and methods
+    ScenicError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError,
+)  # fmt: skip
 
 
-def from_python(fault: BaseException) -> ScenicError:
-    """Return our error for a fault of Python's own operators and methods."""
+def as_error(fault: BaseException) -> ScenicError:
+    """Return our error for a fault of Python's own operators and methods; one of ours as it is."""
+    if isinstance(fault, ScenicError):
+        return fault
     if isinstance(fault, RecursionError):
         return exceeded("expressions and functions are nested too deeply")
     if isinstance(fault, MemoryError):
@@ -40,13 +44,44 @@ def from_python(fault: BaseException) -> ScenicError:
 class FallibleOperation:
     """An operation on arrays [N] that knows itself in which rows it fails."""
 
-    def fails(self, *inputs: Any) -> Any:
+    def fails(self, result: Any, *inputs: Any) -> Any:
         """[N]: the rows in which it fails."""
         raise NotImplementedError
 
-    def error(self, row: int) -> ScenicError:
+    def error(self, row: int, *inputs: Any) -> ScenicError:
         """Return what is wrong in a row that fails."""
         raise NotImplementedError
+
+
+class FallibleRow(FallibleOperation):
+    """A row of the table of operations that can fail: division, the root of a negative number."""
+
+    def __init__(self, operation: Operation) -> None:
+        assert operation.fails is not None
+        self.fails, self.scalar = operation.fails, operation.scalar  # type: ignore[method-assign]
+
+    def error(self, row: int, *inputs: Any) -> ScenicError:
+        """Return what Python says of the operation on these numbers."""
+        columns = [np.atleast_1d(column) for column in inputs]
+        numbers = [column[min(row, len(column) - 1)].item() for column in columns]
+        try:
+            result = self.scalar(*numbers)
+        except (ArithmeticError, ValueError, TypeError) as fault:
+            error = as_error(fault)
+        else:
+            what = "no real number" if isinstance(result, complex) or math.isnan(result) else "infinite"
+            error = ScenicError("value", f"the result is {what}")
+        operands = " and ".join(f"{number:g}" for number in numbers)
+        error.hint = f"the random values allow scenes in which this is computed of {operands}"
+        return error
+
+
+def fallible(operation: Callable[..., Any] | None) -> FallibleOperation | None:
+    """Return what is known of how an operation fails, if it can."""
+    if isinstance(operation, FallibleOperation):
+        return operation
+    row = row_of(operation)
+    return None if row is None or row.fails is None else FallibleRow(row)
 
 
 @dataclass(eq=False)
@@ -99,7 +134,7 @@ class RuntimeChecks:
             pair = (result.x, result.y) if hasattr(result, "rotated") else result
             nodes = list(pair[:PARTS]) if isinstance(pair, tuple) else []
         for node in nodes:
-            if isinstance(node, RandomExpr) and can_fail(node.operation) and id(node) not in self.checks:
+            if isinstance(node, RandomExpr) and fallible(node.operation) and id(node) not in self.checks:
                 check = Check(node, (*self.guards, *ways), self.requirement)
                 self.checks[id(node)] = check
                 self.unplaced.append(check)
@@ -109,11 +144,6 @@ class RuntimeChecks:
         for check in self.unplaced:
             check.place, check.line = place, line
         self.unplaced.clear()
-
-
-def can_fail(operation: Callable[..., Any] | None) -> bool:
-    row = row_of(operation)
-    return isinstance(operation, FallibleOperation) or (row is not None and row.fails is not None)
 
 
 class SceneChecks:
@@ -149,27 +179,17 @@ class SceneChecks:
         return value if slot is None else registers[slot]
 
     def _mask(self, check: Check, registers: list[Any]) -> Any:
-        inputs = self._inputs(check, registers)
-        operation = check.node.operation
-        row = row_of(operation)
-        if isinstance(operation, FallibleOperation):
-            mask = operation.fails(*inputs)
-        else:
-            assert row is not None and row.fails is not None
-            mask = row.fails(self._of(check.node, registers), *inputs)
+        operation = fallible(check.node.operation)
+        assert operation is not None
+        mask = operation.fails(self._of(check.node, registers), *self._inputs(check, registers))
         for condition, truth in check.guards if np.any(mask) else ():
             mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == truth)
         return mask
 
     def error(self, check: Check, registers: list[Any], row: int) -> ScenicError:
-        operation = check.node.operation
-        if isinstance(operation, FallibleOperation):
-            error = operation.error(row)
-        else:
-            table_row = row_of(operation)
-            assert table_row is not None
-            inputs = [np.atleast_1d(column) for column in self._inputs(check, registers)]
-            error = error_of(table_row, [column[min(row, len(column) - 1)].item() for column in inputs])
+        operation = fallible(check.node.operation)
+        assert operation is not None
+        error = operation.error(row, *self._inputs(check, registers))
         if error.place is None:
             error.place, error.source_line = check.place, check.line
         return error
@@ -208,17 +228,3 @@ def reaches(tape: Tape, check: Check) -> bool:
     """Return whether the tape computes the value, and what decides whether the program gets there."""
     needed = [check.node, *(condition for condition, _ in check.guards if isinstance(condition, RandomExpr))]
     return all(tape.find(value) is not None for value in needed)
-
-
-def error_of(operation: Operation, numbers: list[Any]) -> ScenicError:
-    """Return what Python says of an operation on these numbers."""
-    try:
-        result = operation.scalar(*numbers)
-    except (ArithmeticError, ValueError, TypeError) as fault:
-        error = from_python(fault)
-    else:
-        what = "no real number" if isinstance(result, complex) or math.isnan(result) else "infinite"
-        error = ScenicError("value", f"the result is {what}")
-    operands = " and ".join(f"{number:g}" for number in numbers)
-    error.hint = f"the random values allow scenes in which this is computed of {operands}"
-    return error

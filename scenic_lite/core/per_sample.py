@@ -64,10 +64,10 @@ class PerSampleOperation(FallibleOperation):
             self._faults.append(None)
             yield row
 
-    def fails(self, *_inputs: Any) -> Any:
+    def fails(self, result: Any, *inputs: Any) -> Any:
         return np.array([fault is not None for fault in self._faults], dtype=bool)
 
-    def error(self, row: int) -> ScenicError:
+    def error(self, row: int, *inputs: Any) -> ScenicError:
         fault = self._faults[min(row, len(self._faults) - 1)]
         assert fault is not None, "a scene without a fault"
         return fault

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import PYTHON_FAULTS, from_python
+from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.state import LOAD, BranchPath, Mode
 from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
@@ -87,10 +87,8 @@ class Scope(Environment):
             if self.state.watching.unplaced:
                 self.note_places(node)
             return value if self.mode.row is None else in_row(value, self.mode.row)
-        except ScenicError as error:
-            raise self.placed(error, node) from None
-        except PYTHON_FAULTS as fault:
-            raise self.placed(from_python(fault), node) from None
+        except FAULTS as fault:
+            raise self.placed(as_error(fault), node) from None
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Execute statements in order."""
@@ -104,10 +102,8 @@ class Scope(Environment):
                 handler(self, node)
                 if self.state.watching.unplaced:
                     self.note_places(node)
-            except ScenicError as error:
-                raise self.placed(error, node) from None
-            except PYTHON_FAULTS as fault:
-                raise self.placed(from_python(fault), node) from None
+            except FAULTS as fault:
+                raise self.placed(as_error(fault), node) from None
 
     def truth(self, node: ast.expr) -> bool:
         """Return the truth of a condition that decides what is evaluated next; it must not be random."""
@@ -266,11 +262,11 @@ def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
         return [(f"{name}.x", value.x), (f"{name}.y", value.y)]
     if isinstance(value, dict):
         return [(f"{name}[{key!r}]", value[key]) for key in list(value)[:LARGEST_NAMED] if isinstance(key, str | int)]
-    return [(f"{name}[{i}]", element) for i, element in enumerate(value[:LARGEST_NAMED])] if is_sequence(value) else []
-
-
-def is_sequence(value: Value) -> bool:
-    return isinstance(value, list | tuple)
+    return (
+        [(f"{name}[{i}]", element) for i, element in enumerate(value[:LARGEST_NAMED])]
+        if isinstance(value, list | tuple)
+        else []
+    )
 
 
 def near_inputs(value: RandomExpr) -> list[RandomExpr]:

@@ -33,6 +33,10 @@ class Source:
     folder: Path | None  # where modules named by the program are looked for
     library: bool  # of the domain, not of the user
 
+    @property
+    def start(self) -> SourceSpan:
+        return SourceSpan(self.file, 1, 0, 1, 1)
+
     def line(self, number: int) -> str:
         return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
 
@@ -70,7 +74,7 @@ class Environment:
 
     def place(self, node: ast.AST) -> SourceSpan:
         if not isinstance(node, ast.expr | ast.stmt):
-            return SourceSpan(self.source.file, 1, 0, 1, 1)
+            return self.source.start
         end_line, end_column = node.end_lineno or node.lineno, node.end_col_offset or node.col_offset + 1
         return SourceSpan(self.source.file, node.lineno, node.col_offset, end_line, end_column)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import FallibleOperation, from_python
+from scenic_lite.core.checks import FallibleOperation, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
@@ -191,11 +191,12 @@ class Within(FallibleOperation):
     def __call__(self, index: Any) -> Any:
         return np.clip(np.where(index < 0, index + self.count, index), 0, self.count - 1)
 
-    def fails(self, index: Any) -> Any:
+    def fails(self, result: Any, *inputs: Any) -> Any:
+        (index,) = inputs
         return (index < -self.count) | (index >= self.count)
 
-    def error(self, row: int) -> ScenicError:
-        return from_python(IndexError("list index out of range"))
+    def error(self, row: int, *inputs: Any) -> ScenicError:
+        return as_error(IndexError("list index out of range"))
 
 
 # ------------------------------------------------------------ what is assigned to

@@ -84,12 +84,17 @@ def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
 
 def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
     """Return the world model of a file that names none: the caller's, or the domain's default."""
-    domain = state.domain
-    if state.model is not None:
-        return None if state.importing or any(isinstance(node, nodes.Model) for node in ast.walk(tree)) else state.model
-    if domain is None or not domain.default_model or not wants_default_model(tree, domain.library):
+    statements = list(ast.walk(tree))
+    if any(isinstance(node, nodes.Model) for node in statements):
         return None
-    return domain.default_model
+    if state.model is not None:
+        return None if state.importing else state.model
+    if state.domain is None:
+        return None
+    library = state.domain.library
+    imported = [node.module for node in statements if isinstance(node, ast.ImportFrom)]
+    imported += [alias.name for node in statements if isinstance(node, ast.Import) for alias in node.names]
+    return None if any(name in library for name in imported) else state.domain.default_model or None
 
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:
@@ -114,27 +119,22 @@ def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
     key = str(path)
     if key in state.importing:
         raise ScenicError("import", f"{name} imports itself in a circle")
-    if key not in state.modules:
-        if path.suffix != ".scenic":
-            state.modules[key] = Namespace(name, {})
-            return state.modules[key]
-        text = read(path)
-        source = source_of(text, shown_name(scope, name, path, library), path.parent, library)
-        state.importing.append(key)
-        try:
-            with state.own_ego():
-                state.modules[key] = Namespace(name, run_file(scope.mode, text, source), not library)
-        finally:
-            state.importing.pop()
+    if key in state.modules:
+        return state.modules[key]
+    if path.suffix != ".scenic":
+        state.modules[key] = Namespace(name, {})
+        return state.modules[key]
+    shown = path.name if not name else f"{name.replace('.', '/')}.scenic"
+    shown = f"{state.domain.name}/{path.name}" if library and state.domain else shown
+    text = read(path)
+    state.importing.append(key)
+    try:
+        with state.own_ego():
+            names = run_file(scope.mode, text, source_of(text, shown, path.parent, library))
+            state.modules[key] = Namespace(name, names, not library)
+    finally:
+        state.importing.pop()
     return state.modules[key]
-
-
-def shown_name(scope: Scope, name: str, path: Path, library: bool) -> str:
-    """Return how errors name the file of a module."""
-    domain = scope.state.domain
-    if library and domain:
-        return f"{domain.name}/{path.name}"
-    return path.name if not name else f"{name.replace('.', '/')}.scenic"
 
 
 def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
@@ -201,43 +201,35 @@ def import_whole(scope: Scope, node: ast.Import) -> None:
         first, *rest = alias.name.split(".")
         if alias.asname or not rest:
             scope.assign(alias.asname or first, module)
-        else:
-            scope.assign(first, package(scope, first, rest, module))
+            continue
+        top = at = copy_of(first, scope.locals.get(first))
+        for part in rest[:-1]:
+            at.names[part] = copy_of(part, at.names.get(part))
+            at = at.names[part]
+        at.names[rest[-1]] = module
+        scope.assign(first, top)
 
 
-def package(scope: Scope, first: str, rest: list[str], module: Namespace) -> Namespace:
-    """Return the module `first` with one more module inside it."""
-    known = scope.locals.get(first)
-    top = Namespace(first, dict(known.names)) if isinstance(known, Namespace) else Namespace(first, {})
-    at = top
-    for part in rest[:-1]:
-        inner = at.names.get(part)
-        at.names[part] = Namespace(part, dict(inner.names) if isinstance(inner, Namespace) else {})
-        at = at.names[part]
-    at.names[rest[-1]] = module
-    return top
+def copy_of(name: str, known: Any) -> Namespace:
+    """Return a module that may get more modules inside it; the one of that name elsewhere stays as it is."""
+    return Namespace(name, dict(known.names) if isinstance(known, Namespace) else {})
 
 
 def import_from(scope: Scope, node: ast.ImportFrom) -> None:
-    """`from a import b as c`, `from .a import *`, `from . import a`."""
+    """`from a import b as c`, `from .a import *`, `from . import a`; what a folder holds are modules."""
     module = import_module(scope, node.module or "", node.level)
+    path, _ = locate(scope, node.module or "", node.level)
     for alias in node.names:
         if alias.name == "*":
             take_all(scope, module)
-            continue
-        if alias.name not in module.names and is_folder(scope, node):
+        elif alias.name in module.names:
+            scope.assign(alias.asname or alias.name, module.names[alias.name])
+        elif path is not None and path.is_dir():
             inner = import_module(scope, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
             scope.assign(alias.asname or alias.name, inner)
-        elif alias.name not in module.names:
+        else:
             hint = near(alias.name, module.names)
             raise ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
-        else:
-            scope.assign(alias.asname or alias.name, module.names[alias.name])
-
-
-def is_folder(scope: Scope, node: ast.ImportFrom) -> bool:
-    path, _ = locate(scope, node.module or "", node.level)
-    return path is not None and path.is_dir()
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
@@ -249,16 +241,6 @@ def take_all(scope: Scope, module: Namespace) -> None:
         if name not in module.names:
             raise ScenicError("import", f"{module.name} has no '{name}', which its `__all__` lists")
         scope.locals[name] = module.names[name]
-
-
-def wants_default_model(tree: ast.Module, library: Any) -> bool:
-    """Return whether the program itself names no part of the library."""
-    for node in ast.walk(tree):
-        if isinstance(node, nodes.Model) or (isinstance(node, ast.ImportFrom) and node.module in library):
-            return False
-        if isinstance(node, ast.Import) and any(alias.name in library for alias in node.names):
-            return False
-    return True
 
 
 IMPORTS: dict[type, Callable[[Scope, Any], None]] = {

@@ -200,22 +200,18 @@ def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass:
 
 def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
     """Return a default expression, evaluated for each instance anew, with `self` in sight."""
-    reads = {
-        part.attr
-        for part in ast.walk(node.value)
-        if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name) and part.value.id == "self"
-    }
-
-    owners = {id(part.value) for part in ast.walk(node.value) if isinstance(part, ast.Attribute)}
-    for part in ast.walk(node.value):
-        if isinstance(part, ast.Name) and part.id == "self" and id(part) not in owners:
+    parts = list(ast.walk(node.value))
+    reads = {id(part.value): part.attr for part in parts if isinstance(part, ast.Attribute)}
+    selves = [part for part in parts if isinstance(part, ast.Name) and part.id == "self"]
+    for part in selves:
+        if id(part) not in reads:
             raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", part)
 
     def compute(maker: Scope, self: Instance) -> Value:
         value = Scope.inside(maker.mode, scope, {"self": self}).value(node.value)
         return value.compute(self) if isinstance(value, LazyValue) else value
 
-    return Default(compute, frozenset(reads), tuple(node.attributes))
+    return Default(compute, frozenset(reads[id(part)] for part in selves), tuple(node.attributes))
 
 
 def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
@@ -272,19 +268,14 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
     """Keep a condition for whoever runs the episode; a duration is a value of the scene, like any other."""
-    duration = None
+    duration, name = None, node.name if isinstance(node, nodes.TerminateWhen) else None
     if isinstance(node, nodes.TerminateAfter):
         duration = scope.value(node.duration)
         if not is_number(duration) and not isinstance(duration, RandomExpr):
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
-    watched = Watched(node, scope.place(node), scope, name_of_termination(node))
+    watched = Watched(node, scope.place(node), scope, name or f"termination condition on line {node.lineno}")
     scope.state.terminations.append(watched._replace(duration=duration) if scope.mode.phase == LOAD else watched)
-
-
-def name_of_termination(node: nodes.TerminateWhen | nodes.TerminateAfter) -> str:
-    own = node.name if isinstance(node, nodes.TerminateWhen) else None
-    return own or f"termination condition on line {node.lineno}"
 
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:

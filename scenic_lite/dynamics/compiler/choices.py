@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
-from scenic_lite.core.checks import PYTHON_FAULTS, from_python
+from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Function, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Row
@@ -39,9 +39,9 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
             try:
                 results.append((rows, of_one(option)))
                 errors.append(None)
-            except (ScenicError, *PYTHON_FAULTS) as error:
+            except FAULTS as error:
                 results.append(([], None))
-                errors.append(error if isinstance(error, ScenicError) else from_python(error))
+                errors.append(as_error(error))
     if all(errors):
         assert errors[0] is not None
         raise errors[0]

@@ -29,7 +29,7 @@ from functools import partial
 from typing import Any
 
 from scenic_lite.core.budget import Budget
-from scenic_lite.core.checks import PYTHON_FAULTS, from_python
+from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
@@ -167,8 +167,8 @@ def with_location(
         try:
             with code.statement():
                 handler(compilation, scope, node)
-        except (ScenicError, *PYTHON_FAULTS) as fault:
-            error = scope.placed(fault if isinstance(fault, ScenicError) else from_python(fault), node)
+        except FAULTS as fault:
+            error = scope.placed(as_error(fault), node)
             if error.kind in REFUSALS:
                 raise
             inner = [each for each in compilation.output.doubts[known:] if each.kind != "warning"]
