@@ -18,9 +18,8 @@ Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.i
 from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.loader import load
-from scenic_lite.scene.constraints import Constraint
+from scenic_lite.scene.constraints import Constraint, RejectionReport
 from scenic_lite.scene.program import Draw, Program
-from scenic_lite.scene.rejection import RejectionReport
 from scenic_lite.scene.scenes import ObjectInfo, Scenes
 
 __all__ = [

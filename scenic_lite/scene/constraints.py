@@ -6,8 +6,9 @@ are nodes of the graph. Read next: `scene.program`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from scenic_lite.values.operations import NOT, OR, RECTANGLES_MEET
 from scenic_lite.values.regions import Everywhere, RectangularRegion, Region
 
 BLOCK = 8192  # numbers in one array while constraints are tested
+SHOWN = 8  # constraints in a report, the worst first
 
 
 class Constraint(NamedTuple):
@@ -51,50 +53,46 @@ class Outlines:
         return tuple(part[objects] for part in (self.x, self.y, self.heading, self.width, self.length))
 
 
-class Overlaps:
-    """Tests every pair of objects that may not overlap."""
+@dataclass(frozen=True, eq=False)
+class BatchedTest:
+    """K constraints of one kind, tested for all objects at once.
 
-    def __init__(self, objects: list[Instance]) -> None:
-        strict = [i for i, instance in enumerate(objects) if instance.properties["allowCollisions"] is False]
-        pairs = [(i, j) for j in strict for i in strict if i < j]
-        self.first = np.array([i for i, _ in pairs], dtype=int)
-        self.second = np.array([j for _, j in pairs], dtype=int)
-        self.constraints = [
-            Constraint(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap")
-            for i, j in pairs
-        ]
+    Attributes:
+        constraints: the K of them.
+        members: for each object that a constraint is about, an array [K] of which it is.
+        violated: from x, y, heading, width, length of each member, arrays [k, N], to truth values [k, N].
+    """
 
-    def members(self) -> list[tuple[int, ...]]:
-        """Return the objects that each constraint is about."""
-        return list(zip(self.first.tolist(), self.second.tolist(), strict=True))
+    constraints: list[Constraint]
+    members: tuple[np.ndarray, ...]
+    violated: Callable[..., Any]
 
     def fails(self, outlines: Outlines) -> Any:
-        """Return whether the two meet: [pairs, N]."""
-        upright = outlines.heading.shape[1] == 1 and not outlines.heading.any()
-        test = upright_meet if upright else turned_meet
-        parts = [
-            test(*outlines.of(self.first[block]), *outlines.of(self.second[block]))
-            for block in blocks(len(self.first), outlines)
-        ]
+        """Return which constraints do not hold: [K, N]; so many at once as stay in the processor's cache."""
+        size = max(1, BLOCK // max(1, outlines.x.shape[1]))
+        parts = []
+        for start in range(0, len(self.constraints), size):
+            some = (outlines.of(member[start : start + size]) for member in self.members)
+            parts.append(self.violated(*chain.from_iterable(some)))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def blocks(count: int, outlines: Outlines) -> list[slice]:
-    """Cut `count` rows so that what is computed at once stays in the processor's cache."""
-    size = max(1, BLOCK // max(1, outlines.x.shape[1]))
-    return [slice(start, start + size) for start in range(0, count, size)]
+def overlaps_of(objects: list[Instance]) -> BatchedTest | None:
+    """Return the test of every pair of objects that may not overlap."""
+    strict = [i for i, instance in enumerate(objects) if instance.properties["allowCollisions"] is False]
+    pairs = np.array([(i, j) for j in strict for i in strict if i < j], dtype=int).reshape(-1, 2)
+    constraints = [
+        Constraint(f"{objects[j].title()} overlaps {objects[i].title()}", objects[j].place, "overlap") for i, j in pairs
+    ]
+    return BatchedTest(constraints, tuple(pairs.T), meet) if constraints else None
 
 
-def upright_meet(*numbers: Any) -> Any:
-    """Return as `rectangles_meet` does for headings that are all 0, the usual case."""
-    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
-    return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
-
-
-def turned_meet(*numbers: Any) -> Any:
+def meet(*numbers: Any) -> Any:
     """Return as `rectangles_meet` does, which is asked only about those whose circumscribed circles meet."""
-    ax, ay, _, width_a, length_a, bx, by, _, width_b, length_b = numbers
+    ax, ay, heading_a, width_a, length_a, bx, by, heading_b, width_b, length_b = numbers
     dx, dy = ax - bx, ay - by
+    if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # upright, the usual case
+        return (np.abs(dx) <= (width_a + width_b) / 2) & (np.abs(dy) <= (length_a + length_b) / 2)
     reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
     meets = dx * dx + dy * dy <= reach * reach
     near = np.nonzero(meets)
@@ -103,40 +101,26 @@ def turned_meet(*numbers: Any) -> Any:
     return meets
 
 
-class Containment:
-    """Tests the objects whose container is one fixed rectangle."""
+def containment_of(region: RectangularRegion, where: list[int], constraints: list[Constraint]) -> BatchedTest:
+    """Return the test of the objects whose container is one fixed rectangle."""
+    c, s, position = float(np.cos(region.heading)), float(np.sin(region.heading)), region.position
+    half_width, half_length = region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS
 
-    def __init__(self, region: RectangularRegion, objects: list[Instance], where: list[int], label: str) -> None:
-        self.region = region
-        self.where = np.array(where, dtype=int)
-        self.constraints = [
-            Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment") for i in where
-        ]
-        self.half = (region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS)
-        self.axis = (float(np.cos(region.heading)), float(np.sin(region.heading)))
-
-    def members(self) -> list[tuple[int, ...]]:
-        """Return the objects that each constraint is about."""
-        return [(i,) for i in self.where.tolist()]
-
-    def fails(self, outlines: Outlines) -> Any:
-        """Return whether a rectangle sticks out, by its extent along the container's axes: [objects, N]."""
-        parts = [self._sticks_out(*outlines.of(self.where[block])) for block in blocks(len(self.where), outlines)]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-    def _sticks_out(self, x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
-        (c, s), position = self.axis, self.region.position
+    def sticks_out(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
+        """Return whether a rectangle does, by its extent along the container's axes."""
         dx, dy = x - position.x, y - position.y
-        turn_c, turn_s = np.abs(np.cos(heading - self.region.heading)), np.abs(np.sin(heading - self.region.heading))
+        turn_c, turn_s = np.abs(np.cos(heading - region.heading)), np.abs(np.sin(heading - region.heading))
         across, along = (width * turn_c + length * turn_s) / 2, (width * turn_s + length * turn_c) / 2
-        inside = np.abs(dx * c + dy * s) + across <= self.half[0]
-        return ~(inside & (np.abs(dy * c - dx * s) + along <= self.half[1]))
+        inside = np.abs(dx * c + dy * s) + across <= half_width
+        return ~(inside & (np.abs(dy * c - dx * s) + along <= half_length))
+
+    return BatchedTest(constraints, (np.array(where, dtype=int),), sticks_out)
 
 
 class Constraints:
     """All R constraints of a program: those of arrays first, then those that are nodes of the graph."""
 
-    def __init__(self, batched: list[Overlaps | Containment], nodes: list[tuple[Constraint, Value]]) -> None:
+    def __init__(self, batched: list[BatchedTest], nodes: list[tuple[Constraint, Value]]) -> None:
         """A node is true where its constraint holds."""
         self.batched, self.nodes = batched, nodes
         self.all = (
@@ -169,23 +153,21 @@ class Constraints:
     def members(self) -> Iterator[tuple[Constraint, tuple[int, ...]]]:
         """Yield the objects that each constraint of arrays is about."""
         for test in self.batched:
-            yield from zip(test.constraints, test.members(), strict=True)
+            yield from zip(test.constraints, zip(*test.members, strict=True), strict=True)
 
 
 def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
     """Return every constraint that the objects and requirements of a program imply."""
-    batched: list[Overlaps | Containment] = []
     nodes: list[tuple[Constraint, Value]] = []
-    overlaps = Overlaps(objects)
-    if overlaps.constraints:
-        batched.append(overlaps)
+    overlaps = overlaps_of(objects)
+    batched = [] if overlaps is None else [overlaps]
     for region, (where, label) in containers(state, objects).items():
+        held = [objects[i] for i in where]
+        stays = [Constraint(f"{each.title()} leaves {label}", each.place, "containment") for each in held]
         if isinstance(region, RectangularRegion) and region.fixed():
-            batched.append(Containment(region, objects, where, label))
-            continue
-        for i in where:
-            constraint = Constraint(f"{objects[i].title()} leaves {label}", objects[i].place, "containment")
-            nodes.append((constraint, region.contains_corners(outline(objects[i]))))
+            batched.append(containment_of(region, where, stays))
+        else:
+            nodes += [(stay, region.contains_corners(outline(each))) for stay, each in zip(stays, held, strict=True)]
     nodes += [*sometimes_apart(objects), *visibility(state, objects), *sights(state, objects)]
     for requirement in state.requirements:
         if requirement.condition is not True:
@@ -257,3 +239,45 @@ def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constrai
         holds = seen if visible else apply(NOT, seen)
         if holds is not True:
             yield Constraint(label, instance.place, "visibility"), holds
+
+
+# ------------------------------------------------------------ the report
+
+
+@dataclass(frozen=True)
+class RejectionReport:
+    """How many of some uniform draws of θ were valid, and what share each constraint rejected by itself.
+
+    A draw may violate several, so the shares need not add up.
+    """
+
+    file: str
+    draws: int
+    accepted: int
+    rejected: tuple[tuple[Constraint, float], ...]  # only those that rejected something, the worst first
+
+    @property
+    def acceptance(self) -> float:
+        """Return the share of the draws that were valid."""
+        return self.accepted / self.draws
+
+    def __str__(self) -> str:
+        if self.accepted:
+            head = f"{self.file}: {100 * self.acceptance:.1f} % of {self.draws} draws are valid"
+        else:
+            head = f"{self.file}: no valid scene in {self.draws} draws"
+        return "\n".join([head, *self.lines()])
+
+    def lines(self) -> list[str]:
+        """Return one line for each constraint that rejected something."""
+        rows = [
+            (f"    line {constraint.place.line}: {constraint.label}", share)
+            for constraint, share in self.rejected[:SHOWN]
+        ]
+        width = max((len(text) for text, _ in rows), default=0) + 6
+        lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
+        if len(self.rejected) > SHOWN:
+            lines.append(f"    and {len(self.rejected) - SHOWN} more")
+        if any(constraint.probability < 1 for constraint, _ in self.rejected):
+            lines.append("    (a soft requirement rejects in its share of the scenes only, and makes no draw invalid)")
+        return lines

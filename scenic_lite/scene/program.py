@@ -17,11 +17,10 @@ from scenic_lite.core.checks import CheckResults, SceneChecks
 from scenic_lite.core.state import Mode, Watched
 from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.scene.constraints import Constraint, Constraints
+from scenic_lite.scene.constraints import Constraint, Constraints, RejectionReport
 from scenic_lite.scene.naming import Draw, ThetaLayout, title_of_option
-from scenic_lite.scene.rejection import RejectionReport
 from scenic_lite.scene.scenes import Area, ObjectInfo, ScenePlan, Scenes, areas_of
-from scenic_lite.scene.theta import Subject, theta_of
+from scenic_lite.scene.theta import Inverse
 from scenic_lite.values.graph import RandomExpr, Tape, Value
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
@@ -228,12 +227,12 @@ class Program:
             default = np.zeros(self.dim)
         if default is not None:
             default = np.clip(self.layout.checked(np.atleast_2d(default)), -1.0, 1.0)
-        subject = Subject(self.file, self.instances, self.mode.state.params, self.param_places, self.layout)
+        state = self.mode.state
         try:
-            return theta_of(subject, scenes, default)
+            return Inverse(state, self.instances, self.layout).theta(scenes, default)
         except ScenicError as error:
             if error.place is not None:
-                error.source_line = self.mode.state.sources[error.place.file].line(error.place.line)
+                error.source_line = state.sources[error.place.file].line(error.place.line)
             raise
 
 

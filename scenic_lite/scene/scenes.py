@@ -5,7 +5,7 @@ Read next: `scene.program`, which owns the plan; `scene.constraints`, which test
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.state import DrawnPoint
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of, randoms_in
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
@@ -21,7 +21,7 @@ from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
 from scenic_lite.values.regions import Region
 
 LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
-Plan = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
+Reader = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
 
 
 class ObjectInfo(NamedTuple):
@@ -73,61 +73,53 @@ def refuse_huge(value: Value, what: str) -> None:
             stack += [(inner, depth + 1) for inner in parts_of(part)]
 
 
-class Planner:
-    """Turns values into plans: how to read them from the registers of a tape. Fixed values need none."""
+@dataclass(frozen=True, eq=False)
+class Fixed:
+    """The reader of a value that is the same in every scene."""
 
-    def __init__(self, tape: Tape, objects: list[Instance]) -> None:
+    value: Any
+
+    def __call__(self, registers: list[Any], count: int) -> Any:
+        return self.value
+
+
+class Planner:
+    """Turns values into readers: how they come from the registers of a tape."""
+
+    def __init__(self, tape: Tape, objects: Iterable[Instance]) -> None:
         self.tape = tape
         self.indices = {id(instance): i for i, instance in enumerate(objects)}
 
-    def fixed(self, value: Value) -> Any:
-        """Return a fixed value in the form that Scenes give it."""
-        if isinstance(value, Vector):
-            return (value.x, value.y)
-        if isinstance(value, Instance):
-            index = self.indices.get(id(value))
-            return self.fixed(value.properties["position"]) if index is None else index
-        if isinstance(value, list | tuple):
-            return type(value)(self.fixed(part) for part in value)
-        if isinstance(value, dict):
-            return {key: self.fixed(part) for key, part in value.items()}
-        if isinstance(value, BehaviorCall):
-            return value.behavior.name
-        return value
-
-    def plan(self, value: Value) -> Plan | None:
-        """Return how to read a value that varies; None if it is fixed."""
+    def reader(self, value: Value) -> Reader:
+        """Return how to read a value in the form that Scenes give it."""
         if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
             return lambda registers, count: registers[slot]
-        if isinstance(value, BehaviorCall | Region) or not any(True for _ in self._varying(value)):
-            return None
-        if isinstance(value, Vector):
-            return self._vector(value)
+        if isinstance(value, BehaviorCall):
+            return Fixed(value.behavior.name)
         if isinstance(value, Instance):
-            return self.plan(value.properties["position"])
+            index = self.indices.get(id(value))
+            return self.reader(value.properties["position"]) if index is None else Fixed(index)
         if isinstance(value, RandomChoice):
             return self._choice(value)
         if isinstance(value, dict):
-            return self._dictionary(value)
-        return self._sequence(value)
+            keys = list(value)
+            return self._of_parts(value.values(), lambda parts, _: dict(zip(keys, parts, strict=True)))
+        if isinstance(value, Vector):
+            reader = self._of_parts([value.x, value.y], points)
+            return Fixed((value.x, value.y)) if value.fixed else reader
+        if isinstance(value, list | tuple):
+            return self._of_parts(value, lambda parts, _: type(value)(parts))
+        return Fixed(value)
 
-    def _varying(self, value: Value) -> Iterator[RandomExpr]:
-        """Return what varies of a value; not of the program's objects, which are given by index."""
-        if isinstance(value, Instance):
-            return iter(()) if id(value) in self.indices else randoms_in(value.properties["position"])
-        if isinstance(value, list | tuple | dict):
-            parts = value.values() if isinstance(value, dict) else value
-            return (leaf for part in parts for leaf in self._varying(part))
-        return randoms_in(value)
+    def _of_parts(self, values: Iterable[Value], joined: Callable[[list[Any], int], Any]) -> Reader:
+        """Return how to read what is joined of parts."""
+        readers = [self.reader(part) for part in values]
+        if all(isinstance(reader, Fixed) for reader in readers):
+            return Fixed(joined([reader([], 0) for reader in readers], 0))
+        return lambda registers, count: joined([reader(registers, count) for reader in readers], count)
 
-    def _vector(self, value: Vector) -> Plan:
-        parts = [self.reader(value.x), self.reader(value.y)]
-        return lambda registers, count: np.stack(
-            [np.broadcast_to(part(registers, count), count) for part in parts], axis=1
-        )
-
-    def _choice(self, value: RandomChoice) -> Plan:
+    def _choice(self, value: RandomChoice) -> Reader:
         index = self.tape.slot(value.index)
         readers = [self.reader(option) for option in value.options]
 
@@ -138,21 +130,10 @@ class Planner:
 
         return read
 
-    def _sequence(self, value: Any) -> Plan:
-        kind, readers = type(value), [self.reader(part) for part in value]
-        return lambda registers, count: kind(reader(registers, count) for reader in readers)
 
-    def _dictionary(self, value: dict) -> Plan:
-        readers = {key: self.reader(part) for key, part in value.items()}
-        return lambda registers, count: {key: reader(registers, count) for key, reader in readers.items()}
-
-    def reader(self, value: Value) -> Plan:
-        """Return how to read a value, fixed or not."""
-        plan = self.plan(value)
-        if plan is not None:
-            return plan
-        fixed = self.fixed(value)
-        return lambda registers, count: fixed
+def points(coordinates: list[Any], count: int) -> np.ndarray:
+    """Return points [N, 2] of coordinates that are arrays [N] or numbers."""
+    return np.stack([np.broadcast_to(part, count) for part in coordinates], axis=1)
 
 
 def row_of(value: Any, row: int) -> Any:
@@ -173,48 +154,22 @@ class ScenePlan:
     """Reads scenes from the registers of a tape; what never varies is there before."""
 
     def __init__(self, tape: Tape, objects: list[Instance], params: dict[str, Value]) -> None:
-        self._planner = planner = Planner(tape, objects)
-        self._count = len(objects)
+        planner = Planner(tape, objects)
         self.arrangement = Arrangement(planner, objects)
-        plans = {name: planner.plan(value) for name, value in params.items()}
-        self.params = {name: planner.fixed(params[name]) for name, plan in plans.items() if plan is None}
-        self._param_plans = {name: plan for name, plan in plans.items() if plan is not None}
-        self._properties: dict[str, list[Any]] = {}
-        self._property_plans: list[tuple[str, int, Plan]] = []
-        self._arguments: list[dict[str, Any] | None] = [None] * len(objects)
-        self._argument_plans: list[tuple[int, Plan]] = []
-        for i, instance in enumerate(objects):
-            self._plan_instance(i, instance)
-
-    def _plan_instance(self, i: int, instance: Instance) -> None:
-        for name, value in instance.properties.items():
-            if name in ("position", "heading"):
-                continue
-            column = self._properties.setdefault(name, [None] * self._count)
-            plan = self._planner.plan(value)
-            if plan is None:
-                column[i] = self._planner.fixed(value)
-            else:
-                self._property_plans.append((name, i, plan))
-        behavior = instance.properties["behavior"]
-        if isinstance(behavior, BehaviorCall):
-            self._arguments[i] = self._planner.fixed(behavior.arguments)
-            plan = self._planner.plan(behavior.arguments)
-            if plan is not None:
-                self._argument_plans.append((i, plan))
+        names = dict.fromkeys(name for instance in objects for name in instance.properties)
+        others = [name for name in names if name not in ("position", "heading")]
+        behaviors = [instance.properties["behavior"] for instance in objects]
+        arguments = [call.arguments if isinstance(call, BehaviorCall) else None for call in behaviors]
+        self._properties = planner.reader({name: [each.properties.get(name) for each in objects] for name in others})
+        self._arguments = planner.reader(arguments)
+        self._params = planner.reader(params)
+        readers = {name: planner.reader(value) for name, value in params.items()}
+        self.params = {name: reader.value for name, reader in readers.items() if isinstance(reader, Fixed)}
 
     def read(self, registers: list[Any], count: int) -> tuple[dict[str, list[Any]], dict[str, Any], list[Any]]:
         """Return the properties, parameters and behavior arguments of N = count scenes, in the form of Scenes."""
-        properties = self._properties
-        if self._property_plans:
-            properties = {name: list(column) for name, column in properties.items()}
-            for name, i, plan in self._property_plans:
-                properties[name][i] = plan(registers, count)
-        arguments = list(self._arguments)
-        for i, plan in self._argument_plans:
-            arguments[i] = plan(registers, count)
-        params = self.params | {name: plan(registers, count) for name, plan in self._param_plans.items()}
-        return properties, params, arguments
+        properties, params = self._properties(registers, count), self._params(registers, count)
+        return properties, params, self._arguments(registers, count)
 
 
 class Arrangement:

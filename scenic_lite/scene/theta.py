@@ -2,7 +2,7 @@
 
 Placements are affine in θ nearly everywhere, so that one step of least squares on a numerical Jacobian mostly does;
 a coarse scan of θ gives further starts, for choices and curved regions. Every answer is verified; what is not met, or
-not decided by what is asked, is refused. Read next: `scene.scenes`, whose plans read a tape.
+not decided by what is asked, is refused. Read next: `scene.scenes`, whose readers read a tape.
 """
 
 from __future__ import annotations
@@ -12,15 +12,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, near, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.scene.naming import Draw, ThetaLayout
+from scenic_lite.scene.naming import ThetaLayout
 from scenic_lite.scene.scenes import Planner, Scenes
 from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number, kind_of
 
-CLOSE = 1e-6  # relative, from 1 on: two values that agree so far are the same
+CLOSE = 1e-6  # relative, from 1 on: two numbers that agree so far are the same
 SCAN = 4096  # θ at which everything is computed once
 STARTS = 8  # of these, the nearest to a scene, from which steps lead on
 ROUNDS = 60  # steps from one start
@@ -28,59 +29,162 @@ NUDGE = 1e-7  # of [0, 1], for derivatives
 LISTED = 8  # draws, in one message
 
 
-class Subject(NamedTuple):
-    """What can be asked of: the objects of a program, its parameters and its draws."""
-
-    file: str
-    objects: Sequence[Instance]
-    params: Mapping[str, Value]
-    param_places: Mapping[str, SourceSpan]
-    layout: ThetaLayout
-
-
 class Target(NamedTuple):
-    """One plain value of the scenes: `value` gives it, `asked` [N] is what it shall be (nan: anything)."""
+    """A value of the scenes and what it shall be; once it is `plain`, `asked` is an array [N] or [1] (nan: anything).
 
-    title: str  # of whom, and `part` what, for messages
+    `title`: of whom, "" for a parameter or draw; `part`: what.
+    """
+
+    title: str
     part: str
     value: Value
     asked: Any
     place: SourceSpan
 
 
-def theta_of(subject: Subject, scenes: Scenes | Mapping[Any, Any], default: np.ndarray | None) -> np.ndarray:
-    """Find theta [N, D] of some scenes; `default` [1, D] or [N, D] decides the draws of which nothing is asked.
+class Inverse:
+    """The way back from the scenes of one program: what can be asked of them, and the θ that gives it."""
 
-    Raises ScenicError naming the draws that nothing decides, or the value that is not met.
-    """
-    targets = list(targets_of_scenes(subject, scenes) if isinstance(scenes, Scenes) else targets_of(subject, scenes))
-    lengths = sorted({len(target.asked) for target in targets} - {1})
-    if len(lengths) > 1:
-        message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
-        raise ScenicError("value", message)
-    count = lengths[0] if lengths else 1
-    if default is not None and len(default) not in (1, count):
-        raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
-    targets = [target._replace(asked=np.broadcast_to(target.asked, count)) for target in targets]
-    groups = groups_of(targets, subject.layout.columns)
-    decided = {d for _, columns in groups for d in columns}
-    free = [d for d, column in enumerate(subject.layout.columns) if d not in decided and column.span != 0]
-    if default is None and free:
-        raise undetermined([subject.layout.draws[d] for d in free])
-    unit = np.full((count, len(subject.layout.columns)), 0.5)  # [N, D], in [0, 1]
-    if default is not None:
-        unit[:] = (default + 1) / 2
-    for group, columns in groups:
-        system = System(group, [subject.layout.columns[d] for d in columns], subject.objects)
-        unit[:, columns] = system.solve(unit[:, columns])
-    return 2 * unit - 1
+    def __init__(self, state: LoadState, objects: Sequence[Instance], layout: ThetaLayout) -> None:
+        self.file, self.objects, self.layout = layout.file, objects, layout
+        self.targets = {
+            draw.name: Target("", draw.name, column.shown, None, draw.place)
+            for draw, column in zip(layout.draws, layout.columns, strict=True)
+        }
+        for name, value in state.params.items():
+            self.targets[name] = Target("", name, value, None, state.param_places[name])
+
+    def theta(self, scenes: Scenes | Mapping[Any, Any], default: np.ndarray | None) -> np.ndarray:
+        """Find theta [N, D] of some scenes; `default` [1, D] or [N, D] decides the draws of which nothing is asked.
+
+        Raises ScenicError naming the draws that nothing decides, or the value that is not met.
+        """
+        asked = self._held(scenes) if isinstance(scenes, Scenes) else self._described(scenes)
+        targets = [part for target in asked for part in self._plain(target)]
+        for target in targets if isinstance(scenes, Mapping) else []:
+            if target.asked.dtype.kind == "f" and not np.isfinite(target.asked).all():
+                whose = target.title or target.part
+                raise ScenicError("value", f"what is asked of {whose} holds a number that is not finite")
+        lengths = sorted({len(target.asked) for target in targets} - {1})
+        if len(lengths) > 1:
+            message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
+            raise ScenicError("value", message)
+        count = lengths[0] if lengths else 1
+        if default is not None and len(default) not in (1, count):
+            raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
+        groups = groups_of(targets, self.layout.columns)
+        if default is None:
+            self._refuse_undecided({d for _, columns in groups for d in columns})
+        unit = np.full((count, len(self.layout.columns)), 0.5)  # [N, D], in [0, 1]
+        if default is not None:
+            unit[:] = (default + 1) / 2
+        for group, columns in groups:
+            system = System(group, [self.layout.columns[d] for d in columns], self.objects)
+            unit[:, columns] = system.solve(unit[:, columns])
+        return 2 * unit - 1
+
+    def _refuse_undecided(self, decided: set[int]) -> None:
+        pairs = enumerate(zip(self.layout.draws, self.layout.columns, strict=True))
+        free = [draw for d, (draw, column) in pairs if d not in decided and column.span != 0]
+        if free:
+            names = [f"{draw.name} (line {draw.place.line})" for draw in free[:LISTED]]
+            names += [f"{len(free) - LISTED} more"] if len(free) > LISTED else []
+            message = f"nothing that is asked of the scene decides {', '.join(names)}"
+            raise ScenicError("value", message, free[0].place, hint="ask for more, or give default=θ for the rest")
+
+    def _held(self, scenes: Scenes) -> Iterator[Target]:
+        """Yield everything that scenes hold."""
+        count = scenes.positions.shape[1]
+        if count != len(self.objects):
+            message = f"{self.file} has {len(self.objects)} objects, and these scenes have {count}"
+            raise ScenicError("value", message)
+        for i, instance in enumerate(self.objects):
+            held = {name: values[i] for name, values in scenes.properties.items() if name in instance.properties}
+            held |= {"position": scenes.positions[:, i], "heading": scenes.headings[:, i]}
+            held["behavior"] = scenes.behavior_arguments[i]
+            yield Target(instance.title(), "property", instance, held, instance.place)
+        for name in scenes.params.keys() & self.targets.keys():
+            yield self.targets[name]._replace(asked=scenes.params[name])
+
+    def _described(self, description: Mapping[Any, Any]) -> Iterator[Target]:
+        """Yield what a person asks of objects, parameters and draws. Raises ScenicError for what is none of them."""
+        for key, asked in description.items():
+            instance = self._object(key)
+            if instance is None:
+                yield self.targets[key]._replace(asked=asked)
+                continue
+            if not isinstance(asked, Mapping):
+                parts = elements(asked)
+                if len(parts) not in (2, 3):
+                    message = f"{instance.title()} takes (x, y) or (x, y, heading), not {asked!r}"
+                    raise ScenicError("type", message, instance.place)
+                asked = {"position": tuple(parts[:2])} | ({"heading": parts[2]} if len(parts) == 3 else {})
+            yield Target(instance.title(), "property", instance, asked, instance.place)
+
+    def _object(self, key: Any) -> Instance | None:
+        """Return an object by its index, label, `ego` or class, if the only one of it; None for a parameter or draw."""
+        titles = [instance.title() for instance in self.objects]
+        if isinstance(key, int | np.integer):
+            if not 0 <= key < len(titles):
+                raise ScenicError("name", f"{self.file} has {len(titles)} objects, and no object {key}")
+            return self.objects[int(key)]
+        if key in titles or key in self.targets:
+            return self.objects[titles.index(key)] if key in titles else None
+        alike = [each for each in self.objects if key in [cls.name for cls in each.cls.lineage()]]
+        if len(alike) > 1:
+            hint = f"say {', '.join(each.title() for each in alike)}"
+            raise ScenicError("name", f"{self.file} has {len(alike)} objects of the class {key}", hint=hint)
+        if alike or (key == "ego" and titles):
+            return [*alike, *self.objects][0]
+        known = [*titles, *self.targets]
+        hint = (near(key, known) if isinstance(key, str) else "") or f"it has {', '.join(known)}"
+        raise ScenicError("name", f"{self.file} has no object, parameter or draw {key!r}", hint=hint)
+
+    def _plain(self, target: Target) -> Iterator[Target]:
+        """Yield the targets of the plain values that a value is made of; regions and the like are not asked for."""
+        value, asked = target.value, target.asked
+        if isinstance(value, Instance) and not isinstance(asked, Mapping):
+            value = None if any(value is each for each in self.objects) else value.properties["position"]
+        elif isinstance(value, Instance):
+            value = value.properties
+        elif isinstance(value, BehaviorCall):
+            target, value = target._replace(part="argument of a behavior"), value.arguments
+        if isinstance(value, dict) and isinstance(asked, Mapping):
+            for name, part in asked.items():
+                if name not in value:
+                    message = f"{target.title} has no {target.part} {name!r}"
+                    raise ScenicError("name", message, target.place, hint=near(str(name), value))
+                yield from self._plain(target._replace(part=name, value=value[name], asked=part))
+        elif isinstance(value, Vector | list | tuple):
+            values = [value.x, value.y] if isinstance(value, Vector) else value
+            if len(values) != len(elements(asked)):
+                message = f"{target.part} is made of {len(values)} values, and cannot be {asked!r}"
+                raise ScenicError("type", message, target.place)
+            for each, part in zip(values, elements(asked), strict=True):
+                yield from self._plain(target._replace(value=each, asked=part))
+        elif isinstance(value, RandomExpr | RandomChoice | str | bool) or is_number(value):
+            yield target._replace(value=value, asked=array_of(target))
 
 
-def undetermined(draws: list[Draw]) -> ScenicError:
-    names = [f"{draw.name} (line {draw.place.line})" for draw in draws[:LISTED]]
-    more = [f"{len(draws) - LISTED} more"] if len(draws) > LISTED else []
-    message = f"nothing that is asked of the scene decides {', '.join(names + more)}"
-    return ScenicError("value", message, draws[0].place, hint="ask for more, or give default=θ for the rest")
+def elements(asked: Any) -> Any:
+    """Return the parts of what is asked: columns of an array [N, K], or what a list holds; () of a plain value."""
+    if isinstance(asked, np.ndarray):
+        return asked.T if asked.ndim in (1, 2) else ()
+    return asked if isinstance(asked, list | tuple) else ()
+
+
+def array_of(target: Target) -> np.ndarray:
+    """Return what is asked of a plain value, as an array [N] or [1]."""
+    asked = target.asked
+    array = np.array([asked, None], dtype=object)[:-1] if isinstance(asked, list | tuple) else np.asarray(asked)
+    if kind_of(target.value) == "number" and array.dtype.kind not in "biuf":
+        raise ScenicError("type", f"{target.part} is a number, and cannot be {asked!r}", target.place)
+    if array.ndim > 1:
+        raise ScenicError("type", f"{target.part} takes a number or an array [N], not {array.shape}", target.place)
+    return np.atleast_1d(array)
+
+
+# ------------------------------------------------------------ equations
 
 
 def groups_of(targets: list[Target], columns: Sequence[ThetaColumn]) -> list[tuple[list[Target], list[int]]]:
@@ -97,128 +201,13 @@ def groups_of(targets: list[Target], columns: Sequence[ThetaColumn]) -> list[tup
     return [(group, sorted(d for d in shared if isinstance(d, int))) for group, shared in groups]
 
 
-# ------------------------------------------------------------ what is asked
-
-
-def targets_of_scenes(subject: Subject, scenes: Scenes) -> Iterator[Target]:
-    """Yield everything that scenes hold."""
-    count = scenes.positions.shape[1]
-    if count != len(subject.objects):
-        message = f"{subject.file} has {len(subject.objects)} objects, and these scenes have {count}"
-        raise ScenicError("value", message)
-    for i, instance in enumerate(subject.objects):
-        held = {name: values[i] for name, values in scenes.properties.items() if name in instance.properties}
-        held |= {"position": scenes.positions[:, i], "heading": scenes.headings[:, i]}
-        yield from targets_of_object(subject, instance, held | {"behavior": scenes.behavior_arguments[i] or {}})
-    for name, value in scenes.params.items():
-        if name in subject.params:
-            yield from leaves(subject, Target("", name, subject.params[name], value, subject.param_places[name]))
-
-
-def targets_of(subject: Subject, description: Mapping[Any, Any]) -> Iterator[Target]:
-    """Yield what a person asks of objects, parameters and draws. Raises ScenicError for a name that is none of them."""
-    draws = {draw.name: column.shown for draw, column in zip(subject.layout.draws, subject.layout.columns, strict=True)}
-    places = {draw.name: draw.place for draw in subject.layout.draws} | dict(subject.param_places)
-    names = draws | dict(subject.params)
-    for key, asked in description.items():
-        at = object_named(subject, key, names)
-        if at is None:
-            targets = leaves(subject, Target(str(key), "value", names[key], asked, places[key]))
-        else:
-            instance = subject.objects[at]
-            asked = asked if isinstance(asked, Mapping) else stance_of(instance, asked)
-            targets = targets_of_object(subject, instance, asked)
-        for target in targets:
-            if target.asked.dtype.kind == "f" and not np.isfinite(target.asked).all():
-                raise ScenicError("value", f"what is asked of {key} holds a number that is not finite")
-            yield target
-
-
-def targets_of_object(subject: Subject, instance: Instance, asked: Mapping[str, Any]) -> Iterator[Target]:
-    """Yield what is asked of an object's properties, and of the arguments of its behavior."""
-    for name, data in asked.items():
-        known, parts = instance.properties, {name: data}
-        if name == "behavior" and isinstance(data, Mapping):
-            behavior = known.get(name)
-            known, parts = behavior.arguments if isinstance(behavior, BehaviorCall) else {}, dict(data)
-        for part, wish in parts.items():
-            if part not in known:
-                what = "property" if known is instance.properties else "argument of a behavior"
-                message = f"{instance.title()} has no {what} {part!r}"
-                raise ScenicError("name", message, instance.place, hint=near(str(part), known))
-            yield from leaves(subject, Target(instance.title(), part, known[part], wish, instance.place))
-
-
-def object_named(subject: Subject, key: Any, others: Mapping[str, Value]) -> int | None:
-    """Return an object's index by its index, label, `ego` or class, if the only one of it; None for `others`."""
-    titles = [instance.title() for instance in subject.objects]
-    if isinstance(key, int | np.integer):
-        if not 0 <= key < len(titles):
-            raise ScenicError("name", f"{subject.file} has {len(titles)} objects, and no object {key}")
-        return int(key)
-    if key in titles or key in others:
-        return titles.index(key) if key in titles else None
-    alike = [i for i, instance in enumerate(subject.objects) if key in [cls.name for cls in instance.cls.lineage()]]
-    if len(alike) > 1:
-        hint = f"say {', '.join(titles[i] for i in alike)}"
-        raise ScenicError("name", f"{subject.file} has {len(alike)} objects of the class {key}", hint=hint)
-    if alike or (key == "ego" and titles):
-        return alike[0] if alike else 0
-    hint = near(key, [*titles, *others]) if isinstance(key, str) else ""
-    message = f"{subject.file} has no object, parameter or draw {key!r}"
-    raise ScenicError("name", message, hint=hint or f"it has {', '.join([*titles, *others])}")
-
-
-def stance_of(instance: Instance, asked: Any) -> dict[str, Any]:
-    """Return what (x, y) or (x, y, heading) ask, each a number or an array [N]; or an array [N, 2] or [N, 3]."""
-    parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim == 2 else asked
-    if not isinstance(parts, list | tuple | np.ndarray) or len(parts) not in (2, 3):
-        raise ScenicError("type", f"{instance.title()} takes (x, y) or (x, y, heading), not {asked!r}", instance.place)
-    return {"position": tuple(parts[:2])} | ({"heading": parts[2]} if len(parts) == 3 else {})
-
-
-def leaves(subject: Subject, target: Target) -> Iterator[Target]:
-    """Yield the plain values of which a value of any structure is made; regions and the like are not asked for."""
-    value, asked = target.value, target.asked
-    pairs: list[tuple[Value, Any]] = []
-    if isinstance(value, Instance) and not any(value is instance for instance in subject.objects):
-        pairs = [(value.properties["position"], asked)]
-    elif isinstance(value, Vector):
-        parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim == 2 else asked
-        if not isinstance(parts, list | tuple | np.ndarray) or len(parts) < 2:
-            raise ScenicError("type", f"{target.part} takes (x, y), not {asked!r}", target.place)
-        pairs = [(value.x, parts[0]), (value.y, parts[1])]
-    elif isinstance(value, dict) and isinstance(asked, Mapping):
-        pairs = [(part, asked[key]) for key, part in value.items() if key in asked]
-    elif isinstance(value, list | tuple) and isinstance(asked, list | tuple) and len(value) == len(asked):
-        pairs = list(zip(value, asked, strict=True))
-    elif isinstance(value, RandomExpr | RandomChoice | str | bool) or is_number(value):
-        yield target._replace(asked=array_of(target))
-    for part, data in pairs:
-        yield from leaves(subject, target._replace(value=part, asked=data))
-
-
-def array_of(target: Target) -> np.ndarray:
-    """Return what is asked of a plain value, as an array [N] or [1]."""
-    asked, numeric = target.asked, kind_of(target.value) == "number"
-    array = np.array([asked, None], dtype=object)[:-1] if isinstance(asked, list | tuple | str) else np.asarray(asked)
-    if numeric and array.dtype.kind not in "biuf":
-        raise ScenicError("type", f"{target.part} is a number, and cannot be {asked!r}", target.place)
-    if array.ndim > 1:
-        raise ScenicError("type", f"{target.part} takes a number or an array [N], not {array.shape}", target.place)
-    return np.atleast_1d(array)
-
-
-# ------------------------------------------------------------ equations
-
-
 class System:
     """C columns of θ that are decided together, and the W targets that depend on them."""
 
     def __init__(self, targets: list[Target], columns: list[ThetaColumn], objects: Sequence[Instance]) -> None:
         self.targets = targets
         self.tape = Tape([node for target in targets for node in randoms_in(target.value)], columns, 10**9)
-        planner = Planner(self.tape, list(objects))
+        planner = Planner(self.tape, objects)
         self.readers = [planner.reader(target.value) for target in targets]
         self.offset = np.array([column.offset for column in columns])
         self.span = np.array([column.span for column in columns])
@@ -229,86 +218,81 @@ class System:
             registers = self.tape.run((self.offset + unit * self.span).T)
             return [reader(registers, len(unit)) for reader in self.readers]
 
-    def gaps(self, unit: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Return by how much unit [M, C] misses what is asked in some rows [M]: [M, W]."""
-        return self._misses(self.values(unit), rows)
-
-    def _misses(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
+    def gaps(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
+        """Return by how much values miss what is asked in some rows [M]: [M, W]."""
         pairs = zip(values, self.targets, strict=True)
-        parts = [gap(value, target.asked[rows], target.part) for value, target in pairs]
+        parts = [gap(value, target.asked[rows % len(target.asked)], target.part) for value, target in pairs]
         return np.stack([np.broadcast_to(part, len(rows)) for part in parts], axis=1)
 
     def solve(self, start: np.ndarray) -> np.ndarray:
         """Return unit [N, C] that gives what is asked, near the start if possible; else raise ScenicError."""
-        rows = np.arange(len(start))
-        unit, error = self._descend(start, rows)
-        missed = rows[~(error <= CLOSE)]
-        if len(missed) and start.shape[1]:
-            starts = self._nearest(missed)
-            for k in range(STARTS):
-                again, there = self._descend(starts[:, k], missed)
-                better = there < error[missed]
-                unit[missed[better]], error[missed[better]] = again[better], there[better]
-                left = error[missed] > CLOSE
-                missed, starts = missed[left], starts[left]
-        if len(missed):
-            raise self._unmet(unit, int(missed[0]))
+        unit, gaps = self._descend(start, np.arange(len(start)))
+        missed = np.flatnonzero(worst(gaps) > CLOSE)
+        if len(missed) and len(self.span):
+            scan = np.random.default_rng(0).uniform(size=(SCAN, len(self.span)))
+            values = self.values(scan)
+            far = [worst(self.gaps(values, np.full(SCAN, row))) for row in missed]
+            nearest = np.argsort(far, axis=1, kind="stable")[:, :STARTS]
+            found, there = self._descend(scan[nearest.ravel()], np.repeat(missed, STARTS))
+            best = worst(there).reshape(-1, STARTS).argmin(axis=1) + STARTS * np.arange(len(missed))
+            best = best[worst(there[best]) <= CLOSE]
+            unit[missed[best // STARTS]], gaps[missed[best // STARTS]] = found[best], there[best]
+        if (worst(gaps) > CLOSE).any():
+            raise self._unmet(unit, gaps)
         return unit
 
-    def _descend(self, start: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return where Gauss-Newton leads from start [M, C], and the largest gap [M] there."""
-        unit = start.copy()
-        value = self.gaps(unit, rows)  # [M, W]
-        reach = np.ones(len(unit))  # of a step, halved where it leads astray
-        for _ in range(ROUNDS if unit.shape[1] else 0):
-            active = np.flatnonzero((np.abs(value).max(axis=1) > 1e-15) & (reach > 1e-4))
-            if not len(active):
+    def _descend(self, unit: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return where damped steps of least squares lead from unit [M, C], and the gaps [M, W] there."""
+        unit, gaps = unit.copy(), self.gaps(self.values(unit), rows)
+        reach = np.ones(len(unit))  # of a step, cut where it leads astray
+        for _ in range(ROUNDS if len(self.span) else 0):
+            at = np.flatnonzero((worst(gaps) > 1e-13) & (reach > 1e-4))
+            if not len(at):
                 break
-            step = self._step(unit[active], value[active], rows[active])
-            trial = np.clip(unit[active] - reach[active, None] * step, 0.0, 1.0)
-            there = self.gaps(trial, rows[active])
-            better = np.square(there).sum(axis=1) < np.square(value[active]).sum(axis=1)
-            unit[active[better]], value[active[better]] = trial[better], there[better]
-            reach[active] = np.where(better, np.minimum(2 * reach[active], 1.0), reach[active] / 4)
-        return unit, np.nan_to_num(np.abs(value).max(axis=1), nan=np.inf)
+            trial = np.clip(unit[at] - reach[at, None] * self._step(unit[at], gaps[at], rows[at]), 0.0, 1.0)
+            there = self.gaps(self.values(trial), rows[at])
+            better = np.square(there).sum(axis=1) < np.square(gaps[at]).sum(axis=1)
+            unit[at[better]], gaps[at[better]] = trial[better], there[better]
+            reach[at] = np.where(better, np.minimum(2 * reach[at], 1.0), reach[at] / 4)
+        return unit, gaps
 
-    def _step(self, unit: np.ndarray, value: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Return the shortest step [M, C] of least squares; columns at an end of [0, 1] stay, others make up for it."""
-        nudge = np.where(unit > 0.5, -NUDGE, NUDGE)
-        slope = np.empty((*value.shape, unit.shape[1]))  # [M, W, C]
-        for c in range(unit.shape[1]):
+    def _step(self, unit: np.ndarray, gaps: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """Return the shortest step [M, C] of least squares, from differences towards the middle of [0, 1]."""
+        slope = np.empty((*gaps.shape, unit.shape[1]))  # [M, W, C]
+        for c, nudge in enumerate(np.where(unit > 0.5, -NUDGE, NUDGE).T):
             moved = unit.copy()
-            moved[:, c] += nudge[:, c]
-            slope[:, :, c] = (self.gaps(moved, rows) - value) / nudge[:, c, None]
-        slope, value = (np.nan_to_num(part, posinf=0.0, neginf=0.0) for part in (slope, value))
-        step = (np.linalg.pinv(slope, rcond=1e-9) @ value[:, :, None])[:, :, 0]
-        blocked = ((unit <= 0) & (step > 0)) | ((unit >= 1) & (step < 0))
-        if blocked.any():
-            slope[np.broadcast_to(blocked[:, None], slope.shape)] = 0.0
-            step = (np.linalg.pinv(slope, rcond=1e-9) @ value[:, :, None])[:, :, 0]
-        return step
+            moved[:, c] += nudge
+            slope[:, :, c] = (self.gaps(self.values(moved), rows) - gaps) / nudge[:, None]
+        slope, gaps = (np.nan_to_num(part, posinf=0.0, neginf=0.0) for part in (slope, gaps))
+        return (np.linalg.pinv(slope, rcond=1e-9) @ gaps[:, :, None])[:, :, 0]
 
-    def _nearest(self, rows: np.ndarray) -> np.ndarray:
-        """Return the points of a coarse scan that come nearest to what is asked in some rows: [M, STARTS, C]."""
-        scan = np.random.default_rng(0).uniform(size=(SCAN, len(self.offset)))
-        values = self.values(scan)
-        best = []
-        for row in rows:
-            far = np.abs(self._misses(values, np.full(SCAN, row))).max(axis=1)  # [SCAN]
-            best.append(scan[np.argsort(np.nan_to_num(far, nan=np.inf), kind="stable")[:STARTS]])
-        return np.stack(best)
-
-    def _unmet(self, unit: np.ndarray, row: int) -> ScenicError:
-        """Return the error for one scene: the first value that is not met, and the nearest that was found."""
-        missed = np.abs(self.gaps(unit[[row]], np.array([row])))[0]
-        first = self.targets[int(np.flatnonzero(~(missed <= CLOSE))[0])]
+    def _unmet(self, unit: np.ndarray, gaps: np.ndarray) -> ScenicError:
+        """Return the error for the first scene that is not met: its first value, and the nearest that was found."""
+        row = int(np.argmax(worst(gaps) > CLOSE))
+        first = self.targets[int(np.argmin(np.abs(gaps[row]) <= CLOSE))]
         pairs = zip(self.targets, self.values(unit[[row]]), strict=True)
-        family = [(target.asked[row], value) for target, value in pairs if target[:2] == first[:2]]
-        asked, nearest = (shown(values) for values in zip(*family, strict=True))
+        same = [(target.asked[row % len(target.asked)], value) for target, value in pairs if target[:2] == first[:2]]
+        asked, nearest = (shown(values) for values in zip(*same, strict=True))
         which = f" in scene {row}" if len(unit) > 1 else ""
-        hint = f"the nearest that was found is {nearest}" if self.span.size else f"the program fixes it at {nearest}"
+        hint = f"the nearest that was found is {nearest}" if len(self.span) else f"the program fixes it at {nearest}"
         what = f"{first.title} the {first.part}" if first.title else first.part
         return ScenicError("value", f"found no θ that gives {what} {asked}{which}", first.place, hint=hint)
+
+
+def worst(gaps: np.ndarray) -> np.ndarray:
+    """Return the largest of the gaps [M, W] in each row."""
+    return np.nan_to_num(np.abs(gaps).max(axis=1), nan=np.inf)
+
+
+def gap(value: Any, asked: np.ndarray, part: str) -> Any:
+    """Return by how much values [M] miss what is asked; 1 where they are no numbers and not the same."""
+    value = np.asarray(value)
+    if value.dtype.kind in "biuf" and asked.dtype.kind in "biuf":
+        gaps = value.astype(float) - asked
+        if part == "heading":
+            gaps = gaps - TURN * np.rint(gaps / TURN)
+        return np.where(np.isnan(asked.astype(float)), 0.0, gaps / np.maximum(1.0, np.abs(asked)))
+    return np.array([0.0 if a == b else 1.0 for a, b in np.broadcast(np.atleast_1d(value), asked)])
 
 
 def shown(parts: Sequence[Any]) -> str:
@@ -316,24 +300,3 @@ def shown(parts: Sequence[Any]) -> str:
     values = [np.ravel(part)[0] if isinstance(part, np.ndarray) else part for part in parts]
     texts = [f"{value:g}" if isinstance(value, int | float | np.number) else str(value) for value in values]
     return f"({' @ '.join(texts)})" if len(texts) == 2 else ", ".join(texts)
-
-
-def gap(value: Any, asked: Any, part: str) -> Any:
-    """Return by how much values [M] miss what is asked; 1 where they are no numbers and not the same."""
-    value = np.asarray(value)
-    if value.dtype.kind in "biuf" and asked.dtype.kind in "biuf":
-        gaps = value.astype(float) - asked
-        if part == "heading":
-            gaps = gaps - TURN * np.rint(gaps / TURN)
-        return np.where(np.isnan(np.asarray(asked, dtype=float)), 0.0, gaps / np.maximum(1.0, np.abs(asked)))
-    pairs = np.broadcast(np.atleast_1d(value), asked)
-    return np.array([0.0 if same(a, b) else 1.0 for a, b in pairs])
-
-
-def same(a: Any, b: Any) -> bool:
-    """Return whether two values agree, numbers up to rounding."""
-    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
-        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
-    if is_number(a) and is_number(b):
-        return abs(a - b) <= CLOSE * max(1.0, abs(b))
-    return bool(a == b)

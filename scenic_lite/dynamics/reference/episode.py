@@ -2,16 +2,18 @@
 
 An episode has a `Mode` of its own, which the scopes of its threads carry: the values of everything random in this
 scene, the draws, and what some statements and functions mean at run time. While its statements run,
-`Episode.playing` gives the objects their live properties. Outside of it the program is as it was loaded, so that many
-episodes of one program can be played in turns. Read next: `dynamics.reference.threads`.
+`Episode.playing` gives objects, variables and containers their contents in this episode. Outside of it the program is
+as it was loaded, so that many episodes of one program can be played in turns. Read next: `dynamics.reference.threads`.
 """
 
 from __future__ import annotations
 
+import ast
 import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,14 +21,21 @@ import numpy as np
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import EPISODE, Mode
-from scenic_lite.core.types import Builtin, Environment, Instance, Namespace
+from scenic_lite.core.types import (
+    Builtin,
+    Definition,
+    Environment,
+    Instance,
+    Namespace,
+    describe_kind,
+    parts_of,
+)
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
-from scenic_lite.dynamics.reference.program_state import ProgramState
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.kernels.rng import streams, uniform
 from scenic_lite.scene.program import Program
-from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, is_number
 
 Handlers = dict[type, Callable[..., Any]]
 FORGETTING = 0.99  # what share of all that programs make is counted on when the next behavior runs
@@ -80,8 +89,8 @@ class Episode:
         self._table: list[dict[str, float]] = []
         self.suspending: dict[type, Callable[..., Any]] = {}
         self.scenario: Any = None  # the one whose statements run now
-        self._own = {id(each): (self._sampled(each.properties), dict(each.attributes)) for each in self.objects}
-        self._program_state = ProgramState(program)
+        self._own = [(each, each.copy()) for each in changeable(program)]
+        self._own += [(each.properties, self._sampled(each.properties)) for each in program.instances]
         self.mode = self._mode()
         self.state = self.mode.state
 
@@ -118,18 +127,18 @@ class Episode:
 
     @contextmanager
     def playing(self) -> Iterator[None]:
-        """Inside, the program means this episode."""
-        loaded = [(each, each.properties, each.attributes) for each in self.objects]
-        with self._program_state.installed():
-            for each, _, _ in loaded:
-                each.properties, each.attributes = self._own[id(each)]
-            self.active = True
-            try:
-                yield
-            finally:
-                self.active = False
-                for each, properties, attributes in loaded:
-                    each.properties, each.attributes = properties, attributes
+        """Inside, the program means this episode: all that it may change has the contents that it has here."""
+        loaded = [container.copy() for container, _ in self._own]
+        for container, own in self._own:
+            fill(container, own)
+        self.active = True
+        try:
+            yield
+        finally:
+            self.active = False
+            self._own = [(container, container.copy()) for container, _ in self._own]
+            for (container, _), contents in zip(self._own, loaded, strict=True):
+                fill(container, contents)
 
     def rested(self) -> None:
         """Give what runs next its own patience; most of what was made before counts as forgotten."""
@@ -170,10 +179,11 @@ class Episode:
         """Return the properties that the simulator gives an object."""
         return set(self.world.properties(instance, dict.fromkeys(self.world.fields, 0.0)))
 
-    def admit(self, instance: Instance) -> None:
-        """Take in an object that a scenario has made while the episode runs."""
-        instance.properties.setdefault("lastActions", ())
-        self._own[id(instance)] = instance.properties, instance.attributes
+    def in_steps(self, duration: Value, scope: Scope, node: ast.expr, unit: str | None) -> float:
+        """Return how many steps a duration takes that is given in steps or in seconds."""
+        if not is_number(duration):
+            raise scope.error("type", f"a duration is a number, not {describe_kind(duration)}", node)
+        return duration if unit == "steps" else duration / self.timestep
 
     def uniform(self) -> float:
         """Draw the next number in [0, 1) of the match's stream, the one that a compiled program draws too."""
@@ -206,3 +216,64 @@ def settled(value: Value, row: dict[RandomExpr, Value]) -> Value:
         pairs = {key: settled(each, row) for key, each in value.items()}
         return value if all(each is value[key] for key, each in pairs.items()) else pairs
     return value
+
+
+# ------------------------------------------------------------ what an episode may change
+
+
+def fill(container: Any, contents: Any) -> None:
+    container.clear()
+    if isinstance(container, list):
+        container.extend(contents)
+    else:
+        container.update(contents)
+
+
+def changeable(program: Program) -> list[Any]:
+    """Return what loading has made and an episode may change, but for the properties of objects.
+
+    So a list that behaviors add to begins every episode as the program wrote it.
+    """
+    attributes = [each.attributes for each in program.instances]
+    return list({id(each): each for each in (*variables(program), *containers(program), *attributes)}.values())
+
+
+def variables(program: Program) -> list[dict[str, Value]]:
+    """Return the names that an episode may assign: those of the main scenario, and of modules by `global`."""
+    modules = {id(each.scope.module_names): each.scope.module_names for each in program.behaviors.values()}
+    assigned = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
+    return assigned if program.main_frame is None else [*assigned, program.main_frame.locals]
+
+
+def assigns_globals(value: Value) -> bool:
+    return isinstance(value, Definition) and any(has_global(tree) for tree in value.trees())
+
+
+@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
+def has_global(tree: ast.AST) -> bool:
+    return any(isinstance(each, ast.Global) for each in ast.walk(tree))
+
+
+def containers(program: Program) -> list[Any]:
+    """Return the lists, dictionaries and sets that behaviors, monitors and conditions can reach."""
+    pending: list[Value] = [*program.read_in_episodes, *program.instances, program.mode.state.params]
+    if program.main_frame is not None:
+        pending += program.main_frame.locals.values()
+    mutable: list[Any] = []
+    seen: set[int] = set()
+    while pending:
+        value = pending.pop()
+        parts = parts_within(value)
+        if parts and id(value) not in seen:
+            pending += parts
+        if isinstance(value, list | dict | set) and id(value) not in seen:
+            mutable.append(value)
+        seen.add(id(value))
+    return mutable
+
+
+def parts_within(value: Value) -> tuple[Value, ...]:
+    """Return what can be reached through a value."""
+    if isinstance(value, Instance):
+        return (*value.properties.values(), *value.attributes.values())
+    return tuple(value.names.values()) if isinstance(value, Namespace) else parts_of(value)

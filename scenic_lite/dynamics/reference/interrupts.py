@@ -1,4 +1,4 @@
-"""`try: ... interrupt when c: ...`, the heart of reactive behaviors.
+"""`try: ... interrupt when c: ...`, the heart of reactive behaviors, and `do`, which is built on it.
 
 The statement has a body and handlers h1 .. hk in the order of the text. Whenever it begins or is resumed:
 
@@ -11,23 +11,35 @@ The statement has a body and handlers h1 .. hk in the order of the text. Wheneve
    behavior around the statement; errors go through it. All its other blocks are given up.
 
 So outer statements decide before inner ones, and a handler is itself interrupted by those below it in the text. A
-condition that cannot be computed because it names a variable of a scenario that has no value yet counts as false. Read
-next: `dynamics.reference.do`, which is built on this.
+condition that cannot be computed because it names a variable of a scenario that has no value yet counts as false.
+
+`do B(x)`: B and its arguments are evaluated, its preconditions and invariants are checked, then its body runs in place
+until it ends; while it does, the invariants of the behavior that called it are not checked, but afterwards.
+`for` and `until` are an interrupt around it that aborts: the condition is looked at before B is begun and whenever it
+would be resumed. `do B() for n steps` takes n steps if B does; a duration in seconds is divided by the timestep.
+`do choose` draws one of those whose guards hold now (nothing is drawn if there is only one), `do shuffle` goes on so
+with the others; where none can be chosen the episode is rejected. `wait for` and `wait until` are a `do` of a behavior
+that always waits. In a compose block the same is done with scenarios, which may be several at once. Read next:
+`dynamics.reference.scenarios`.
 """
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Generator, Iterator
 from functools import partial
+from itertools import repeat
 from typing import NamedTuple
 
-from scenic_lite.core.types import BehaviorCall
+from scenic_lite.core.types import Behavior, BehaviorCall, describe_kind
 from scenic_lite.dynamics.reference.episode import Rejected
 from scenic_lite.dynamics.reference.threads import Step, Thread
 from scenic_lite.errors import UnsetVariable
 from scenic_lite.syntax import nodes
+from scenic_lite.values.graph import Value, is_number
 
 Steps = Iterator[Step]
+Weighted = list[tuple[BehaviorCall, float]]
 
 
 class Aborted(Exception):
@@ -64,53 +76,117 @@ def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
 
 def interruptible(thread: Thread, body: Steps, handlers: list[Handler]) -> Steps:
     """Run a body under the eyes of some handlers, of which the last comes first."""
-    running: list[Steps | None] = [None] * len(handlers)
+    running: list[Steps | None] = [body, *(None for _ in handlers)]  # each block that has begun and not ended
     try:
-        yield from watched(thread, body, handlers, running)
+        while True:
+            order = range(len(handlers), 0, -1)
+            at = next((k for k in order if running[k] is not None or handlers[k - 1].condition()), 0)
+            block = running[at] = running[at] or handlers[at - 1].block()
+            try:
+                step = next(block)
+            except StopIteration:
+                if block is body:
+                    return
+                running[at] = None
+                thread.episode.mode.budget.round()
+            else:
+                yield step
+                thread.check_invariants()
     except Aborted:
-        pass
+        return
     except Rejected:
-        raise  # the episode is over, and with it all blocks
-    except BaseException:
-        close_all(body, *running)
+        running = []  # the episode is over, and with it all blocks
         raise
-    close_all(body, *running)
+    finally:
+        for given_up in running:
+            if isinstance(given_up, Generator):
+                given_up.close()
 
 
-def watched(thread: Thread, body: Steps, handlers: list[Handler], running: list[Steps | None]) -> Steps:
-    """As `interruptible`; `running` holds the blocks of the handlers that have begun and not ended."""
-    while True:
-        at = chosen(handlers, running)
-        block = body if at is None else running[at] or handlers[at].block()
-        try:
-            step = next(block)
-        except StopIteration:
-            if at is None:
-                return
-            running[at] = None
-            thread.episode.mode.budget.round()
-            continue
-        if at is not None:
-            running[at] = block
-        yield step
-        thread.check_invariants()
-
-
-def close_all(*blocks: Steps | None) -> None:
-    """Give up some blocks for good."""
-    for block in blocks:
-        if isinstance(block, Generator):
-            block.close()
-
-
-def chosen(handlers: list[Handler], running: list[Steps | None]) -> int | None:
-    """Return the index of the handler to run now, None for the body."""
-    for at in reversed(range(len(handlers))):
-        if running[at] is not None or handlers[at].condition():
-            return at
-    return None
-
-
-def abort(thread: Thread, node: nodes.Abort) -> Steps:
+def abort(thread: Thread, node: nodes.Abort | nodes.Do | nodes.Wait) -> Steps:
     raise Aborted
     yield ()
+
+
+# ------------------------------------------------------------ do, wait
+
+
+def wait(thread: Thread, node: nodes.Wait) -> Steps:
+    return iter([()]) if node.duration is None and node.until is None else limited(thread, node, repeat(()))
+
+
+def do(thread: Thread, node: nodes.Do) -> Steps:
+    calls = calls_of(thread, node)
+    if node.how == "choose":
+        run = thread.invoked([pick(thread, calls)])
+    elif node.how == "shuffle":
+        run = shuffled(thread, calls)
+    else:
+        run = thread.invoked([call for call, _ in calls])
+    return run if node.duration is None and node.until is None else limited(thread, node, run)
+
+
+def calls_of(thread: Thread, node: nodes.Do) -> Weighted:
+    """Return what is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
+    scope = thread.scope
+    values = [scope.value(expression) for expression in node.calls]
+    places: list[ast.expr] = list(node.calls)
+    weights = [1.0] * len(values) if node.weights is None else [scope.value(expression) for expression in node.weights]
+    if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
+        values, weights = list(values[0]), list(values[0].values())
+        places *= len(values)
+    for weight in weights:
+        if not is_number(weight) or weight < 0:
+            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
+    calls = [called(thread, value, place) for value, place in zip(values, places, strict=True)]
+    return list(zip(calls, weights, strict=True))
+
+
+def called(thread: Thread, value: Value, place: ast.expr) -> BehaviorCall:
+    kind = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
+    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
+        return value
+    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
+    what = describe_kind(value)
+    if isinstance(value, BehaviorCall):
+        what = f"the {value.behavior.kind} {value.behavior.name}"
+    raise thread.scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
+
+
+def pick(thread: Thread, calls: Weighted) -> BehaviorCall:
+    """Return one of those that can start now, by weight. Raises Rejected if none can."""
+    able = [(call, weight) for call, weight in calls if thread.can_start(call)]
+    if not able:
+        raise Rejected('deadlock in "do choose/shuffle"')
+    if len(able) == 1:
+        return able[0][0]
+    mark = thread.episode.uniform() * sum(weight for _, weight in able)
+    for call, weight in able:
+        mark -= weight
+        if mark < 0:
+            return call
+    return able[-1][0]
+
+
+def shuffled(thread: Thread, calls: Weighted) -> Steps:
+    left = list(calls)
+    while left:
+        call = pick(thread, left)
+        left = [pair for pair in left if pair[0] is not call]
+        yield from thread.invoked([call])
+
+
+def limited(thread: Thread, node: nodes.Do | nodes.Wait, body: Steps) -> Steps:
+    """Run a body that is aborted when the time is over or the condition is true."""
+    return interruptible(thread, body, [Handler(end_of(thread, node), partial(abort, thread, node))])
+
+
+def end_of(thread: Thread, node: nodes.Do | nodes.Wait) -> Callable[[], bool]:
+    """Return when to end; a duration is evaluated now, a condition each time."""
+    if node.until is not None:
+        condition = node.until
+        return lambda: thread.scope.truth(condition)
+    assert node.duration is not None
+    episode, duration = thread.episode, thread.scope.value(node.duration)
+    start, steps = episode.time, episode.in_steps(duration, thread.scope, node.duration, node.unit)
+    return lambda: episode.time - start >= steps

@@ -27,13 +27,13 @@ from dataclasses import replace
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import BehaviorCall, Instance, describe_kind
+from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
 from scenic_lite.evaluation.calls import scenario_frame
 from scenic_lite.language.requirements import Check, Truth, formula_of
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, is_number
+from scenic_lite.values.graph import Value
 
 KEPT = ("monitors", "terminations", "records", "temporal")
 
@@ -138,7 +138,7 @@ class Scenario:
         for instance in self.objects:
             row = self.episode.row
             instance.properties = {name: settled(value, row) for name, value in instance.properties.items()}
-            self.episode.admit(instance)
+            instance.properties.setdefault("lastActions", ())
 
     def start(self) -> None:
         """Begin: guards of the program's own scenario, then all that runs."""
@@ -191,12 +191,9 @@ class Scenario:
             tree = watched.tree
             if isinstance(tree, nodes.TerminateAfter):
                 duration = settled(watched.duration, self.episode.row)  # of the scene
-                if duration is None:
-                    duration = self._scope_of(watched).value(tree.duration)
-                if not is_number(duration):
-                    message = f"a duration is a number, not {describe_kind(duration)}"
-                    raise watched.scope.error("type", message, tree.duration)
-                limit = duration if tree.unit == "steps" else duration / self.episode.timestep
+                scope = self._scope_of(watched)
+                duration = scope.value(tree.duration) if duration is None else duration
+                limit = self.episode.in_steps(duration, scope, tree.duration, tree.unit)
         return limit
 
     @contextmanager
@@ -223,34 +220,32 @@ class Scenario:
     def step(self) -> str | End | None:
         """One step; why the scenario has ended, or None. Raises Rejected."""
         with self.current():
-            return self._step()
-
-    def _step(self) -> str | End | None:
-        for watched, watch in self._temporal:
-            with watched.bindings.restored(self.episode.state):
-                known = watch.step(self._scope_of(watched).truth)
-            if known is Truth.FALSE:
-                raise Rejected(watched.label)
-        if self._limit is not None and self._elapsed >= self._limit:
-            return self.stop("reached time limit")
-        self._elapsed += 1
-        if self.compose is not None and self.compose.exists:
-            step = self.compose.step()
-            if isinstance(step, End):
-                return self.stop(step)
-            if self.compose.ended:
-                return self.stop("finished compose block")
-        for watched in self._conditions("scenario"):
-            if self._scope_of(watched).truth(watched.tree.condition):
-                return self.stop(watched.label)
-        return None
+            for watched, watch in self._temporal:
+                with watched.bindings.restored(self.episode.state):
+                    known = watch.step(self._scope_of(watched).truth)
+                if known is Truth.FALSE:
+                    raise Rejected(watched.label)
+            if self._limit is not None and self._elapsed >= self._limit:
+                return self.stop("reached time limit")
+            self._elapsed += 1
+            if self.compose is not None and self.compose.exists:
+                step = self.compose.step()
+                if isinstance(step, End) or self.compose.ended:
+                    return self.stop(step if isinstance(step, End) else "finished compose block")
+            label = self._condition_met("scenario")
+            return None if label is None else self.stop(label)
 
     def _scope_of(self, watched: Watched) -> Scope:
         return self.episode.scope(watched.scope)
 
-    def _conditions(self, extent: str) -> list[Watched]:
-        kept = self.kept["terminations"]
-        return [item for item in kept if isinstance(item.tree, nodes.TerminateWhen) and item.tree.scope == extent]
+    def _condition_met(self, extent: str) -> str | None:
+        """Return the first `terminate when`, or `terminate simulation when`, that is true now."""
+        for watched in self.kept["terminations"]:
+            tree = watched.tree
+            concerned = isinstance(tree, nodes.TerminateWhen) and tree.scope == extent
+            if concerned and self._scope_of(watched).truth(tree.condition):
+                return watched.label
+        return None
 
     def run_monitors(self) -> End | None:
         """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
@@ -276,10 +271,8 @@ class Scenario:
     def simulation_ends(self) -> str | None:
         """The first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
-            for watched in self._conditions("simulation"):
-                if self._scope_of(watched).truth(watched.tree.condition):
-                    return watched.label
-        return next((label for sub in self._running() if (label := sub.simulation_ends())), None)
+            label = self._condition_met("simulation")
+        return label or next((label for sub in self._running() if (label := sub.simulation_ends())), None)
 
     def stop(self, reason: str | End = "") -> str | End:
         """End the scenario and all inside it; gives the reason back. Raises Rejected if a requirement does not hold."""

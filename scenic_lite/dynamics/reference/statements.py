@@ -5,7 +5,7 @@ resumed its invariants are checked before the next statement. The same after `wa
 scenario has ended may go on) and the end of a `do`. In the setup of a scenario the other statements mean what they mean
 while a program is loaded: what they make is kept by that scenario (`dynamics.reference.scenarios`).
 A `print` in a running match is silent: a thousand matches have no one to print to; `record` shows a value.
-Read next: `dynamics.reference.interrupts`, then `dynamics.reference.do`.
+Read next: `dynamics.reference.interrupts`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import describe_kind
-from scenic_lite.dynamics.reference.do import do, wait
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
-from scenic_lite.dynamics.reference.interrupts import abort, try_interrupt
+from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, wait
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
@@ -78,14 +77,12 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
         actions = list(actions[0])
     assert thread.agent is not None, "the checker lets only behaviors take actions"
     yield tuple(thread.episode.world.command(action, thread.agent) for action in actions)
-    thread.check_invariants()
 
 
 def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
     """`terminate`, which in Scenic 2 always means the simulation."""
     extent = "simulation" if thread.episode.program.dialect == 2 else node.scope
     yield End(extent, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
-    thread.check_invariants()
 
 
 SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {

@@ -29,7 +29,8 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 DEEPEST = 40  # sub-behaviors inside each other
-PASSING_TIME = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate, nodes.Abort, nodes.TryInterrupt)
+STEPS = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)  # after which invariants are checked
+PASSING_TIME = (*STEPS, nodes.Abort, nodes.TryInterrupt)
 
 
 class End(NamedTuple):
@@ -95,6 +96,8 @@ class Thread:
                     self.scope.run([node])
                 else:
                     yield from handler(self, node)
+                    if isinstance(node, STEPS):
+                        self.check_invariants()
             except ScenicError as error:
                 raise self.scope.placed(error, node) from None
 
