@@ -20,8 +20,7 @@ from scenic_lite.evaluation.functions import BUILTINS
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.evaluation.statements import STATEMENTS
 from scenic_lite.language.requirements import apply_mutations
-from scenic_lite.scene.build import build_program
-from scenic_lite.scene.program import Program
+from scenic_lite.scene.program import Program, build_program
 from scenic_lite.scene.pruning import prune
 from scenic_lite.syntax.parser import dialect_of
 

@@ -47,7 +47,7 @@ KNOWN_LONG_FILES: set[str] = set()
 LONG_FUNCTIONS = {
     "scenic_lite/dynamics/machine/vm.py: run_thread",  # the machine's dispatch, flat for the branch predictor
     "scenic_lite/dynamics/machine/vm.py: computed",  # its operations on numbers, one row each
-    "scenic_lite/scene/build.py: build_program",  # a recipe, most of it the fields of its result
+    "scenic_lite/scene/program.py: build_program",  # a recipe, most of it the fields of its result
 }
 
 
