@@ -19,12 +19,12 @@ import numpy as np
 
 from envs.football.batch import Batch, BatchSettings, Outcome, begin, close_row, open_row, restart, watch_row
 from envs.football.config import FootballConfig
-from envs.football.constants import ACTIVE, LEFT, NO_AGENTS, RIGHT
+from envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
 from envs.football.kick_off import MatchConfig
 from envs.football.observation.observer import View, remember_minimap
 from envs.football.observation.units import UNIT_X, UNIT_Y
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
-from envs.football.scenic.lineup import Lineup
+from envs.football.scenic.lineup import Lineup, NotAMatchError
 from envs.grf.observed_match import read_start, read_step
 from envs.grf.worker import ROWS, TEAM
 from envs.grf.workers import Episode, Workers, grf_python, shared_workers
@@ -53,6 +53,7 @@ class GrfEngine:
         shirts = np.concatenate([np.arange(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)])
         self._rows = TEAM * teams + shirts
         self._sizes = [int(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)]
+        check_keepers(lineup)
         self._commanded = commanded_teams(lineup, behaviors)
         self._controllers = np.zeros((count, 2), np.int64)  # agents of the engine's per team, of each match
         python = grf_python(config.grf_python)
@@ -126,8 +127,6 @@ class GrfEngine:
     def _scene(self, start: np.ndarray, index: int) -> dict[str, Any]:
         """Return what the worker needs to set up the match number `index`, which begins as this record MATCH."""
         agents = [self._agents_of(team, int(start["control"][team])) for team in (LEFT, RIGHT)]
-        if self._controls_all(agents):  # the engine then gives every player one agent for good
-            agents = [size if count else 0 for size, count in zip(self._sizes, agents, strict=True)]
         self._controllers[index] = agents
         ball = [float(start["ball"]["x"]) / UNIT_X, float(start["ball"]["y"]) / UNIT_Y]
         teams: list[list[Any]] = [[], []]
@@ -143,9 +142,6 @@ class GrfEngine:
         if self._commanded[team] or control not in (NO_AGENTS, ACTIVE):
             return self._sizes[team]
         return int(control == ACTIVE)
-
-    def _controls_all(self, agents: list[int]) -> bool:
-        return any(count > 1 for count in agents)
 
 
 def scenario_settings(config: MatchConfig) -> dict[str, Any]:
@@ -168,6 +164,17 @@ def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
     players = {int(lineup.object_to_player[number]) for number in objects}
     teams = {int(np.asarray(lineup.roster.teams)[player]) for player in players if player >= 0}
     return [team in teams for team in (LEFT, RIGHT)]
+
+
+def check_keepers(lineup: Lineup) -> None:
+    """Raise NotAMatchError for a team without a keeper in which there is no room for one."""
+    teams, roles = np.asarray(lineup.roster.teams), np.asarray(lineup.roster.roles)
+    for team, name in ((LEFT, "left"), (RIGHT, "right")):
+        if np.count_nonzero(teams == team) == MAX_PLAYERS // 2 and not (roles[teams == team] == GK).any():
+            raise NotAMatchError(
+                f"{lineup.program.file}: the {name} team has {MAX_PLAYERS // 2} players and no keeper; Google Research "
+                "Football needs one: leave out a player, or make one of them the keeper"
+            )
 
 
 def _let_go(workers: Workers, played: dict[int, Episode]) -> None:

@@ -57,7 +57,7 @@ def read_step(match, seen, controllers):
     if match.half == 0 and match.step >= match.second_half:
         match.half = 1
     end_episode(match)
-    if seen.done and match.ended == RUNNING and match.fault == NO_FAULT:
+    if seen.done != 0 and match.ended == RUNNING and match.fault == NO_FAULT:
         match.ended, match.truncated = DURATION, True  # the engine plays it no further
     read_agents(match, seen, controllers)
     pay_checkpoints(match)
@@ -80,11 +80,11 @@ def _read_bodies(match, seen):
         if speed > STANDING:
             player.facing_x, player.facing_y = player.vx / speed, player.vy / speed
         player.tiredness = there.tired
-        player.has_left = not there.is_active
-        player.cards = 2 if player.has_left else 1 if there.has_card else 0
+        player.has_left = there.is_active == 0
+        player.cards = 2 if player.has_left else 1 if there.has_card != 0 else 0
         player.direction = there.direction if there.controller != NOBODY else 0
-        player.sprint = there.controller != NOBODY and there.sprint
-        player.dribble = there.controller != NOBODY and there.dribble
+        player.sprint = there.controller != NOBODY and there.sprint != 0
+        player.dribble = there.controller != NOBODY and there.dribble != 0
 
 
 @kernel

@@ -40,15 +40,18 @@ ROLES = ("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")
 LEVEL = "regista_scene"  # of gfootball.scenarios; lives in memory alone
 BASE = 20  # several actions of one player are digits of this base, the first highest
 
+# The engine cannot do without a keeper, first in his team: one that has none gets one that nobody is told of, who
+# stands still in the corner into which the engine puts that of an empty team.
+ABSENT_KEEPER = (-1.0, 0.42, 0, True, False)
+
 # One player, one match, as the engine reports them: its units and its frame, y pointing down, the left team attacking
-# +x. `controller`: the number of the agent of his team who has him, or -1; his sticky keys are that agent's.
+# +x. Every field has eight bytes, so that equal records are equal bytes. `controller`: the number of the agent of his
+# team who has him, or -1; his sticky keys are that agent's.
 PLAYER_SEEN = np.dtype(
     [
         *((name, "f8") for name in ("x", "y", "dx", "dy", "tired")),
-        *((name, "i8") for name in ("role", "controller", "direction")),
-        *((name, "?") for name in ("is_active", "has_card", "sprint", "dribble")),
-    ],
-    align=True,
+        *((name, "i8") for name in ("role", "controller", "direction", "sprint", "dribble", "is_active", "has_card")),
+    ]
 )
 OBSERVED = np.dtype(
     [
@@ -58,10 +61,9 @@ OBSERVED = np.dtype(
         ("designated", "i8", (2,)),
         ("agents", "i8", (ROWS,)),  # rows of the players whom the agents have, left agents first, -1: none
         ("reward", "f8"),
-        ("done", "?"),
+        ("done", "i8"),
         ("players", PLAYER_SEEN, (ROWS,)),
-    ],
-    align=True,
+    ]
 )
 
 
@@ -116,7 +118,8 @@ class Match:
     def __init__(self, scene: dict[str, Any], seed: int) -> None:
         from gfootball.env import config, football_action_set, football_env_core
 
-        install(scene)
+        self.hidden = [int(bool(team) and team[0][2] != 0) for team in (scene["left"], scene["right"])]
+        install(scene, self.hidden)
         left, right = scene["agents"]
         values = {
             "action_set": "v2",
@@ -135,7 +138,8 @@ class Match:
         observed, first = self.core._observation, []
         for team, side in enumerate(("left", "right")):
             for agent, player in enumerate(observed[f"{side}_agent_controlled_player"]):
-                several = digits(int(actions[TEAM * team + player])) if player >= 0 else [0]
+                row = player - self.hidden[team]
+                several = digits(int(actions[TEAM * team + row])) if row >= 0 else [0]
                 for action in reversed(several[1:]):
                     self.core._env.perform_action(self.keys[action]._backend_action, team == 0, agent)
                 first.append(several[0])
@@ -146,33 +150,37 @@ class Match:
         observed = self.core._observation
         for name in ("ball", "ball_direction", "ball_rotation", "game_mode", "steps_left", "score"):
             seen[name] = observed[name]
-        seen["owned_team"], seen["owned_player"] = observed["ball_owned_team"], observed["ball_owned_player"]
+        owner = observed["ball_owned_team"], observed["ball_owned_player"]
+        if owner[0] >= 0 and owner[1] < self.hidden[owner[0]]:
+            owner = -1, -1
+        seen["owned_team"], seen["owned_player"] = owner[0], owner[1] - (self.hidden[owner[0]] if owner[0] >= 0 else 0)
         seen["reward"], seen["done"] = self.reward, self.done
         seen["agents"], seen["players"]["controller"], first = -1, -1, 0
         for team, side in enumerate(("left", "right")):
-            seen["designated"][:, team] = observed[f"{side}_team_designated_player"]
+            seen["designated"][:, team] = observed[f"{side}_team_designated_player"] - self.hidden[team]
             first = self.observe_team(seen, observed, team, side, first)
 
     def observe_team(self, seen: np.ndarray, observed: dict[str, Any], team: int, side: str, first: int) -> int:
         """Write the players of a team, and who of them the agents from number `first` on have; return what is next."""
-        players = seen["players"][0, TEAM * team : TEAM * team + len(observed[f"{side}_team"])]
-        players["x"], players["y"] = observed[f"{side}_team"].T
-        players["dx"], players["dy"] = observed[f"{side}_team_direction"].T
+        hidden = self.hidden[team]
+        players = seen["players"][0, TEAM * team : TEAM * team + len(observed[f"{side}_team"]) - hidden]
+        players["x"], players["y"] = observed[f"{side}_team"][hidden:].T
+        players["dx"], players["dy"] = observed[f"{side}_team_direction"][hidden:].T
         for name, theirs in (
             *(("tired", "tired_factor"), ("role", "roles")),
             *(("is_active", "active"), ("has_card", "yellow_card")),
         ):
-            players[name] = observed[f"{side}_team_{theirs}"]
+            players[name] = observed[f"{side}_team_{theirs}"][hidden:]
         chosen = observed[f"{side}_agent_controlled_player"]
         for agent, player in enumerate(chosen):
-            if player < 0:
+            if player < hidden:
                 continue
             sticky = observed[f"{side}_agent_sticky_actions"][agent]
             directions = np.flatnonzero(sticky[:8])
-            row = players[player]
+            row = players[player - hidden]
             row["controller"], row["direction"] = agent, directions[0] + 1 if len(directions) else 0
             row["sprint"], row["dribble"] = sticky[8], sticky[9]
-            seen["agents"][:, first + agent] = TEAM * team + player
+            seen["agents"][:, first + agent] = TEAM * team + player - hidden
         return first + len(chosen)
 
     def close(self) -> None:
@@ -189,17 +197,20 @@ def digits(actions: int) -> list[int]:
     return found[::-1]
 
 
-def install(scene: dict[str, Any]) -> None:
-    """Make a scene the scenario module that gfootball imports next: no file in its folder."""
+def install(scene: dict[str, Any], hidden: list[int]) -> None:
+    """Make a scene the scenario module that gfootball imports next: no file in its folder.
+
+    `hidden` says which teams get an ABSENT_KEEPER.
+    """
     import gfootball_engine as engine
 
     def build_scenario(builder: Any) -> None:
         for name, value in scene["settings"].items():
             setattr(builder.config(), name, value)
         builder.SetBallPosition(*scene["ball"])
-        for team, players in ((engine.e_Team.e_Left, scene["left"]), (engine.e_Team.e_Right, scene["right"])):
-            builder.SetTeam(team)
-            for x, y, role, lazy, controllable in players:
+        for team, side in enumerate(("left", "right")):
+            builder.SetTeam((engine.e_Team.e_Left, engine.e_Team.e_Right)[team])
+            for x, y, role, lazy, controllable in [ABSENT_KEEPER] * hidden[team] + scene[side]:
                 place = getattr(engine.e_PlayerRole, "e_PlayerRole_" + ROLES[role])
                 builder.AddPlayer(x, y, place, lazy, controllable)
 

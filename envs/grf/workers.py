@@ -29,6 +29,7 @@ START_SECONDS = 120.0  # until a new worker has loaded the engine
 ANSWER_SECONDS = 60.0  # for an answer, and besides
 STEP_SECONDS = 0.5  # for each step that it takes, on a machine that is busy
 MOST_DEATHS = 3  # of one worker over one request
+MOST_ENGINES = 32  # that a worker keeps, of some 55 MB each, unless one request needs more
 LAST_WORDS = 1500  # characters of stderr that an error quotes
 
 HELP = "`make grf` installs it on Debian (README, The real engine); or name its Python by --grf-python or {variable}"
@@ -79,7 +80,8 @@ class WorkerProcess:
         self.python = python
         self.process: subprocess.Popen | None = None
         self.life: object = None
-        self.forgotten: list[int] = []  # slots that nobody plays any more
+        self.held: dict[int, Episode] = {}  # by slot, the one played last at the end
+        self.forgotten: list[int] = []  # slots that are to be given up with the next request
         self._log: Any = None
 
     def ask(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
@@ -99,9 +101,25 @@ class WorkerProcess:
             raise GrfError(f"Google Research Football failed: {message['error'].strip()}")
         return message, arrays
 
+    def hold(self, episodes: Sequence[Episode]) -> None:
+        """Note that these episodes are played now; where it gets crowded give up those that were not for longest."""
+        for episode in episodes:
+            self.held.pop(episode.slot, None)
+            self.held[episode.slot] = episode
+        while len(self.held) > max(MOST_ENGINES, len(episodes)):
+            self.give_up(next(iter(self.held.values())))
+
+    def give_up(self, episode: Episode) -> None:
+        """Leave the engine of an episode to others; if it is played again it is repeated first."""
+        if self.held.pop(episode.slot, None) is not None:
+            self.forgotten.append(episode.slot)
+            episode.life = None
+
     def kill(self) -> None:
         """End the process at once."""
         process, self.process, self.life = self.process, None, None
+        self.held.clear()
+        self.forgotten.clear()
         if process is not None:
             process.kill()
             process.wait()
@@ -193,8 +211,7 @@ class Workers:
     def forget(self, episodes: Sequence[Episode]) -> None:
         """Let go of episodes that nobody plays any more."""
         for episode in episodes:
-            self._home(episode).forgotten.append(episode.slot)
-            episode.life = None
+            self._home(episode).give_up(episode)
 
     def close(self) -> None:
         """End all processes; a later request starts them again."""
@@ -235,6 +252,7 @@ class Workers:
         """Let the workers begin or repeat the episodes that they do not hold; return whom that killed, and why."""
         rounds = _Round()
         for process, indices in waiting.items():
+            process.hold([episodes[i] for i in indices])
             lost = [i for i in indices if episodes[i].life is None or episodes[i].life is not process.life]
             if lost:
                 rounds.ask(process, lost, *_begin_request([episodes[i] for i in lost]))

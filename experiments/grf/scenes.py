@@ -14,11 +14,12 @@ from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
 from envs.football.kick_off import MatchConfig, Roster
 from experiments.grf.stage import Stage
 
+ROLE_NAMES = ("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")  # by role
 Players = tuple[tuple[int, float, float], ...]  # role, x, y
 
 KEEPER = (GK, -1.0, 0.0)
 FAR_KEEPER = (GK, 1.0, 0.0)  # on the wrong goal line: an empty goal
-STRETCH = (55.0 / 54.4, 1.016)  # of players' places, as the engine does; the ball stays
+STRETCH = (55.0 / 54.4, 36.0 * 2.36 / 83.6)  # of players' places, as the engine does; the ball stays
 ACADEMY = MatchConfig(control="active")
 
 BACKS = ((LB, -0.422, -0.19576), (CB, -0.5, -0.06356), (CB, -0.5, 0.06356), (RB, -0.422, 0.19576))
@@ -38,7 +39,7 @@ class Scene:
     duration: int = 400
 
 
-CHASERS = ((LB, 0.12, 0.2), (CB, 0.12, 0.1), (CB, 0.12, 0.0), (CB, 0.12, -0.1), (RB, 0.12, -0.2))
+CHASERS = ((LB, 0.12, 0.2), (CB, 0.12, 0.1), (CM, 0.12, 0.0), (CB, 0.12, -0.1), (RB, 0.12, -0.2))
 COUNTER_LEFT = (
     KEEPER,
     *((LB, -0.672, -0.19576), (CB, -0.75, -0.06356), (CB, -0.75, 0.06356), (RB, -0.672, 0.19576)),
@@ -79,3 +80,24 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
     places = np.array([(x, y) for _, x, y in players]) * STRETCH
     settings = replace(config, game_duration=scene.duration)
     return Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)
+
+
+def program_text(name: str) -> str:
+    """Return a scene as a Scenic program, everybody where the engine puts him, the keepers on their lines.
+
+    Its episodes have as many steps as the original's, one more than its `game_duration` says.
+    """
+    scene = SCENES[name]
+    settings = {"game_duration": scene.duration + 1, "offsides": False} | {
+        f"end_episode_on_{what}": True for what in ("score", "out_of_play", "possession_change")
+    }
+    lines = [f"param {setting} = {value}" for setting, value in settings.items()]
+    things = []
+    for team, side, players in (("Left", 1, scene.left), ("Right", -1, scene.right)):
+        for role, x, y in players:
+            x, y = 100 * side * x * STRETCH[0], 100 * side * -y * STRETCH[1]
+            free = "with allowCollisions True, with regionContainedIn everywhere"
+            things.append(f"{team}{ROLE_NAMES[role]} at {x:.12g} @ {y:.12g}, {free}")
+    x, y = scene.ball
+    things.append(f"Ball at {100 * x:.12g} @ {-100 * y:.12g}, with allowCollisions True")
+    return "\n".join([*lines, "ego = " + things[0], *things[1:], ""])
