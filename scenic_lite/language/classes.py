@@ -156,8 +156,11 @@ def checked(name: str, value: Value, dialect: int) -> Value:
         return bool(value)
     if name == "positionStdDev":
         return spread_of(value, dialect)
-    if name == "behavior" and not isinstance(value, BehaviorCall | None):
-        message = f"the property 'behavior' must be a behavior, not {describe_kind(value)}"
+    if name == "behavior" and value is not None and not is_behavior(value):
+        what = describe_kind(value)
+        if isinstance(value, BehaviorCall):
+            what = f"the {value.behavior.kind} {value.behavior.name}"
+        message = f"the property 'behavior' must be a behavior, not {what}"
         raise ScenicError("type", message, hint="write with behavior B()")
     if name in VECTOR_PROPERTIES:
         vector = as_vector(value)
@@ -177,6 +180,10 @@ def checked(name: str, value: Value, dialect: int) -> Value:
     if name in ("width", "length") and is_number(value) and not 0 <= value < math.inf:
         raise ScenicError("value", f"{name} must be finite and not negative, not {value}")
     return value
+
+
+def is_behavior(value: Value) -> bool:
+    return isinstance(value, BehaviorCall) and value.behavior.kind == "behavior"
 
 
 def spread_of(value: Value, dialect: int) -> Value:

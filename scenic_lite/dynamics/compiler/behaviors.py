@@ -31,6 +31,8 @@ from scenic_lite.dynamics.compiler.interrupts import (
 )
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.scenarios import require_later, run_scenarios
+from scenic_lite.dynamics.compiler.types import RegisterList
+from scenic_lite.dynamics.compiler.watchers import in_registers
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -52,6 +54,9 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
 
 def take_actions(c: Compilation, actions: list[Value], node: nodes.Take, on: Label) -> None:
     """Give the command of some actions, and let time pass until a label."""
+    if len(actions) == 1 and isinstance(actions[0], RegisterList):
+        message = "`take` of a list whose length the match decides"
+        raise ScenicError("unsupported", message, hint="take its elements one by one")
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     elif len(actions) == 1 and isinstance(actions[0], RandomChoice) and any(map(is_listed, actions[0].options)):
@@ -88,7 +93,7 @@ def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
         return c.code.constant(-1)
     if c.world.actions is not None:
         return register_of(c.code, packed(actions, c.world.actions))
-    c.output.commands.append(tuple(store_in_register(c.code, each) for each in actions))
+    c.output.commands.append(tuple(in_registers(c, store_in_register(c.code, each)) for each in actions))
     return c.code.constant(len(c.output.commands) - 1)
 
 

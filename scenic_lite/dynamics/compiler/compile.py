@@ -11,7 +11,8 @@ are therefore written once. Code of their own need only
     variables, by the type that they are assigned       `types`, `registers`
     operations of the graph, one row each               `emit`
     scenarios that run inside each other                `scenarios`, `watchers`
-    threads, and the arrays of a finished program       `threads`, `layout`
+    threads                                             below
+    the arrays of a finished program                    `layout`
 
 Behaviors and functions are written in place where they are called. A loop `best = None; for o in ...: best = o` reads
 a variable before the text says what else it holds: a walk over the program that finds a type too late is followed by
@@ -32,19 +33,23 @@ from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
-from scenic_lite.core.types import Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
+from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
-from scenic_lite.dynamics.compiler.behaviors import DYNAMIC
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
+from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, forget, reveal, run_behavior
+from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow, Label
+from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, ScenarioInstance, Thread
+from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary, for_undecided
+from scenic_lite.dynamics.compiler.interrupts import check_guards
 from scenic_lite.dynamics.compiler.layout import finished
 from scenic_lite.dynamics.compiler.registers import TypeTable
-from scenic_lite.dynamics.compiler.scenarios import SETTING_UP
+from scenic_lite.dynamics.compiler.scenarios import BEHAVIOR, NOBODY, SETTING_UP, check_first, main_part, step, stop
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
-from scenic_lite.dynamics.compiler.threads import walk
+from scenic_lite.dynamics.compiler.watchers import ends_of_match, limit_of, record, see_steps
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED
 from scenic_lite.dynamics.machine.compiled import Compiled
+from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.calls import meaning
 from scenic_lite.language.classes import OBJECT
@@ -186,3 +191,249 @@ def with_location(
 
 
 REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
+
+
+# ------------------------------------------------------------ the threads of a match
+
+
+def walk(c: Compilation) -> list[Thread]:
+    """Compile everything once; return the threads."""
+    code = c.code
+    code.row(op.END, code.fixed.take())  # row 0: where a thread stands that has ended
+    show_world(c)
+    c.show_shared()
+    main = main_part(c)
+    agents = [Thread(f"{each.title()}: its behavior", 0, agent=each) for each in c.program.instances]
+    for thread in agents:
+        assert thread.agent is not None
+        thread.call = thread.agent.properties["behavior"]
+    scenarios: list[Thread] = []
+    every(c, scenarios, "start", partial(start, c, main, agents), once=True)
+    every(c, scenarios, f"scenario {main.name}" if main.call else main.name, partial(step, c, main), needed=True)
+    every(c, scenarios, "record initial", partial(record, c, main, "initial"), once=True)
+    records: list[Thread] = []
+    every(c, records, "record", partial(record, c, main, "each"))
+    behaviors = behavior_threads(c, main, agents)
+    monitors: list[Thread] = []
+    write_monitors(c, monitors, main)
+    ends: list[Thread] = []
+    every(c, ends, "terminate simulation when", partial(ends_of_match, c, main), needed=True)
+    every(c, ends, "at the end", partial(end_all, c, main), needed=True)
+    write_routines(c, main)
+    c.output.counts = (len(scenarios), len(behaviors), len(records), len(monitors))
+    return [*scenarios, *behaviors, *records, *monitors, *ends]
+
+
+def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
+    """Check before all else the guards of the main scenario, of behaviors and of monitors; note the time limit."""
+    with c.within(main):
+        if main.scope is not None:
+            check_guards(c, main.scope)
+        limit_of(c, main)
+        for thread in (*agents, *main.monitors):
+            if isinstance(thread.call, BehaviorCall):
+                c.code.place = thread.call.place
+                check_first(c, thread)
+
+
+def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> list[Thread]:
+    """Return the threads of the objects, in their order."""
+    threads: list[Thread] = []
+    movers = [each.agent for each in agents if each.agent and (each.call or each.agent.label in c.drivers)]
+    if c.remembering and c.program.dialect == 3:
+        every(c, threads, "lastActions", partial(forget, c, movers))
+    for thread in agents:
+        assert thread.agent is not None
+        if thread.agent.label in c.drivers:
+            driven(c, thread, c.drivers[thread.agent.label], main)
+        elif isinstance(thread.call, BehaviorCall):
+            thread.title, thread.slot = f"{thread.agent.title()}: {thread.call.behavior.name}", c.code.fixed.take()
+            write_body(c, thread, main)
+        else:
+            continue
+        threads.append(thread)
+        c.output.starting[thread.slot] = thread.entry
+    if c.remembering and c.program.dialect == 2:
+        every(c, threads, "lastActions", partial(reveal, c, movers))
+    return threads
+
+
+def driven(c: Compilation, thread: Thread, drivers: list[Thread], main: ScenarioInstance) -> None:
+    """Write the thread of an object whose behavior changes: it goes on where the one that it has now says."""
+    code, agent, call = c.code, thread.agent, thread.call
+    assert agent is not None
+    register = register_of(code, c.shared_variable(("object", agent.label, BEHAVIOR)).load())
+    c.output.drivers.append((c.program.instances.index(agent), register, call is not None))
+    if call is not None:
+        first = Thread(f"{agent.title()}: {call.behavior.name}", code.fixed.take(), call, agent)
+        c.output.starting[first.slot] = first.entry
+        drivers = [first, *drivers]
+    thread.slot = code.fixed.take()
+    begin(c, thread)
+    for each in drivers:
+        other = Label()
+        code.row(op.JUMP_NOT_EQUAL, register, code.constant(each.number), other)
+        code.row(op.RESUME, each.slot)
+        code.put(other)
+    code.row(op.WAIT, 0, thread.slot, thread.entry)
+    for each in drivers:
+        c.output.titles[each.entry] = each.title
+        write_body(c, each, main)
+
+
+def write_monitors(c: Compilation, threads: list[Thread], part: ScenarioInstance) -> None:
+    """Write those of a scenario, those of the scenarios inside it, then its end if one of its own has asked for it."""
+    where = "" if part.parent is None else f" of {part.name}"
+    trees = [each.call.behavior.node for each in part.monitors if each.call is not None]
+    ending = any(isinstance(each, nodes.Terminate) for tree in trees for each in ast.walk(tree))
+    before = c.code.fixed.take()
+    if ending:
+        every(c, threads, f"before the monitors{where}", partial(save_end, c, before))
+    for monitor in part.monitors:
+        write_body(c, monitor, part)
+        threads.append(monitor)
+    for each in part.parts:
+        write_monitors(c, threads, each)
+    if ending:
+        every(c, threads, f"after the monitors{where}", partial(end_asked_for, c, part, before))
+
+
+def save_end(c: Compilation, before: int) -> None:
+    """Save what others have asked for so far, to see whether a monitor of a scenario or inside it asks for an end."""
+    register_of(c.code, RegisterValue(TERMINATED), before)
+    register_of(c.code, 0, TERMINATED)
+
+
+def end_asked_for(c: Compilation, part: ScenarioInstance, before: int) -> None:
+    """Do what a monitor's `terminate` asks when all have run: any other end that was asked for inside counts more."""
+    out = Label()
+    with c.code.when(part.ending):
+        if part.parent is not None:
+            part.call_stop(c.code)
+        c.code.row(op.JUMP_IF, TERMINATED, c=out)
+        register_of(c.code, RegisterValue(part.ending), TERMINATED)
+    c.code.row(op.JUMP_IF, TERMINATED, c=out)
+    register_of(c.code, RegisterValue(before), TERMINATED)
+    c.code.put(out)
+
+
+def end_all(c: Compilation, main: ScenarioInstance) -> None:
+    """Write what happens when a match is over: what it leaves unsatisfied, and what is recorded last."""
+    if main.temporal or main.parts:
+        main.call_stop(c.code)
+    record(c, main, "final")
+
+
+def write_routines(c: Compilation, main: ScenarioInstance) -> None:
+    """Write how each scenario ends, and where its step begins how its temporal requirements see that."""
+    code = c.code
+    for part in main.family():
+        code.place = None if part.call is None else part.call.place
+        code.reachable = True
+        code.temporaries.used = code.temporaries.most  # others' intermediate results stay as they are
+        with c.within(part):
+            with code.captured() as rows:
+                see_steps(c, part)
+            at = next(i for i, row in enumerate(code.rows) if row.c is part.progress)
+            code.rows[at:at] = rows
+            if part.stop.used:
+                c.output.titles[part.stop] = f"end of {part.name}"
+                code.put(part.stop)
+                stop(c, part)
+                code.row(op.RESUME, part.back)
+
+
+# ------------------------------------------------------------ what a match shows
+
+
+def show_world(c: Compilation) -> None:
+    """Give the objects their live properties and `simulation()` its meaning."""
+    world, program, code = c.world, c.program, c.code
+    c.remembering = any(
+        "lastActions" in line for source in program.mode.state.sources.values() for line in source.lines
+    )
+    c.shown.base = code.fixed.take(len(program.instances) * len(world.fields))
+    c.shown.facts = code.fixed.take(len(world.facts))
+    facts = {name: RegisterValue(c.shown.facts + i, whole=name == "time") for i, name in enumerate(world.facts)}
+    c.shown.clock = facts.get("time")
+    names: set[str] = set()
+    for number, instance in enumerate(program.instances):
+        first = c.shown.base + number * len(world.fields)
+        fields: dict[str, Value] = {}
+        for i, name in enumerate(world.fields):
+            fields[name] = RegisterValue(first + i)
+            code.notes[first + i] = f"{instance.title()}.{name}"
+        live = world.properties(instance, fields)
+        names |= set(live)
+        instance.properties.update(live)
+        instance.properties["lastActions"] = ()
+        instance.attributes[BEHAVIOR] = NOBODY if instance.properties["behavior"] is None else 0
+    for i, name in enumerate(world.facts):
+        code.notes[c.shown.facts + i] = name
+    c.shown.names = frozenset(names)
+    seen = world.simulation(list(program.instances), dict(facts))
+    update(c.simulation, seen)
+    c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
+
+
+def update(old: Namespace, new: Namespace) -> None:
+    """Let a namespace that variables hold since an earlier walk show this one's registers."""
+    inner = {name: value for name, value in old.names.items() if isinstance(value, Namespace)}
+    old.names.clear()
+    old.names.update(new.names)
+    for name, value in inner.items():
+        if isinstance(new.names.get(name), Namespace):
+            old.names[name] = value
+            update(value, new.names[name])
+
+
+# ------------------------------------------------------------ one thread
+
+
+def every(
+    c: Compilation,
+    threads: list[Thread],
+    title: str,
+    write: Callable[[], object],
+    once: bool = False,
+    needed: bool = False,
+) -> None:
+    """Write a thread that runs from its beginning in every step, or once; none if it has nothing to do."""
+    code, first = c.code, len(c.code.rows)
+    thread = Thread(title, code.fixed.take())
+    begin(c, thread)
+    with code.statement():
+        write()
+    if not needed and all(row.opcode == LABEL for row in code.rows[first:]):
+        del code.rows[first:]
+        return
+    if once:
+        code.row(op.END, thread.slot)
+    else:
+        code.row(op.WAIT, 0, thread.slot, thread.entry)
+    threads.append(thread)
+    c.output.starting[thread.slot] = thread.entry
+
+
+def begin(c: Compilation, thread: Thread) -> None:
+    """Begin a thread here; its variables are its own."""
+    code = c.code
+    code.variables.used = code.variables.most
+    code.place = None
+    code.put_reachable(thread.entry)
+
+
+def write_body(c: Compilation, thread: Thread, part: ScenarioInstance) -> None:
+    """Write the rows of a behavior or monitor."""
+    call = thread.call
+    assert call is not None
+    begin(c, thread)
+    c.code.place = call.place
+    owner = None if thread.agent is None else thread.agent.label
+    with (
+        c.within(part, agent=thread.agent, slot=thread.slot),
+        c.round(call.behavior.node, owner, thread.number),
+        c.code.statement(),
+    ):
+        run_behavior(c, call, call.behavior.node, guards=False)
+    c.code.row(op.END, thread.slot)

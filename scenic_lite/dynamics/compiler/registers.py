@@ -90,6 +90,12 @@ def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[M
     if isinstance(value, RegisterList):
         yield length, value.length
         elements = [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
+    elif isinstance(value, RandomChoice):
+        options = [list(option) for option in value.options]
+        yield length, choose(value.index, list(map(len, options)))
+        longest = max(options, key=len)  # whose elements stand behind the end of the others
+        options = [[*option, *longest[len(option) :]] for option in options]
+        elements = [choose(value.index, list(column)) for column in zip(*options, strict=True)]
     else:
         elements = list(value)
         yield length, len(elements)

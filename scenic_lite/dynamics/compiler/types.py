@@ -123,6 +123,8 @@ def alike(a: Value, b: Value) -> bool:
         return a == b
     if isinstance(a, Function):
         return a.body is b.body
+    if isinstance(a, RandomChoice):
+        return a.index is b.index and alike(a.options, b.options)
     first, second = flatten(a), flatten(b)
     if first is None or second is None or first[0] != second[0]:
         return False

@@ -1,7 +1,7 @@
 """What watches a match: `terminate when`, `terminate after`, `record`, temporal requirements.
 
 A temporal requirement is a small automaton: what remains to be required after a step (`temporal`) is its state, the
-truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.threads`.
+truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.layout`.
 """
 
 from __future__ import annotations

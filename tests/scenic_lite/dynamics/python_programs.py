@@ -8,6 +8,15 @@ things = [ego, mate, foe]
 word = Uniform('up', 'down')
 """
 PROGRAMS = {
+    "actions that are lists": """
+x = Uniform([1, 2], [3])
+behavior Main():
+    seen = [o.position.x for o in things if o.position.y > 2]
+    while True:
+        take x, 5
+        take seen, len(self.lastActions)
+        take len(x)
+""",
     "read where a branch may have set it": """
 behavior Main():
     take 1

@@ -235,3 +235,12 @@ scenario Main():
     found, compiled = differences(text, range(4), steps=4)
     assert found == []
     assert compiled.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("kind", "body"), [("scenario", "    compose:\n        wait\n"), ("monitor", "    while True:\n        wait\n")]
+)
+def test_an_object_behaves_by_a_behavior_alone(kind, body):
+    text = f"{kind} Other():\n{body}ego = new Object with behavior Other()\n"
+    with pytest.raises(ScenicError, match=f"must be a behavior, not the {kind} Other"):
+        load(text, dialect=3)
