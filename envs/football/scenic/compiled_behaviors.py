@@ -11,7 +11,7 @@ from envs.football.constants import PROGRAM_FAULT
 from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine.record import recorded
+from scenic_lite.dynamics.machine.compiled import recorded
 
 IDLE_THREADS = 2  # of a program in which nothing happens: what ends a match at once, what is asked at its end
 

@@ -32,30 +32,26 @@ Computed = tuple[list[Row], Value]  # a value, and the rows that compute it
 
 def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value], Value]) -> Value:
     """Return `of_one` of whichever option it is in the match. Raises its error if it fails for all."""
-    results: list[Computed] = []
-    errors: list[ScenicError | None] = []
-    for option in choice.options:
+    computed: dict[int, Computed] = {}
+    failed: dict[int, ScenicError] = {}
+    for i, option in enumerate(choice.options):
         with c.code.captured() as rows:
             try:
-                results.append((rows, of_one(option)))
-                errors.append(None)
-            except FAULTS as error:
-                results.append(([], None))
-                errors.append(as_error(error))
-    if all(errors):
-        assert errors[0] is not None
-        raise errors[0]
-    for i, failed in enumerate(errors):
-        if failed is not None:
-            differs = apply(NOT_EQUAL, choice.index, i)
-            c.code.fault_unless(register_of(c.code, differs), failed.message)
-    good = next(i for i, error in enumerate(errors) if error is None)
-    values = [results[good][1] if errors[i] else value for i, (_, value) in enumerate(results)]
-    if not any(rows for rows, _ in results):
+                computed[i] = rows, of_one(option)
+            except FAULTS as fault:
+                failed[i] = as_error(fault)
+    if not computed:
+        raise failed[0]
+    for i, failure in failed.items():
+        differs = apply(NOT_EQUAL, choice.index, i)
+        c.code.fault_unless(register_of(c.code, differs), failure.message)
+    if not any(rows for rows, _ in computed.values()):
+        some = next(iter(computed.values()))
+        values = [computed.get(i, some)[1] for i in range(len(choice.options))]
         together = aligned(choice.index, values)
         if together is not None or all(map(costs_nothing, values)):
             return together
-    return switch(c, choice, {i: each for i, each in enumerate(results) if not errors[i]})
+    return switch(c, choice, computed)
 
 
 def aligned(index: Value, values: list[Value]) -> Value:
@@ -66,15 +62,15 @@ def aligned(index: Value, values: list[Value]) -> Value:
     first = values[0]
     if all(map(costs_nothing, values)):
         return choose(index, values)
-    if all(isinstance(each, RandomExpr) and not isinstance(each, RegisterValue | ThetaColumn) for each in values):
-        if any(each.operation is not first.operation or each.kind != first.kind for each in values):
+    if all(isinstance(value, RandomExpr) and not isinstance(value, RegisterValue | ThetaColumn) for value in values):
+        if any(value.operation is not first.operation or value.kind != first.kind for value in values):
             return None
-        inputs = columns(index, [list(each.inputs) for each in values])
+        inputs = columns(index, [list(value.inputs) for value in values])
         return None if inputs is None else RandomExpr(first.operation, tuple(inputs), first.kind)
-    apart = [None if isinstance(each, RandomExpr | RandomChoice) else flatten(each) for each in values]
-    if apart[0] is None or any(each is None or each[0] != apart[0][0] for each in apart):
+    apart = [None if isinstance(value, RandomExpr | RandomChoice) else flatten(value) for value in values]
+    if apart[0] is None or any(structure is None or structure[0] != apart[0][0] for structure in apart):
         return None
-    parts = columns(index, [each[1] for each in apart if each is not None])
+    parts = columns(index, [structure[1] for structure in apart if structure is not None])
     return None if parts is None else unflatten(apart[0][0], parts)
 
 
@@ -83,7 +79,7 @@ def columns(index: Value, rows: list[list[Value]]) -> list[Value] | None:
     if any(len(row) != len(rows[0]) for row in rows):
         return None
     chosen = [aligned(index, list(column)) for column in zip(*rows, strict=True)]
-    return None if any(each is None for each in chosen) else chosen
+    return None if any(item is None for item in chosen) else chosen
 
 
 def costs_nothing(value: Value) -> bool:
@@ -167,19 +163,23 @@ def branch(c: Compilation, scope: Scope, condition: ast.expr, when: bool = True)
 
 def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
     """Return the value of `and`, `or`: the operand that decides, or the last one."""
-    is_and = isinstance(node.op, ast.And)
-    value = scope.value(node.values[0])
-    for operand in node.values[1:]:
+    return in_turn(c, isinstance(node.op, ast.And), [partial(scope.value, operand) for operand in node.values])
+
+
+def in_turn(c: Compilation, is_and: bool, operands: list[Callable[[], Value]]) -> Value:
+    """Return the first operand that decides, or the last one; what stands behind it is not evaluated."""
+    value = operands[0]()
+    for evaluate in operands[1:]:
         known = truth(value)
         if not isinstance(known, RandomExpr):
             if known != is_and:
                 return value
-            value = scope.value(operand)
+            value = evaluate()
             continue
         with c.code.captured() as rows:
-            other = scope.value(operand)
+            other = evaluate()
         if not rows and is_condition(value) and is_condition(other):
-            value = apply(AND if is_and else OR, value, other)
+            value = value if other is is_and else apply(AND if is_and else OR, value, other)
         else:
             yes, no = ((rows, other), ([], value)) if is_and else (([], value), (rows, other))
             value = either(c, known, yes, no)
@@ -230,8 +230,8 @@ def joined(c: Compilation, otherwise: Label, yes: Computed, no: Computed) -> Val
 def same_thing(left: Value, right: Value) -> Value:
     """Return whether `left is right`."""
     if isinstance(left, RandomChoice) and isinstance(right, RandomChoice):
-        things = list({id(each): each for each in (*left.options, *right.options)}.values())
-        if not any(isinstance(each, RandomExpr | str | int | float) for each in things):
+        things = list({id(option): option for option in (*left.options, *right.options)}.values())
+        if not any(isinstance(thing, RandomExpr | str | int | float) for thing in things):
             first, second = numbered(left, things), numbered(right, things)
             return apply(EQUAL, first, second)
     if isinstance(left, RandomChoice):
@@ -239,7 +239,7 @@ def same_thing(left: Value, right: Value) -> Value:
     if isinstance(right, RandomChoice):
         return choose(right.index, [same_thing(left, option) for option in right.options])
     live = isinstance(left, RandomExpr) or isinstance(right, RandomExpr)
-    if live and all(isinstance(each, RandomExpr | bool | int | float | str) for each in (left, right)):
+    if live and all(isinstance(side, RandomExpr | bool | int | float | str) for side in (left, right)):
         return apply(EQUAL, left, right)
     if isinstance(left, Function) and isinstance(right, Function):
         return left.body is right.body
@@ -248,7 +248,7 @@ def same_thing(left: Value, right: Value) -> Value:
 
 def numbered(choice: RandomChoice, things: list[Value]) -> Value:
     """Return the place of what is chosen in a list of things."""
-    places = [next(i for i, each in enumerate(things) if each is option) for option in choice.options]
+    places = [next(i for i, thing in enumerate(things) if thing is option) for option in choice.options]
     return choice.index if places == list(range(len(places))) else choose(choice.index, places)
 
 

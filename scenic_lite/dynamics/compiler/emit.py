@@ -20,21 +20,30 @@ from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import distributions
-from scenic_lite.values import operations
-from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value
+from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, apply
 from scenic_lite.values.operations import (
+    ADD,
     ALWAYS,
     AND,
+    CLIP,
+    DEGREES,
+    INTEGER,
     KEPT,
+    MAXIMUM,
+    MINIMUM,
     MODULO,
     MULTIPLY,
     NEGATE,
     NOT,
+    NOT_EQUAL,
     OR,
+    RADIANS,
     SELECT,
+    TRUTH,
+    WHERE,
     Operation,
     row_of,
-)
+)  # fmt: skip
 from scenic_lite.values.polygons import Holds
 
 MINUS_ZEROS = (MULTIPLY, MODULO, NEGATE)  # which give -0.0 of registers, but 0 of Python's integers
@@ -166,59 +175,19 @@ def describe(operation: Any) -> str:
     return name.strip("_").replace("_", " ")
 
 
-def choose_constant(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows for one of some constants, by a live index."""
-    assert isinstance(node.operation, Table)
-    options = [each.item() if isinstance(each, np.generic) else each for each in node.operation.options]
-    select(code, out, node.inputs[0], options)
-
-
-def choose_value(code: Assembler, node: RandomExpr, out: int) -> None:
-    select(code, out, node.inputs[0], list(node.inputs[1:]))
-
-
-def select(code: Assembler, out: int, index: Value, options: list[Value]) -> None:
-    registers = tuple(register_of(code, each) for each in options)
+def select(code: Assembler, node: RandomExpr, out: int) -> None:
+    """Write rows for one of some values, by a live index."""
+    index, *options = node.inputs
+    if isinstance(node.operation, Table):
+        options = node.operation.options.tolist()
+    registers = tuple(register_of(code, option) for option in options)
     code.row(op.SELECT, out, register_of(code, index), Operands(registers))
 
 
 def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
     assert isinstance(node.operation, distributions.Cut)
-    bounds = tuple(code.constant(float(each)) for each in node.operation.bounds)
+    bounds = tuple(code.constant(float(bound)) for bound in node.operation.bounds)
     code.row(op.BUCKETIZE, out, register_of(code, node.inputs[0]), Operands(bounds))
-
-
-def integers(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows for first + min(int(u · count), count - 1)."""
-    assert isinstance(node.operation, distributions.Integers)
-    first, count = node.operation.first, node.operation.count
-    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(count))
-    code.row(op.TRUNCATE, out, out)
-    code.row(op.MINIMUM, out, out, code.constant(count - 1))
-    code.row(op.ADD, out, out, code.constant(first))
-
-
-def clip(code: Assembler, node: RandomExpr, out: int) -> None:
-    value, low, high = (register_of(code, each) for each in node.inputs)
-    code.row(op.MAXIMUM, out, value, low)
-    code.row(op.MINIMUM, out, out, high)
-
-
-def as_truth(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(op.NOT_EQUAL, out, register_of(code, node.inputs[0]), code.constant(0))
-
-
-def where(code: Assembler, node: RandomExpr, out: int) -> None:
-    test, yes, no = node.inputs
-    select(code, out, test, [no, yes])
-
-
-def as_radians(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(math.pi / 180))
-
-
-def as_degrees(code: Assembler, node: RandomExpr, out: int) -> None:
-    code.row(op.MULTIPLY, out, register_of(code, node.inputs[0]), code.constant(180 / math.pi))
 
 
 def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
@@ -233,21 +202,33 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
         edges += np.hstack([corners[:-1], corners[1:]]).ravel().tolist()
     if len(edges) > 4000:
         raise Unsupported("a region of more than 1000 edges cannot be asked for points")
-    registers = (register_of(code, x), register_of(code, y), *(code.constant(each) for each in edges))
+    registers = (register_of(code, x), register_of(code, y), *(code.constant(edge) for edge in edges))
     code.row(op.IN_RINGS, out, 0, Operands(registers))
 
 
-SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], None]], ...] = (
-    (Table, choose_constant),
-    (SELECT.array, choose_value),
+def integers(code: Assembler, node: RandomExpr, out: int) -> None:
+    assert isinstance(node.operation, distributions.Integers)
+    first, count = node.operation.first, node.operation.count
+    place = apply(MINIMUM, apply(INTEGER, apply(MULTIPLY, *node.inputs, count)), count - 1)
+    register_of(code, apply(ADD, place, first), out)
+
+
+def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int], object]:
+    """Return what writes the rows of an operation that other operations can do."""
+    return lambda code, node, out: register_of(code, expression(*node.inputs), out)
+
+
+SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] = (
+    (Table, select),
+    (SELECT.array, select),
     (distributions.Cut, bucketize),
     (distributions.Integers, integers),
-    (operations.CLIP.array, clip),
-    (operations.WHERE.array, where),
-    (operations.TRUTH.array, as_truth),
-    (operations.RADIANS.array, as_radians),
-    (operations.DEGREES.array, as_degrees),
     (Holds, in_shape),
+    (CLIP.array, by(lambda x, low, high: apply(MINIMUM, apply(MAXIMUM, x, low), high))),
+    (WHERE.array, by(lambda test, yes, no: RandomExpr(SELECT.array, (test, no, yes)))),
+    (TRUTH.array, by(lambda x: apply(NOT_EQUAL, x, 0))),
+    (RADIANS.array, by(lambda x: apply(MULTIPLY, x, math.pi / 180))),
+    (DEGREES.array, by(lambda x: apply(MULTIPLY, x, 180 / math.pi))),
 )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from scenic_lite.core.scope import Scope
@@ -15,7 +16,7 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Funct
 from scenic_lite.dynamics.compiler.choices import (
     boolean,
     conditional,
-    either,
+    in_turn,
     opposite,
     over_options,
     same_thing,
@@ -37,7 +38,7 @@ from scenic_lite.evaluation.expressions import apply_sign, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, as_number, kind_of
-from scenic_lite.values.operations import ADD, AND, EQUAL, LESS
+from scenic_lite.values.operations import ADD, EQUAL, LESS
 
 
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
@@ -152,41 +153,27 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
     operation = OPERATORS.get(node.name)
     if operation is None:
         raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
-    operands = [None if each is None else whole_choice(scope.value(each), c) for each in node.operands]
+    operands = [None if operand is None else whole_choice(scope.value(operand), c) for operand in node.operands]
     try:
         return operation(scope, *operands)
     except ScenicError:
-        at = next((i for i, each in enumerate(operands) if isinstance(each, RandomChoice)), None)
+        at = next((i for i, operand in enumerate(operands) if isinstance(operand, RandomChoice)), None)
         if at is None:
             raise
     choice, before, after = operands[at], operands[:at], operands[at + 1 :]
     assert isinstance(choice, RandomChoice)
-    return over_options(c, choice, lambda each: operation(scope, *before, each, *after))
+    return over_options(c, choice, lambda option: operation(scope, *before, option, *after))
 
 
 def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
     """Return the truth of a chain of comparisons; what stands behind a link that fails is not evaluated."""
-    left = materialize(c.code, scope.value(node.left))
-    result: Value = True
-    for sign, operand in zip(node.ops, node.comparators, strict=True):
-        with c.code.captured() as rows:
-            right = materialize(c.code, scope.value(operand))
-            holds = link(c, scope, node, sign, left, right)
-        if result is True or not rows:
-            c.code.rows.extend(rows)
-            result = both(result, holds)
-        else:
-            result = either(c, result, (rows, holds), ([], False))
-        if result is False:
-            return False
-        left = right
-    return result
+    sides = [materialize(c.code, scope.value(node.left))]
 
+    def next_link(sign: ast.cmpop, operand: ast.expr) -> Value:
+        sides.append(materialize(c.code, scope.value(operand)))
+        return link(c, scope, node, sign, *sides[-2:])
 
-def both(a: Value, b: Value) -> Value:
-    if a is True or b is True:
-        return b if a is True else a
-    return False if b is False else apply(AND, a, b)
+    return in_turn(c, True, [partial(next_link, *pair) for pair in zip(node.ops, node.comparators, strict=True)])
 
 
 def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
@@ -213,7 +200,7 @@ def call_value(
 ) -> Value:
     """Call whatever can be called."""
     if isinstance(function, RandomChoice):
-        return over_options(c, function, lambda each: call_value(c, scope, each, arguments, keywords, node))
+        return over_options(c, function, lambda option: call_value(c, scope, option, arguments, keywords, node))
     if isinstance(function, Bound):
         refuse_method(function, arguments)
         return call_value(c, scope, function.function, [function.receiver, *arguments], keywords, node)
@@ -237,14 +224,14 @@ def call_builtin(
         result = own(c, scope, node, *arguments, **keywords)
         if result is not NotImplemented:
             return result
-    if any(isinstance(each, RegisterList) for each in arguments):
+    if any(isinstance(argument, RegisterList) for argument in arguments):
         raise refused(f"{function.name}() of a list {DECIDED}")
-    at = next((i for i, each in enumerate(arguments) if isinstance(each, RandomChoice)), None)
+    at = next((i for i, argument in enumerate(arguments) if isinstance(argument, RandomChoice)), None)
     if at is None or function.name in ("Uniform", "Discrete", "print"):
         return certain(call(scope, function, arguments, keywords, node))
     before, after = arguments[:at], arguments[at + 1 :]
     return over_options(
-        c, arguments[at], lambda each: call_value(c, scope, function, [*before, each, *after], keywords, node)
+        c, arguments[at], lambda option: call_value(c, scope, function, [*before, option, *after], keywords, node)
     )
 
 
@@ -356,8 +343,9 @@ def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
         return value
     freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
     type = type_of(value)
-    parts = [part for _, part in moves_to(type, iter(range(type.size)), value)]
-    return snapshot(code, value) if any(each in freed for part in parts for each in registers_in(part)) else value
+    moves = moves_to(type, iter(range(type.size)), value)
+    read = {register for _, part in moves for register in registers_in(part)}
+    return value if read.isdisjoint(freed) else snapshot(code, value)
 
 
 EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {

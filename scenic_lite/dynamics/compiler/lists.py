@@ -362,7 +362,7 @@ def in_order(
         values = [materialize(code, item) for item in elements(c, scope, values, node)]
         with code.captured():
             keys = values if key is None else [scope.call(key, [item], {}, node) for item in values]
-        if not any(isinstance(each_key, RandomExpr | RandomChoice) for each_key in keys):
+        if not any(isinstance(mark, RandomExpr | RandomChoice) for mark in keys):
             return NotImplemented
     items = values if isinstance(values, RegisterList) else in_registers(code, values)
     numbers, order = (code.variables.take(items.type.capacity) for _ in range(2))

@@ -31,9 +31,9 @@ from scenic_lite.dynamics.compiler.types import (
     with_registers,
 )
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.dynamics.machine.register_values import RegisterValue
+from scenic_lite.dynamics.machine.register_values import RegisterValue, leaves
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import RandomExpr, Value
+from scenic_lite.values.graph import Value
 
 FEW = 4  # registers: more are copied by one row
 Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
@@ -44,8 +44,8 @@ def moves_to(type: Type, registers: Iterator[int], value: Value) -> Iterator[Mov
     if isinstance(type, Scalar):
         yield next(registers), value
     elif isinstance(type, Struct):
-        for part, each in zip(type.parts, parts_of_value(type, value), strict=True):
-            yield from moves_to(part, registers, each)
+        for part, own in zip(type.parts, parts_of_value(type, value), strict=True):
+            yield from moves_to(part, registers, own)
     elif isinstance(type, OneOf):
         yield from option_moves(type, registers, value)
     elif isinstance(type, ListType):
@@ -72,11 +72,11 @@ def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterato
         yield tag, places[0]
     for i, option in enumerate(type.options):
         own = list(islice(registers, option.size))
-        chosen = [each for each, place in zip(options, places, strict=True) if place == i]
+        chosen = [held for held, place in zip(options, places, strict=True) if place == i]
         if not chosen or not own:
             continue
         if isinstance(value, RandomChoice) and len(chosen) > 1:
-            filled = [each if place == i else chosen[0] for each, place in zip(options, places, strict=True)]
+            filled = [held if place == i else chosen[0] for held, place in zip(options, places, strict=True)]
             yield from moves_to(option, iter(own), choose(value.index, filled))
         else:
             yield from moves_to(option, iter(own), chosen[0])
@@ -139,7 +139,7 @@ def runs(moves: list[Move]) -> Iterator[tuple[int, Value, int]]:
         if count >= FEW:
             yield to, value, count
         else:
-            yield from ((*each, 1) for each in moves[at : at + count])
+            yield from ((*move, 1) for move in moves[at : at + count])
         at += count
 
 
@@ -152,16 +152,7 @@ def follows(first: Move, other: Move, distance: int) -> bool:
 
 def registers_in(value: Value) -> set[int]:
     """Return the registers that computing a value reads."""
-    registers: set[int] = set()
-    pending, seen = [value], set()
-    while pending:
-        node = pending.pop()
-        if isinstance(node, RegisterValue):
-            registers.add(node.register)
-        elif isinstance(node, RandomExpr) and id(node) not in seen:
-            seen.add(id(node))
-            pending.extend(node.inputs)
-    return registers
+    return {leaf.register for leaf in leaves(value)}
 
 
 # ------------------------------------------------------------ places for values
@@ -212,10 +203,12 @@ def materialize(code: Assembler, value: Value) -> Value:
     if isinstance(value, RegisterValue | RegisterList) or not varies(value):
         return value
     if isinstance(value, RandomChoice):
-        return RandomChoice(materialize(code, value.index), tuple(materialize(code, each) for each in value.options))
+        return RandomChoice(
+            materialize(code, value.index), tuple(materialize(code, option) for option in value.options)
+        )
     apart = flatten(value)
     if apart is not None:
-        return unflatten(apart[0], [materialize(code, each) for each in apart[1]])
+        return unflatten(apart[0], [materialize(code, part) for part in apart[1]])
     return RegisterValue(register_of(code, value), value.kind, is_whole(value), lasting=False)
 
 

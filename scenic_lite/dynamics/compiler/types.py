@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 from scenic_lite.core.types import (
     BehaviorCall,
     Bound,
-    Builtin,
     Function,
     Instance,
     RandomChoice,
@@ -224,20 +224,17 @@ def type_of(value: Value) -> Type:
 def common_type(values: list[Value]) -> Type | None:
     """Return the type of whichever it is of some values."""
     common: Type | None = None
-    for each in values:
-        common = join(common, type_of(each))
+    for value in values:
+        common = join(common, type_of(value))
     return common
 
 
 def with_registers(type: Type) -> Type:
     """Return the same type with registers for fixed numbers, truth values and texts, which will hardly stay so."""
-    scalar = scalar_of(type)
-    if scalar is not None:
-        return scalar
-    struct = struct_of(type)
-    if struct is None or struct.head[0] not in (tuple, Vector):
-        return type
-    return Struct(struct.head, tuple(map(with_registers, struct.parts)))
+    own = opened(type)
+    if isinstance(own, Struct):
+        return Struct(own.head, tuple(map(with_registers, own.parts))) if own.head[0] in (tuple, Vector) else type
+    return own
 
 
 def join(a: Type | None, b: Type | None) -> Type | None:
@@ -253,73 +250,55 @@ def merged(a: Type, b: Type) -> Type | None:
         return a
     if isinstance(a, OneOf) or isinstance(b, OneOf):
         return one_of([a, b])
-    left, right = scalar_of(a), scalar_of(b)
-    if left is not None and right is not None:
-        if "text" in (left.kind, right.kind) and left.kind != right.kind:
+    a, b = opened(a), opened(b)
+    if isinstance(a, Scalar) and isinstance(b, Scalar):
+        if "text" in (a.kind, b.kind) and a.kind != b.kind:
             return None
-        return Scalar(left.kind if left.kind == right.kind else "number", left.whole and right.whole)
-    first, second = struct_of(a), struct_of(b)
-    if first is not None and second is not None and first.head == second.head:
-        return Struct(first.head, tuple(map(join, first.parts, second.parts)))  # type: ignore[arg-type]
-    if is_list(a) and is_list(b):
-        fixed = [each for each in (a, b) if not isinstance(each, ListType)]
-        capacity = LONGEST if len(fixed) == 2 else max(capacity_of(a), capacity_of(b))
-        return ListType(join(element_type(a), element_type(b)), capacity)
-    return None
+        return Scalar(a.kind if a.kind == b.kind else "number", a.whole and b.whole)
+    if isinstance(a, Struct) and isinstance(b, Struct) and a.head == b.head:
+        return Struct(a.head, tuple(map(join, a.parts, b.parts)))  # type: ignore[arg-type]
+    first, second = as_list(a), as_list(b)
+    if first is None or second is None:
+        return None
+    grows = isinstance(a, ListType) or isinstance(b, ListType)
+    return ListType(join(first.element, second.element), max(first.capacity, second.capacity) if grows else LONGEST)
 
 
-def scalar_of(type: Type) -> Scalar | None:
-    """Return the type of a register that can hold it, if one can."""
-    if isinstance(type, Scalar):
+def opened(type: Type) -> Type:
+    """Return a fixed value's type as that of a register or structure that can hold it, if one can."""
+    if not isinstance(type, Const):
         return type
-    if isinstance(type, Const) and kind_of(type.value) in ("number", "truth", "text") and not builds_text(type.value):
+    if kind_of(type.value) in ("number", "truth", "text") and not builds_text(type.value):
         return Scalar(kind_of(type.value), is_whole(type.value))
-    return None
+    apart = flatten(type.value)
+    return type if apart is None else Struct(apart[0], tuple(map(type_of, apart[1])))
 
 
-def struct_of(type: Type) -> Struct | None:
-    if isinstance(type, Const):
-        apart = flatten(type.value)
-        return None if apart is None else Struct(apart[0], tuple(map(type_of, apart[1])))
-    return type if isinstance(type, Struct) else None
-
-
-def is_list(type: Type) -> bool:
-    if isinstance(type, Struct):
-        return type.head[0] is list
-    return isinstance(type, ListType) or (isinstance(type, Const) and isinstance(type.value, list))
-
-
-def capacity_of(type: Type) -> int:
-    struct = struct_of(type)
-    return type.capacity if isinstance(type, ListType) else len(struct.parts) if struct is not None else 0
-
-
-def element_type(type: Type) -> Type | None:
-    """Return one type for all elements of a list."""
-    if isinstance(type, ListType):
-        return type.element
-    element: Type | None = None
-    for each in struct_of(type).parts:  # type: ignore[union-attr]
-        element = join(element, each)
-    return element
+def as_list(type: Type) -> ListType | None:
+    """Return the type of a list as one whose length varies."""
+    if isinstance(type, Struct) and type.head[0] is list:
+        element: Type | None = None
+        for part in type.parts:
+            element = join(element, part)
+        return ListType(element, len(type.parts))
+    return type if isinstance(type, ListType) else None
 
 
 def one_of(types: list[Type]) -> Type:
     """Return a choice among types; those that go well together become one."""
     options: list[Type] = []
     for type in types:
-        for each in type.options if isinstance(type, OneOf) else (type,):
-            add_option(options, each)
+        for option in type.options if isinstance(type, OneOf) else (type,):
+            add_option(options, option)
     if len(options) > MOST_OPTIONS:
         raise ScenicError("budget", f"a variable can be more than {MOST_OPTIONS} different things")
-    options.sort(key=lambda each: isinstance(each, Const) and each.value is None)
+    options.sort(key=lambda option: isinstance(option, Const) and option.value is None)
     return options[0] if len(options) == 1 else OneOf(tuple(options))
 
 
 def add_option(options: list[Type], type: Type) -> None:
-    for i, each in enumerate(options):
-        together = merged(each, type)
+    for i, option in enumerate(options):
+        together = merged(option, type)
         if together is not None:
             options[i] = together
             return
@@ -352,35 +331,18 @@ def loaded(type: Type, registers: Iterator[int]) -> Value:
 
 # ------------------------------------------------------------ sorts, for messages
 
-SORTS: tuple[tuple[Any, str], ...] = (
-    (type(None), "None"),
-    (str, "a text"),
-    ((bool, int, float), "a number"),
-    (Instance, "an object"),
-    ((list, tuple), "a list"),
-    (Region, "a region"),
-    (BehaviorCall, "a behavior"),
-    ((Function, Bound, Builtin), "a function"),
-    (Vector, "a vector"),
-    (dict, "a dictionary"),
-)
-
 
 def sorts_of(type: Type) -> list[str]:
     """Return what a variable of this type can be, None aside: more than one is no type for a variable."""
     options = type.options if isinstance(type, OneOf) else (type,)
-    return sorted({sort_of(each) for each in options} - {"None"})
+    return sorted({sort_of(loaded(option, count())) for option in options} - {"None"})
 
 
-def sort_of(type: Type) -> str:
-    scalar = scalar_of(type)
-    if scalar is not None:
-        return "a text" if scalar.kind == "text" else "a number"
-    if isinstance(type, ListType):
+def sort_of(value: Value) -> str:
+    if kind_of(value) in ("number", "truth"):
+        return "a number"
+    if isinstance(value, Instance):
+        return "an object"
+    if isinstance(value, list | tuple | RegisterList):
         return "a list"
-    struct = struct_of(type)
-    if struct is not None:
-        kind = str if struct.head[0] is RandomExpr else struct.head[0]
-    else:
-        kind = type.value.__class__ if isinstance(type, Const) else object
-    return next((words for kinds, words in SORTS if issubclass(kind, kinds)), f"a {kind.__name__.lower()}")
+    return "a text" if kind_of(value) == "text" else describe_kind(value)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from scenic_lite.core.types import Instance
 from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import (
@@ -26,11 +27,12 @@ from scenic_lite.dynamics.machine.bytecode import (
     Listing,
     disassemble,
 )
-from scenic_lite.dynamics.machine.register_values import plain
+from scenic_lite.dynamics.machine.register_values import RegisterValue, plain
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.kernels.rng import streams
 from scenic_lite.scene.program import Program
+from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value
 
 
@@ -134,6 +136,54 @@ class Compiled:
         """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""
         names = {number: text for text, number in self.texts.items()}
         return plain(value, registers, dict(scene), names)
+
+
+# ------------------------------------------------------------ what `record` statements have put into registers
+
+
+def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the values by name, after a step that left registers [N, R].
+
+    Numbers and truth values are float64 [N], vectors [N, 2], NaN where a match has recorded nothing in this step; all
+    else is an array of Python values, None where there is none. `record initial` counts to the first step, `record
+    final` to the last.
+    """
+    by_name: dict[str, np.ndarray] = {}
+    for record in compiled.records:
+        time, at = registers[:, compiled.code.clock], registers[:, record.taken]
+        taken = at == time if record.when == "each" else (at >= 0) & ((record.when == "final") | (time <= 1))
+        values = values_of(compiled, record, registers, taken)
+        before = by_name.get(record.name)
+        if before is None:
+            by_name[record.name] = values
+        elif before.shape == values.shape and before.dtype == values.dtype:
+            before[taken] = values[taken]  # scenarios with records of one name: the last that runs counts
+    return by_name
+
+
+def values_of(compiled: Compiled, record: Record, registers: np.ndarray, taken: np.ndarray) -> np.ndarray:
+    """Return one record of all matches."""
+    value = record.value
+    if is_number(value):
+        return np.where(taken, numbers(value, registers), np.nan)
+    if isinstance(value, Vector) and is_number(value.x) and is_number(value.y):
+        both = np.stack([numbers(value.x, registers), numbers(value.y, registers)], axis=1)
+        return np.where(taken[:, None], both, np.nan)
+    values = np.full(len(registers), None, dtype=object)
+    for match in np.flatnonzero(taken):
+        one = compiled.plain(value, registers[match], {})
+        values[match] = one.title() if isinstance(one, Instance) else one
+    return values
+
+
+def is_number(value: object) -> bool:
+    return isinstance(value, bool | int | float) or (isinstance(value, RegisterValue) and value.kind != "text")
+
+
+def numbers(value: float | RegisterValue, registers: np.ndarray) -> np.ndarray:
+    if isinstance(value, RegisterValue):
+        return registers[:, value.register]
+    return np.full(len(registers), float(value))
 
 
 # ------------------------------------------------------------ one match from Python

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenic_lite.core.scope import in_row
-from scenic_lite.core.types import RandomChoice
+from scenic_lite.core.types import Instance, parts_of
 from scenic_lite.values.graph import RandomExpr, Value
 
 
@@ -59,16 +59,14 @@ def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], nam
 
 
 def leaves(value: Value) -> list[RegisterValue]:
-    """Return the registers in a value."""
-    if isinstance(value, RegisterValue):
-        return [value]
-    if isinstance(value, RandomExpr):
-        return [leaf for operand in value.inputs for leaf in leaves(operand)]
-    if isinstance(value, RandomChoice):
-        return [leaf for part in (value.index, *value.options) for leaf in leaves(part)]
-    if isinstance(value, Listed):
-        value = [value.length, *value.elements]
-    if isinstance(value, dict):
-        value = list(value.values())
-    parts = [value.x, value.y] if hasattr(value, "rotated") else value if isinstance(value, list | tuple) else []
-    return [leaf for part in parts for leaf in leaves(part)]
+    """Return the registers in a value, and in what it is computed from."""
+    registers: list[RegisterValue] = []
+    pending, seen = [value], set()
+    while pending:
+        part = pending.pop()
+        if isinstance(part, RegisterValue):
+            registers.append(part)
+        elif id(part) not in seen and not isinstance(part, Instance):
+            seen.add(id(part))
+            pending.extend(part.inputs if isinstance(part, RandomExpr) else parts_of(part))
+    return registers
