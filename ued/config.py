@@ -6,48 +6,71 @@ quick. Read next: `learning.ppo` and `methods.dr`, which are configured by them.
 
 from __future__ import annotations
 
+import dataclasses
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+# What a setting may have to be, and how that is said; nan is none of it.
+RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "": (lambda value: True, ""),
+    ">=1": (lambda value: value >= 1, "must be at least 1"),
+    ">0": (lambda value: value > 0, "must be positive"),
+    ">=0": (lambda value: value >= 0, "must not be negative"),
+    "0-1": (lambda value: 0 <= value <= 1, "must be between 0 and 1"),
+}
 
-def setting(default: Any, help: str) -> Any:
-    """Return a dataclass field with this default and one line of help, as the command line shows it."""
-    return field(default=default, metadata={"help": help})
+
+def setting(default: Any, help: str, rule: Literal["", ">=1", ">0", ">=0", "0-1"] = "") -> Any:
+    """Return a dataclass field: its default, one line of help, as the command line shows it, and a rule of `RULES`."""
+    return field(default=default, metadata={"help": help, "rule": rule})
+
+
+class Checked:
+    """Settings that obey the rules of their fields, and are among the values that a `Literal` annotation allows.
+
+    Raises `ValueError` for the first one that does not.
+    """
+
+    def __post_init__(self) -> None:
+        hints = typing.get_type_hints(type(self))
+        for each in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
+            value, (holds, words) = self.__dict__[each.name], RULES[each.metadata.get("rule", "")]
+            if typing.get_origin(hints[each.name]) is Literal:
+                allowed = typing.get_args(hints[each.name])
+                holds, words = allowed.__contains__, "must be " + " or ".join(map(str, allowed))
+            if not holds(value):
+                raise ValueError(f"{each.name} {words}, got {value!r}")
 
 
 @dataclass(frozen=True)
-class PPOConfig:
+class PPOConfig(Checked):
     """Settings of a student and its learning, under CleanRL's names."""
 
-    num_steps: int = setting(64, "steps of each environment between two updates")
-    learning_rate: float = setting(5e-4, "step size of Adam")
-    anneal_env_steps: int = setting(0, "env_steps over which the learning rate falls linearly to 0; 0: constant")
-    gamma: float = setting(0.993, "discount per step")
-    gae_lambda: float = setting(0.95, "lambda of generalised advantage estimation")
-    num_minibatches: int = setting(8, "minibatches per epoch")
-    update_epochs: int = setting(4, "passes over each rollout")
-    clip_coef: float = setting(0.2, "how far the ratio of new to old probability may move from 1")
+    num_steps: int = setting(64, "steps of each environment between two updates", ">=1")
+    learning_rate: float = setting(5e-4, "step size of Adam", ">0")
+    anneal_env_steps: int = setting(0, "env_steps over which the learning rate falls linearly to 0; 0: constant", ">=0")
+    gamma: float = setting(0.993, "discount per step", "0-1")
+    gae_lambda: float = setting(0.95, "lambda of generalised advantage estimation", "0-1")
+    num_minibatches: int = setting(8, "minibatches per epoch", ">=1")
+    update_epochs: int = setting(4, "passes over each rollout", ">=1")
+    clip_coef: float = setting(0.2, "how far the ratio of new to old probability may move from 1", ">0")
     clip_vloss: bool = setting(False, "clip the change of the value by clip_coef, too")
     norm_adv: bool = setting(True, "normalise the advantages of each minibatch")
-    ent_coef: float = setting(0.01, "weight of the entropy bonus")
-    vf_coef: float = setting(0.5, "weight of the value loss")
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
-    target_kl: float = setting(0.0, "stop an update beyond this divergence of old and new policy; 0: never")
-    adam_eps: float = setting(1e-5, "Adam's epsilon")
-    hidden_size: int = setting(128, "units in each hidden layer")
-    hidden_layers: int = setting(2, "hidden layers of each torso")
+    ent_coef: float = setting(0.01, "weight of the entropy bonus", ">=0")
+    vf_coef: float = setting(0.5, "weight of the value loss", ">=0")
+    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0")
+    target_kl: float = setting(0.0, "stop an update beyond this divergence of old and new policy; 0: never", ">=0")
+    adam_eps: float = setting(1e-5, "Adam's epsilon", ">0")
+    hidden_size: int = setting(128, "units in each hidden layer", ">=1")
+    hidden_layers: int = setting(2, "hidden layers of each torso", ">=1")
     shared_torso: bool = setting(False, "actor and critic share their hidden layers")
     obs_std_floor: float = setting(
-        0.1, "observations are divided by their standard deviation, or by this many of their units where that is less"
+        0.1,
+        "observations are divided by their standard deviation, or by this many of their units where that is less",
+        ">=0",
     )
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "num_steps", "num_minibatches", "update_epochs", "hidden_size", "hidden_layers")
-        check_positive(self, "learning_rate", "clip_coef", "max_grad_norm", "adam_eps")
-        check_share(self, "gamma", "gae_lambda")
-        check_not_negative(self, "ent_coef", "vf_coef", "target_kl", "anneal_env_steps", "obs_std_floor")
 
     @classmethod
     def thesis(cls) -> PPOConfig:
@@ -56,43 +79,38 @@ class PPOConfig:
 
 
 @dataclass(frozen=True)
-class DRConfig:
+class DRConfig(Checked):
     """Settings of domain randomisation."""
 
     resample_level_every: Literal["episode", "rollout"] = setting(
         "episode", "each environment draws a new level every: episode, or rollout"
     )
 
-    def __post_init__(self) -> None:
-        check_choices(self, "resample_level_every")
-
 
 @dataclass(frozen=True)
-class AdversaryConfig:
+class AdversaryConfig(Checked):
     """Settings of the adversary and its learning."""
 
-    learning_rate: float = setting(1e-2, "step size of Adam")
-    ent_coef: float = setting(0.03, "weight of the entropy of theta (nats, all dimensions) against normalised regret")
-    update_epochs: int = setting(20, "gradient steps for each batch of levels")
-    clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1")
-    vf_coef: float = setting(0.5, "weight of the baseline's loss")
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm")
-    adam_eps: float = setting(1e-5, "Adam's epsilon")
+    learning_rate: float = setting(1e-2, "step size of Adam", ">0")
+    ent_coef: float = setting(
+        0.03, "weight of the entropy of theta (nats, all dimensions) against normalised regret", ">=0"
+    )
+    update_epochs: int = setting(20, "gradient steps for each batch of levels", ">=1")
+    clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1", ">0")
+    vf_coef: float = setting(0.5, "weight of the baseline's loss", ">=0")
+    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0")
+    adam_eps: float = setting(1e-5, "Adam's epsilon", ">0")
     distribution: Literal["squashed", "beta"] = setting(
         "squashed", "of theta: a Gaussian squashed by tanh, or a Beta distribution of each column"
     )
     context: Literal["random", "observation"] = setting(
         "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
     )
-    context_size: int = setting(1, "length of z: a long one teaches slowly, for each z looks like a case of its own")
-    hidden_size: int = setting(64, "units in each of the two hidden layers")
-    min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns")
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "update_epochs", "context_size", "hidden_size", "min_batch")
-        check_positive(self, "learning_rate", "clip_coef", "max_grad_norm", "adam_eps")
-        check_not_negative(self, "ent_coef", "vf_coef")
-        check_choices(self, "distribution", "context")
+    context_size: int = setting(
+        1, "length of z: a long one teaches slowly, for each z looks like a case of its own", ">=1"
+    )
+    hidden_size: int = setting(64, "units in each of the two hidden layers", ">=1")
+    min_batch: int = setting(32, "levels with known regret that the adversary waits for before it learns", ">=1")
 
     @classmethod
     def thesis(cls) -> AdversaryConfig:
@@ -103,20 +121,19 @@ class AdversaryConfig:
 
 
 @dataclass(frozen=True)
-class TeacherConfig:
+class TeacherConfig(Checked):
     """Settings of every method with a learned teacher."""
 
-    episodes_per_level: int = setting(2, "whole episodes that each student plays on a level")
-    dr_fraction: float = setting(0.0, "share of levels drawn at random instead, so that easy ones are not forgotten")
+    episodes_per_level: int = setting(2, "whole episodes that each student plays on a level", ">=1")
+    dr_fraction: float = setting(
+        0.0, "share of levels drawn at random instead, so that easy ones are not forgotten", "0-1"
+    )
     invalid_penalty: float = setting(
-        0.0, "score of a proposal that describes no valid level, negated; 0: the adversary does not learn from it"
+        0.0,
+        "score of a proposal that describes no valid level, negated; 0: the adversary does not learn from it",
+        ">=0",
     )
     adversary: AdversaryConfig = field(default_factory=AdversaryConfig, metadata={"help": "the adversary"})
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "episodes_per_level")
-        check_share(self, "dr_fraction")
-        check_not_negative(self, "invalid_penalty")
 
 
 @dataclass(frozen=True)
@@ -132,16 +149,14 @@ class SelfRegretConfig(TeacherConfig):
         "max_mean", "the later episodes' max or mean minus the earlier ones' mean: max_mean or mean_mean"
     )
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_choices(self, "regret")
-
 
 @dataclass(frozen=True)
 class PairedConfig(TeacherConfig):
     """Settings of PAIRED."""
 
-    dr_fraction: float = setting(0.25, "share of levels drawn at random instead, so that easy ones are not forgotten")
+    dr_fraction: float = setting(
+        0.25, "share of levels drawn at random instead, so that easy ones are not forgotten", "0-1"
+    )
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )
@@ -158,14 +173,11 @@ class PairedConfig(TeacherConfig):
     kl: Literal["none", "one_way", "both_ways"] = setting(
         "none", "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other"
     )
-    kl_coef: float = setting(0.1, "weight of the divergence of the other student's policy")
-    kl_every: int = setting(5, "updates between two in which students are drawn to each other")
+    kl_coef: float = setting(0.1, "weight of the divergence of the other student's policy", ">=0")
+    kl_every: int = setting(5, "updates between two in which students are drawn to each other", ">=1")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_at_least_1(self, "kl_every")
-        check_choices(self, "regret", "roles", "antagonist", "kl")
-        check_not_negative(self, "kl_coef")
         if self.students < 2:
             raise ValueError(f"students must be at least 2, got {self.students}")
         if self.students > 2 and (self.antagonist == "scripted" or self.roles != "population"):
@@ -194,45 +206,35 @@ class PairedLiteralConfig(TeacherConfig):
     )
     clip_regret: bool = setting(True, "count a negative regret as 0")
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_choices(self, "regret")
-
 
 @dataclass(frozen=True)
-class BufferConfig:
+class BufferConfig(Checked):
     """Settings of a buffer of levels."""
 
-    capacity: int = setting(1000, "levels that are kept")
+    capacity: int = setting(1000, "levels that are kept", ">=1")
     priority: Literal["rank", "power"] = setting("rank", "replay by rank of the score, or by a power of it")
-    temperature: float = setting(0.3, "the lower, the more the best levels are preferred: rank or score ^ (1 / T)")
-    staleness_coef: float = setting(0.3, "share of replays that go to levels not played for long")
+    temperature: float = setting(
+        0.3, "the lower, the more the best levels are preferred: rank or score ^ (1 / T)", ">0"
+    )
+    staleness_coef: float = setting(0.3, "share of replays that go to levels not played for long", "0-1")
     no_duplicates: bool = setting(True, "a level that is in the buffer already is not put in again")
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "capacity")
-        check_positive(self, "temperature")
-        check_share(self, "staleness_coef")
-        check_choices(self, "priority")
 
 
 ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability"]
 
 
 @dataclass(frozen=True)
-class PLRConfig:
+class PLRConfig(Checked):
     """Settings of prioritised level replay, robust or not."""
 
-    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one")
-    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed")
+    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one", "0-1")
+    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed", "0-1")
     score: ScoreRule = setting("max_mc", "what makes a level worth replaying")
-    episodes_per_level: int = setting(1, "whole episodes that the student plays on a level")
+    episodes_per_level: int = setting(1, "whole episodes that the student plays on a level", ">=1")
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
     def __post_init__(self) -> None:
-        check_share(self, "replay_prob", "min_fill")
-        check_at_least_1(self, "episodes_per_level")
-        check_choices(self, "score")
+        super().__post_init__()
         if self.score == "learnability" and self.episodes_per_level < 2:
             raise ValueError("the score learnability needs episodes_per_level of at least 2, got 1")
 
@@ -241,44 +243,33 @@ class PLRConfig:
 class ACCELConfig(PLRConfig):
     """Settings of ACCEL."""
 
-    replay_prob: float = setting(0.8, "probability of a level from the buffer instead of a new one")
-    num_edits: int = setting(3, "columns of theta, drawn with replacement, that are changed in a child")
-    edit_size: float = setting(0.2, "by how much at most each is moved; theta lies between -1 and 1")
+    replay_prob: float = setting(0.8, "probability of a level from the buffer instead of a new one", "0-1")
+    num_edits: int = setting(3, "columns of theta, drawn with replacement, that are changed in a child", ">=1")
+    edit_size: float = setting(0.2, "by how much at most each is moved; theta lies between -1 and 1", ">0")
     parents: Literal["all", "easy"] = setting("all", "which replayed levels have children: all, or the easier half")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_at_least_1(self, "num_edits")
-        check_positive(self, "edit_size")
-        check_choices(self, "parents")
 
 
 @dataclass(frozen=True)
 class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 
-    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's")
-    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed")
+    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's", "0-1")
+    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed", "0-1")
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_share(self, "replay_prob", "min_fill")
 
 
 @dataclass(frozen=True)
-class SFLConfig:
+class SFLConfig(Checked):
     """Settings of sampling for learnability, on a budget."""
 
-    candidates: int = setting(256, "random levels that are looked at for each choice")
+    candidates: int = setting(256, "random levels that are looked at for each choice", ">=1")
     candidate_episodes: int = setting(4, "whole episodes on each of them")
-    chosen: int = setting(64, "most learnable ones that are trained on")
-    choose_every: int = setting(25, "updates between two choices")
-    chosen_share: float = setting(0.5, "share of training levels that are chosen ones; the others are random")
+    chosen: int = setting(64, "most learnable ones that are trained on", ">=1")
+    choose_every: int = setting(25, "updates between two choices", ">=1")
+    chosen_share: float = setting(0.5, "share of training levels that are chosen ones; the others are random", "0-1")
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "candidates", "chosen", "choose_every")
-        check_share(self, "chosen_share")
+        super().__post_init__()
         if self.candidate_episodes < 2:
             raise ValueError(f"candidate_episodes must be at least 2, got {self.candidate_episodes}")
         if self.chosen > self.candidates:
@@ -286,53 +277,14 @@ class SFLConfig:
 
 
 @dataclass(frozen=True)
-class ALPGMMConfig:
+class ALPGMMConfig(Checked):
     """Settings of ALP-GMM."""
 
     fit_every: int = setting(250, "episodes between two fits, and the number each is made of")
-    random_share: float = setting(0.2, "share of levels drawn uniformly")
-    max_components: int = setting(10, "Gaussians at most; how many is decided by Akaike's criterion")
+    random_share: float = setting(0.2, "share of levels drawn uniformly", "0-1")
+    max_components: int = setting(10, "Gaussians at most; how many is decided by Akaike's criterion", ">=1")
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "max_components")
-        check_share(self, "random_share")
+        super().__post_init__()
         if self.fit_every <= self.max_components:
             raise ValueError(f"fit_every must be above max_components ({self.max_components}), got {self.fit_every}")
-
-
-# ---------------------------------------------------------------- checks: `ValueError` for the first setting that fails
-
-
-def check_at_least_1(config: Any, *names: str) -> None:
-    """Check that these settings are 1 or more."""
-    _check(config, names, lambda value: value >= 1, "must be at least 1")
-
-
-def check_positive(config: Any, *names: str) -> None:
-    """Check that these settings are above 0."""
-    _check(config, names, lambda value: value > 0, "must be positive")
-
-
-def check_not_negative(config: Any, *names: str) -> None:
-    """Check that these settings are 0 or more."""
-    _check(config, names, lambda value: value >= 0, "must not be negative")
-
-
-def check_share(config: Any, *names: str) -> None:
-    """Check that these settings lie in [0, 1]."""
-    _check(config, names, lambda value: 0 <= value <= 1, "must be between 0 and 1")
-
-
-def check_choices(config: Any, *names: str) -> None:
-    """Check that these settings are among the values that their `Literal` annotations allow."""
-    hints = typing.get_type_hints(type(config))
-    for name in names:
-        allowed = typing.get_args(hints[name])
-        _check(config, (name,), allowed.__contains__, "must be " + " or ".join(allowed))
-
-
-def _check(config: Any, names: tuple[str, ...], holds: Callable[[Any], bool], rule: str) -> None:
-    for name in names:
-        value = getattr(config, name)
-        if not holds(value):  # nor does any of these hold for nan
-            raise ValueError(f"{name} {rule}, got {value!r}")

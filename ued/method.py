@@ -62,17 +62,16 @@ class LevelBatch:
 
 
 class Method:
-    """A way to train students on levels of its choice. Every method is one, made with (upomdp, ppo, config, seed).
-
-    A method makes its `curriculum` and its `queue`, adds its learners, and has an `update` of its own.
+    """A way to train students on levels of its choice. Every method is one, with a `begin` and an `update` of its own.
 
     Args:
         upomdp: the environments; they are reset and belong to this object from then on.
         ppo: how every student learns.
+        config: the method's own settings, a dataclass of `ued.config`; None: the default ones.
         seed: of every random stream.
 
     Attributes:
-        curriculum: what chooses the levels, to be made of `curriculum_seed`.
+        curriculum: what chooses the levels.
         queue: brings its levels to the learners.
         learners: in the order of the students in level records.
         updates: training iterations so far.
@@ -82,14 +81,18 @@ class Method:
     curriculum: Curriculum
     queue: LevelQueue
 
-    def __init__(self, upomdp: UPOMDP, ppo: PPOConfig | None, seed: int) -> None:
+    def __init__(self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: Any = None, seed: int = 0) -> None:
         self._seeds = SeedStream(seed)
         self.upomdp, self.ppo = upomdp, ppo or PPOConfig()
         self.learners: list[Learner] = []
         self.updates = 0
         self.last: LevelBatch | None = None
         upomdp.reset(seed=self._seeds.next())
-        self.curriculum_seed = self._seeds.next()
+        self.begin(config, self._seeds.next())
+
+    def begin(self, config: Any, seed: int) -> None:
+        """Make the `curriculum`, of this seed, and the `queue`, and add the learners."""
+        raise NotImplementedError(f"{type(self).__name__} has no begin")
 
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
         """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`."""

@@ -30,7 +30,7 @@ from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.run import arguments, build
 from experiments.run.config import TrainConfig
 from experiments.run.results import align
-from ued.config import check_at_least_1, check_positive, setting
+from ued.config import Checked, setting
 
 DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
 
@@ -41,7 +41,7 @@ WARM_UPDATES = 10  # of a method before it is measured
 
 
 @dataclass(frozen=True)
-class BenchmarkConfig:
+class BenchmarkConfig(Checked):
     """What is typed after `regista benchmark`."""
 
     suite: Literal["sim", "train", "language", "all", "grf"] = setting(
@@ -50,16 +50,15 @@ class BenchmarkConfig:
         "grf: likeness to Google Research Football",
     )
     minigame: str = setting("1v1Free", "what is played")
-    num_envs: int = setting(256, "environments of the simulator's batch")
-    seconds: float = setting(1.0, "about how long each measurement takes")
+    num_envs: int = setting(256, "environments of the simulator's batch", ">=1")
+    seconds: float = setting(1.0, "about how long each measurement takes", ">0")
     json: bool = setting(False, "print JSON instead of a table")
     family: tuple[str, ...] = setting((), f"of suite grf, among {', '.join(FAMILIES)}; none given: all")
     figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
-    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual")
+    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0")
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "num_envs")
-        check_positive(self, "seconds", "effort")
+        super().__post_init__()
         for name in self.family:
             if name not in FAMILIES:
                 raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")

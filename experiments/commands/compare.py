@@ -27,7 +27,7 @@ from experiments.run.report import Report
 from experiments.run.results import unique
 from experiments.run.signals import StopRequest
 from experiments.run.workers import train_all
-from ued.config import check_at_least_1, check_not_negative, setting
+from ued.config import Checked, setting
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -37,23 +37,22 @@ OWN = ("minigame", "method", "seed")  # settings of a run that the comparison ch
 
 
 @dataclass(frozen=True)
-class CompareConfig:
+class CompareConfig(Checked):
     """What is typed after `regista compare`."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
-    seeds: int = setting(4, "runs of each method, with seeds 0, 1, ...")
-    episodes: int = setting(500, "whole episodes on each test scene after training")
+    seeds: int = setting(4, "runs of each method, with seeds 0, 1, ...", ">=1")
+    episodes: int = setting(500, "whole episodes on each test scene after training", ">=1")
     levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
-    processes: int = setting(0, "runs at a time; 0: one per core")
+    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
     train: TrainConfig = group(TrainConfig, "each run", without=OWN)
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "seeds", "episodes")
-        check_not_negative(self, "processes")
+        super().__post_init__()
         check_levels(self.levels, self.level_episodes)
         if not self.methods or len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods must be one or more, each named once, got {' '.join(self.methods) or 'none'}")

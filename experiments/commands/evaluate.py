@@ -19,27 +19,27 @@ from experiments.run.errors import CommandError, UsageError
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report, save_csv, write_text
-from ued.config import check_at_least_1, setting
+from ued.config import Checked, setting
 
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
 
 @dataclass(frozen=True)
-class EvaluateConfig:
+class EvaluateConfig(Checked):
     """What is typed after `regista evaluate`."""
 
     runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
-    episodes: int = setting(500, "whole episodes on each scene")
+    episodes: int = setting(500, "whole episodes on each scene", ">=1")
     levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
     baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
-    threads: int = setting(1, "threads for the simulator and for the networks")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "episodes", "threads")
+        super().__post_init__()
         check_levels(self.levels, self.level_episodes)
 
 

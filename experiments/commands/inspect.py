@@ -23,7 +23,7 @@ from experiments.run.arguments import group, positional
 from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
 from experiments.run.results import align
-from ued.config import check_at_least_1, setting
+from ued.config import Checked, setting
 
 if TYPE_CHECKING:
     from scenic_lite import Program
@@ -34,7 +34,7 @@ INDENT = "  "
 
 
 @dataclass(frozen=True)
-class InspectConfig:
+class InspectConfig(Checked):
     """What is typed after `regista inspect`."""
 
     program: str = positional("a minigame's name, or the path of a .scenic program", default="")
@@ -45,14 +45,11 @@ class InspectConfig:
     )
     png: Path | None = setting(None, "draw --n scenes to this picture")
     rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
-    n: int = setting(6, "scenes to draw, to record or to print")
+    n: int = setting(6, "scenes to draw, to record or to print", ">=1")
     seed: int = setting(0, "seed of the scenes")
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
     dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
     reading: ProgramConfig = group(ProgramConfig, "the program")
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "n")
 
 
 def main(argv: Sequence[str]) -> int:

@@ -19,29 +19,24 @@ from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
 from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
-from ued.config import check_at_least_1, check_not_negative, check_positive, setting
+from ued.config import Checked, setting
 
 DESCRIPTION = "Play one match of a program, and write a film or a record of it."
 
 
 @dataclass(frozen=True)
-class PlayConfig:
+class PlayConfig(Checked):
     """What is typed after `regista play`."""
 
     program: str = positional("a minigame's name, or the path of a .scenic program", default="")
     player: Literal["bot", "random", "idle"] = setting("bot", "who moves the agents' players")
     control: str = setting("active", "left players that agents move: active, closest1 to closest3, all, a number, ...")
-    steps: int = setting(600, "tenths of a second at most; the match may end sooner")
-    seed: int = setting(0, "seed of the level and of chance")
+    steps: int = setting(600, "tenths of a second at most; the match may end sooner", ">=1")
+    seed: int = setting(0, "seed of the level and of chance", ">=0")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
-    speed: float = setting(1.0, "of the film, times life")
+    speed: float = setting(1.0, "of the film, times life", ">0")
     record: Path | None = setting(None, "write a record, .npz, for regista replay")
     reading: ProgramConfig = group(ProgramConfig, "the program")
-
-    def __post_init__(self) -> None:
-        check_at_least_1(self, "steps")
-        check_not_negative(self, "seed")
-        check_positive(self, "speed")
 
 
 def main(argv: Sequence[str]) -> int:

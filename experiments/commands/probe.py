@@ -27,7 +27,7 @@ from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.progress import Progress
 from experiments.run.table import cannot_write
-from ued.config import BufferConfig, PLRConfig, PPOConfig, RepairedConfig, check_at_least_1, setting
+from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
 
 if TYPE_CHECKING:
     from ued.statistics import Interval
@@ -57,22 +57,22 @@ def probe_run() -> TrainConfig:
 
 
 @dataclass(frozen=True)
-class ProbeConfig:
+class ProbeConfig(Checked):
     """What is typed after `regista probe`."""
 
     methods: tuple[str, ...] = setting(
         ("dr", "minimax", "paired_literal", "paired", "self_regret", "repaired", "plr", "robust_plr", "accel"),
         "methods to compare; the differences are to the first",
     )
-    seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...")
-    longest: int = setting(15, "length of the longest path")
+    seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...", ">=1")
+    longest: int = setting(15, "length of the longest path", ">=1")
     dim: int = setting(4, "columns of theta; the more, the rarer short paths are")
     processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path = setting(Path("runs/probe"), "folder of the table, the curves and the picture")
     train: TrainConfig = group(probe_run, "each run", without=OWN)
 
     def __post_init__(self) -> None:
-        check_at_least_1(self, "seeds", "longest")
+        super().__post_init__()
         if self.dim < 2:
             raise ValueError(f"dim must be at least 2, got {self.dim}")
 

@@ -16,21 +16,18 @@ from experiments.commands.play import check_film_of, film
 from experiments.run import arguments
 from experiments.run.arguments import positional
 from experiments.run.errors import CommandError, UsageError
-from ued.config import check_positive, setting
+from ued.config import Checked, setting
 
 DESCRIPTION = "Play a recorded match again, and check that it comes out as it did."
 
 
 @dataclass(frozen=True)
-class ReplayConfig:
+class ReplayConfig(Checked):
     """What is typed after `regista replay`."""
 
     record: str = positional("a record: a .npz file of regista play, or of envs.football.replay.Recorder", default="")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
-    speed: float = setting(1.0, "of the film, times life")
-
-    def __post_init__(self) -> None:
-        check_positive(self, "speed")
+    speed: float = setting(1.0, "of the film, times life", ">0")
 
 
 def main(argv: Sequence[str]) -> int:

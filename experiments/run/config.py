@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from envs.football.config import FootballConfig
 from experiments.run.arguments import group, option, positional
 from experiments.run.errors import CommandError, nearest
-from ued.config import PairedConfig, PPOConfig, check_at_least_1, check_not_negative, setting
+from ued.config import Checked, PairedConfig, PPOConfig, setting
 from ued.methods import METHODS
 
 Config = TypeVar("Config")
@@ -56,29 +56,32 @@ class ProgramConfig:
 
 
 @dataclass(frozen=True)
-class RunConfig:
+class RunConfig(Checked):
     """What a training run depends on whatever its method."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
-    seed: int = setting(0, "seed of every random stream of the run")
-    total_env_steps: int = setting(3_000_000, "stop when training has simulated this many steps, the antagonist's too")
-    num_envs: int = setting(128, "environments that each student plays at a time")
-    threads: int = setting(1, "threads for the simulator and for the networks")
-    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none")
-    eval_episodes: int = setting(64, "episodes on each scene in these evaluations, whose steps are counted apart")
-    checkpoint_seconds: float = setting(60.0, "seconds between checkpoints")
+    seed: int = setting(0, "seed of every random stream of the run", ">=0")
+    total_env_steps: int = setting(
+        3_000_000, "stop when training has simulated this many steps, the antagonist's too", ">=1"
+    )
+    num_envs: int = setting(128, "environments that each student plays at a time", ">=1")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0")
+    eval_episodes: int = setting(
+        64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1"
+    )
+    checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
-    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none")
+    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
     program: ProgramConfig = group(ProgramConfig, "the training program")
     env: FootballConfig = group(FootballConfig, "environment")
     ppo: PPOConfig = group(football_ppo, "PPO")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.env.representation == "raw":
             raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
-        check_at_least_1(self, "total_env_steps", "num_envs", "threads", "eval_episodes")
-        check_not_negative(self, "seed", "eval_every", "record_rollouts", "checkpoint_seconds")
 
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:

@@ -27,12 +27,11 @@ class ToyConfig:
 
 
 class Toy(Method):
-    def __init__(self, upomdp, ppo=None, config=None, seed=0):
-        super().__init__(upomdp, ppo, seed)
+    def begin(self, config, seed):
         self.config = config or ToyConfig()
-        self.curriculum = RandomLevels(upomdp)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs)
-        self.learner = self.add_learner("student", upomdp)
+        self.curriculum = RandomLevels(self.upomdp)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self):
         levels = self.play()

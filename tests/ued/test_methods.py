@@ -355,8 +355,8 @@ def test_an_update_is_its_papers_box():
         assert inspect.getsourcefile(cls.update) == inspect.getsourcefile(cls)
         assert cls.__module__ == row.module
     made = {name for name, value in vars(Method).items() if callable(value) and not name.startswith("_")}
-    for row in ued.METHODS.values():  # nothing of the base class is overridden but this
-        assert made & vars(row.load()).keys() <= {"update"}
+    for row in ued.METHODS.values():  # nothing of the base class is overridden but what it leaves open
+        assert made & vars(row.load()).keys() <= {"begin", "update"}
 
 
 def test_every_metric_is_explained_in_the_readme():

@@ -13,13 +13,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import ACCELConfig, PPOConfig
+from ued.config import ACCELConfig
 from ued.curriculum import LevelSpace
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
 from ued.method import Method
 from ued.methods.plr import PLRLevels
-from ued.upomdp import UPOMDP
 
 TRIES = 8  # to edit a level into a valid one
 
@@ -32,15 +31,12 @@ class ACCEL(Method):
 
     curriculum: ACCELLevels
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ACCELConfig | None = None, seed: int = 0
-    ) -> None:
-        if not upomdp.theta_dim:
+    def begin(self, config: ACCELConfig | None, seed: int) -> None:
+        if not self.upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = ACCELLevels(upomdp, config or ACCELConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
-        self.learner = self.add_learner("student", upomdp)
+        self.curriculum = ACCELLevels(self.upomdp, config or ACCELConfig(), seed)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""

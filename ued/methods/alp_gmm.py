@@ -15,13 +15,13 @@ import warnings
 
 import numpy as np
 
-from ued.config import ALPGMMConfig, PPOConfig
+from ued.config import ALPGMMConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
@@ -35,13 +35,10 @@ class ALPGMM(Method):
 
     curriculum: ALPLevels
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: ALPGMMConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = ALPLevels(upomdp, config or ALPGMMConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
-        self.learner = self.add_learner("student", upomdp)
+    def begin(self, config: ALPGMMConfig | None, seed: int) -> None:
+        self.curriculum = ALPLevels(self.upomdp, config or ALPGMMConfig(), seed)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""

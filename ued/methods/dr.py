@@ -12,26 +12,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import DRConfig, PPOConfig
+from ued.config import DRConfig
 from ued.curriculum import LevelSpace
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import level_dtype
 
 
 class DR(Method):
     """Trains one student on random levels; see `Method` for the arguments."""
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: DRConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
+    def begin(self, config: DRConfig | None, seed: int) -> None:
         every = (config or DRConfig()).resample_level_every
-        self.curriculum = RandomLevels(upomdp)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, resample_level_every=every)
-        self.learner = self.add_learner("student", upomdp)
+        self.curriculum = RandomLevels(self.upomdp)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, resample_level_every=every)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels drawn uniformly, and learn from all of them."""

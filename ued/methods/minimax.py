@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import MinimaxConfig, PPOConfig
+from ued.config import MinimaxConfig
 from ued.curriculum import LevelSpace
 from ued.levels.queue import LevelQueue
 from ued.levels.record import mean_returns
 from ued.levels.teacher import Teacher
 from ued.method import Method
-from ued.upomdp import UPOMDP
 
 
 class Minimax(Method):
@@ -26,13 +25,10 @@ class Minimax(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: MinimaxConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.teacher = MinimaxLevels(upomdp, config or MinimaxConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
-        self.learner = self.add_learner("student", upomdp)
+    def begin(self, config: MinimaxConfig | None, seed: int) -> None:
+        self.curriculum = self.teacher = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed)
+        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; pay it the student's loss; let both learn."""

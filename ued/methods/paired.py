@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ued.config import PairedConfig, PPOConfig
+from ued.config import PairedConfig
 from ued.curriculum import LevelSpace
 from ued.learning.learner import Learner
 from ued.learning.ppo import KLRegularizer
@@ -27,7 +27,6 @@ from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
 from ued.method import Method
-from ued.upomdp import UPOMDP
 
 
 class Paired(Method):
@@ -37,13 +36,10 @@ class Paired(Method):
     parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
     """
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PairedConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
+    def begin(self, config: PairedConfig | None, seed: int) -> None:
         self.config = config or PairedConfig()
-        self.curriculum = self.teacher = PairedLevels(upomdp, self.config, self.curriculum_seed)
-        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
+        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed)
+        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:

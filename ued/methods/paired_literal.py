@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ued.config import PairedLiteralConfig, PPOConfig
+from ued.config import PairedLiteralConfig
 from ued.curriculum import LevelSpace
 from ued.learning.rollout import Rollout
 from ued.levels import scores
@@ -25,7 +25,6 @@ from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
 from ued.method import Method
-from ued.upomdp import UPOMDP
 
 
 class PairedLiteral(Method):
@@ -34,15 +33,12 @@ class PairedLiteral(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PairedLiteralConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
+    def begin(self, config: PairedLiteralConfig | None, seed: int) -> None:
         config = config or PairedLiteralConfig()
-        self.curriculum = self.teacher = PairedLiteralLevels(upomdp, config, self.curriculum_seed)
-        self.queue = LevelQueue(self.teacher, upomdp.num_envs, max_lead=0)  # no new level within a rollout
-        self.protagonist = self.add_learner("protagonist", upomdp)
-        self.antagonist = self.add_learner("antagonist", upomdp.copy())
+        self.curriculum = self.teacher = PairedLiteralLevels(self.upomdp, config, seed)
+        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
+        self.protagonist = self.add_learner("protagonist", self.upomdp)
+        self.antagonist = self.add_learner("antagonist", self.upomdp.copy())
 
     def update(self) -> dict[str, float]:
         """Play one level of the adversary in each environment; pay all three in regret; let them learn."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import PLRConfig, PPOConfig
+from ued.config import PLRConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.levels import scores
 from ued.levels.buffer import LevelBuffer
@@ -22,7 +22,7 @@ from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import level_dtype
 
 
 class PLR(Method):
@@ -31,13 +31,10 @@ class PLR(Method):
     curriculum: PLRLevels
     robust = False
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: PLRConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = PLRLevels(upomdp, config or PLRConfig(), self.curriculum_seed, self.robust)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
-        self.learner = self.add_learner("student", upomdp)
+    def begin(self, config: PLRConfig | None, seed: int) -> None:
+        self.curriculum = PLRLevels(self.upomdp, config or PLRConfig(), seed, self.robust)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""

@@ -16,26 +16,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import PPOConfig, RepairedConfig
+from ued.config import RepairedConfig
 from ued.curriculum import LevelSpace
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.method import Method
 from ued.methods.paired import PairedLevels, add_students, has_antagonist, kl_target, paired_regret
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import level_dtype
 
 
 class Repaired(Method):
     """Trains two students on replayed levels of an adversary; see `Paired` for what is raised."""
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: RepairedConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
+    def begin(self, config: RepairedConfig | None, seed: int) -> None:
         self.config = config or RepairedConfig()
-        self.curriculum = self.teacher = RepairedLevels(upomdp, self.config, self.curriculum_seed)
-        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
+        self.curriculum = self.teacher = RepairedLevels(self.upomdp, self.config, seed)
+        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:

@@ -14,13 +14,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import PPOConfig, SelfRegretConfig
+from ued.config import SelfRegretConfig
 from ued.curriculum import LevelSpace
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
 from ued.method import Method
-from ued.upomdp import UPOMDP
 
 
 class SelfRegret(Method):
@@ -29,13 +28,10 @@ class SelfRegret(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SelfRegretConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = self.teacher = SelfRegretLevels(upomdp, config or SelfRegretConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.teacher, upomdp.num_envs)
-        self.learner = self.add_learner("student", upomdp)
+    def begin(self, config: SelfRegretConfig | None, seed: int) -> None:
+        self.curriculum = self.teacher = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed)
+        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; pay it how far the student surpassed itself; let both learn."""

@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ued.config import PPOConfig, SFLConfig
+from ued.config import SFLConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
 from ued.levels.record import NONE, Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import level_dtype
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
 CANDIDATE = 0  # slot of a level that is a candidate
@@ -32,13 +32,10 @@ class SFL(Method):
 
     curriculum: SFLLevels
 
-    def __init__(
-        self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: SFLConfig | None = None, seed: int = 0
-    ) -> None:
-        super().__init__(upomdp, ppo, seed)
-        self.curriculum = SFLLevels(upomdp, config or SFLConfig(), self.curriculum_seed)
-        self.queue = LevelQueue(self.curriculum, upomdp.num_envs, drop_stale_proposals=False)
-        self.learner = self.add_learner("student", upomdp)
+    def begin(self, config: SFLConfig | None, seed: int) -> None:
+        self.curriculum = SFLLevels(self.upomdp, config or SFLConfig(), seed)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
