@@ -11,8 +11,8 @@ from collections.abc import Callable
 from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalised
-from scenic_lite.values.graph import RandomExpr, Value, apply, is_number
-from scenic_lite.values.operations import OR, SECTOR_MEETS
+from scenic_lite.values.graph import RandomExpr, Value, any_of, apply, is_number
+from scenic_lite.values.operations import SECTOR_MEETS
 from scenic_lite.values.regions import Region, SectorRegion
 
 
@@ -62,11 +62,6 @@ OBJECT = ScenicClass(
         lastActions=(),
     )
     | {"velocity": VELOCITY},
-)
-VECTOR_PROPERTIES = frozenset({"position", "velocity", "cameraOffset"})
-NUMBER_PROPERTIES = frozenset(
-    {"width", "length", "heading", "visibleDistance", "viewAngle", "speed", "angularSpeed", "mutationScale"}
-    | {"headingStdDev"}
 )
 SWITCHES = frozenset({"allowCollisions", "requireVisible"})
 # Sides and corners: what share of the half width and half length lies between the centre and the point.
@@ -150,6 +145,21 @@ ORIENTATION: dict[str, Callable[[Instance], Value]] = {
 }
 
 
+def as_number(value: Value) -> Value:
+    return value if is_scalar(value) else None
+
+
+# Of properties with a type: what it is called, and how a value is read as one, None if it is none.
+VECTOR, NUMBER = ("a vector", as_vector), ("a number", as_number)
+PROPERTY_TYPES: dict[str, tuple[str, Callable[[Value], Value]]] = {
+    **dict.fromkeys(("position", "velocity", "cameraOffset"), VECTOR),
+    **dict.fromkeys(("width", "length", "visibleDistance", "viewAngle", "speed", "angularSpeed"), NUMBER),
+    **dict.fromkeys(("mutationScale", "headingStdDev"), NUMBER),
+    "heading": ("a number", as_heading),
+    "parentOrientation": ("a heading", as_orientation),  # of dialect 3
+}
+
+
 def checked(name: str, value: Value, dialect: int) -> Value:
     """Return a property's value, coerced to its type. Raises ScenicError if it cannot be."""
     if name in SWITCHES and not isinstance(value, RandomExpr | RandomChoice):
@@ -162,24 +172,15 @@ def checked(name: str, value: Value, dialect: int) -> Value:
             what = f"the {value.behavior.kind} {value.behavior.name}"
         message = f"the property 'behavior' must be a behavior, not {what}"
         raise ScenicError("type", message, hint="write with behavior B()")
-    if name in VECTOR_PROPERTIES:
-        vector = as_vector(value)
-        if vector is None:
-            raise ScenicError("type", f"{name} must be a vector, not {describe_kind(value)}")
-        return vector
-    if name == "parentOrientation" and dialect == 3:
-        heading = as_orientation(value)
-        if heading is None:
-            raise ScenicError("type", f"parentOrientation must be a heading, not {describe_kind(value)}")
-        return heading
-    if name in NUMBER_PROPERTIES and not is_scalar(value):
-        heading = as_heading(value) if name == "heading" else None
-        if heading is None:
-            raise ScenicError("type", f"{name} must be a number, not {describe_kind(value)}")
-        return heading
-    if name in ("width", "length") and is_number(value) and not 0 <= value < math.inf:
-        raise ScenicError("value", f"{name} must be finite and not negative, not {value}")
-    return value
+    if name not in PROPERTY_TYPES or (name == "parentOrientation" and dialect == 2):
+        return value
+    noun, read = PROPERTY_TYPES[name]
+    found = read(value)
+    if found is None:
+        raise ScenicError("type", f"{name} must be {noun}, not {describe_kind(value)}")
+    if name in ("width", "length") and is_number(found) and not 0 <= found < math.inf:
+        raise ScenicError("value", f"{name} must be finite and not negative, not {found}")
+    return found
 
 
 def is_behavior(value: Value) -> bool:
@@ -249,9 +250,5 @@ def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
             raise ScenicError("type", f"`can see` needs an object or a point, not {describe_kind(seen)}")
         return view.contains(point)
     if dialect == 2:
-        seen_corner: Value = False
-        for corner in outline(seen):
-            seen_corner = apply(OR, seen_corner, view.contains(corner))
-        return seen_corner
-    sector = (view.center.x, view.center.y, view.radius, view.heading, view.angle)
-    return apply(SECTOR_MEETS, *sector, *rectangle_of(seen))
+        return any_of(*(view.contains(corner) for corner in outline(seen)))
+    return apply(SECTOR_MEETS, *view.parameters(), *rectangle_of(seen))

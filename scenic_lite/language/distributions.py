@@ -31,9 +31,7 @@ def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
             raise ScenicError("value", f"Range({low}, {high}) has no finite length")
         return scope.draw("range", place, float(low), span_between(float(low), float(high)))
     column = scope.draw("range", place)
-    column.shown = low + (high - low) * column
-    column.low, column.high = math.nan, math.nan
-    return column.shown
+    return column.show(low + (high - low) * column, math.nan, math.nan)
 
 
 def span_between(low: float, high: float) -> float:
@@ -75,9 +73,8 @@ def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[fl
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
     index = RandomExpr(Cut(shares[:-1]), (column,))
-    column.low, column.high = 0.0, float(len(options) - 1)
     value = choose(index, options)
-    column.shown = value if isinstance(value, RandomExpr) else index
+    column.show(value if isinstance(value, RandomExpr) else index, 0.0, float(len(options) - 1))
     if not isinstance(value, RandomExpr):
         column.options = tuple(options)
     return value
@@ -104,9 +101,7 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
     if weights is not None:
         return weighted_integers(scope, node, range(first, last + 1), weights)
     column = scope.draw("integers", scope.place(node))
-    column.shown = RandomExpr(Integers(first, last - first + 1), (column,))
-    column.low, column.high = float(first), float(last)
-    return column.shown
+    return column.show(RandomExpr(Integers(first, last - first + 1), (column,)), float(first), float(last))
 
 
 def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
@@ -115,18 +110,14 @@ def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Va
     first, last = apply(CEILING, low), apply(FLOOR, high)
     filled = apply(LESS_EQUAL, first, last)
     scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
-    column.shown = RandomExpr(integer_between, (column, first, last))
-    column.low, column.high = math.nan, math.nan
-    return column.shown
+    return column.show(RandomExpr(integer_between, (column, first, last)), math.nan, math.nan)
 
 
 def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Value) -> Value:
     """Return one of the integers, each with its weight."""
     if not isinstance(weights, list | tuple) or len(weights) != len(integers):
-        kind = describe_kind(weights)
-        raise ScenicError(
-            "value", f"DiscreteRange takes one weight for each of its {len(integers)} integers, not {kind}"
-        )
+        what = f"one weight for each of its {len(integers)} integers"
+        raise ScenicError("value", f"DiscreteRange takes {what}, not {describe_kind(weights)}")
     return draw_discrete(scope, node, dict(zip(integers, weights, strict=True)))
 
 
@@ -155,9 +146,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
     column = scope.draw("normal", scope.place(node))
-    column.low, column.high = -math.inf, math.inf
-    column.shown = mean + spread * apply(NORMAL_QUANTILE, column)
-    return column.shown
+    return column.show(mean + spread * apply(NORMAL_QUANTILE, column))
 
 
 def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
@@ -168,11 +157,9 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
     if not low < high:
         raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
     column = scope.draw("normal", scope.place(node))
-    column.low, column.high = float(low), float(high)
     start, end = apply(NORMAL_CDF, (low - mean) / spread), apply(NORMAL_CDF, (high - mean) / spread)
     raw = mean + spread * apply(NORMAL_QUANTILE, start + (end - start) * column)
-    column.shown = apply(CLIP, raw, float(low), float(high))
-    return column.shown
+    return column.show(apply(CLIP, raw, float(low), float(high)), float(low), float(high))
 
 
 def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]:
@@ -212,7 +199,7 @@ def show_coordinates(columns: list[ThetaColumn], point: Vector, bounds: tuple[fl
     """Show the point's coordinates, of which a person thinks, not the numbers that it is made of."""
     low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
     for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
-        column.shown, column.low, column.high = shown, low, high
+        column.show(shown, low, high)
 
 
 def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
@@ -220,27 +207,17 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
     drawn = value.index if isinstance(value, RandomChoice) else value
     if not isinstance(drawn, RandomExpr | Vector):
         return value
-    for column in scope.state.columns:
-        if column.shown is drawn:
-            return choice_like(value, redrawn(scope, node, column))
-    raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
-
-
-def choice_like(value: Value, drawn: RandomExpr) -> Value:
-    """Return the value itself, or the same choice by another index."""
-    return choose(drawn, value.options) if isinstance(value, RandomChoice) else drawn
-
-
-def redrawn(scope: Scope, node: ast.AST, column: ThetaColumn) -> RandomExpr:
-    """Return what `column` shows, computed from a new column; other random values in it stay the same."""
+    column = next((column for column in scope.state.columns if column.shown is drawn), None)
+    if column is None:
+        raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
     fresh = scope.draw(column.draw_kind, scope.place(node), column.offset, column.span)
-    fresh.low, fresh.high, fresh.options = column.low, column.high, column.options
-    fresh.shown = replaced(column.shown, {id(column): fresh})
-    return fresh.shown
+    fresh.options = column.options
+    again = fresh.show(replaced(column.shown, {id(column): fresh}), column.low, column.high)
+    return choose(again, value.options) if isinstance(value, RandomChoice) else again
 
 
 def replaced(value: RandomExpr, known: dict[int, RandomExpr]) -> RandomExpr:
-    """Return a copy of a value whose inputs are replaced by what is known for them."""
+    """Return a copy of a value with what is known in the place of its inputs; others stay the same."""
     if id(value) not in known:
         parts = [replaced(operand, known) if isinstance(operand, RandomExpr) else operand for operand in value.inputs]
         same = all(a is b for a, b in zip(parts, value.inputs, strict=True))

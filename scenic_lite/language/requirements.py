@@ -18,7 +18,6 @@ formula without a temporal operator is about the first step. Read next: `core.pe
 from __future__ import annotations
 
 import ast
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
@@ -159,9 +158,7 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
         return 0.0
     column = state.column("normal", instance.place)
     column.owner = (instance, f"noise.{axis}")
-    column.low, column.high = -math.inf, math.inf
-    column.shown = spread * RandomExpr(normal_quantile, (column,))
-    return column.shown
+    return column.show(spread * RandomExpr(normal_quantile, (column,)))
 
 
 # ------------------------------------------------------------ temporal logic

@@ -27,7 +27,7 @@ from scenic_lite.language.classes import (
     view_of,
 )
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifier_rules import at_position, ego_of, or_ego, viewer_of
+from scenic_lite.language.specifier_rules import at_position, ego_of, moved_along, or_ego, viewer_of
 from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET
@@ -132,10 +132,7 @@ def late_heading(value: Value) -> LazyValue:
 
 
 def offset_along(scope: Scope, start: Value, direction: Value, offset: Value) -> Value:
-    vector = vector_of(start, "offset along")
-    field = isinstance(direction, VectorField)
-    turn = direction.heading_at(vector) if field else heading_of(direction, "offset along")
-    return vector + vector_of(offset, "offset along ... by").rotated(turn)
+    return moved_along(vector_of(start, "offset along"), direction, offset)
 
 
 def sees(scope: Scope, viewer: Value, seen: Value) -> Value:
@@ -175,15 +172,20 @@ def not_visible(scope: Scope, region: Value) -> Region:
     return remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
 
 
-def side(name: str, words: str) -> Callable[[Scope, Value], Value]:
+def side(name: str) -> Callable[[Scope, Value], Value]:
     """Return the operator `front of O`, `back left of O`, ..."""
 
     def operator(scope: Scope, instance: Value) -> Value:
         if not is_oriented(instance):
-            raise ScenicError("type", f"`{words}` needs an object, not {describe_kind(instance)}")
+            raise ScenicError("type", f"`{side_words(name)}` needs an object, not {describe_kind(instance)}")
         return side_of(instance, name)
 
     return operator
+
+
+def side_words(name: str) -> str:
+    """Return how a side is written: "backLeft" is `back left of`."""
+    return re.sub("[A-Z]", lambda capital: " " + capital[0].lower(), name) + " of"
 
 
 def in_initial_scenario(scope: Scope) -> bool:
@@ -211,6 +213,4 @@ OPERATORS: dict[str, Callable[..., Value]] = {
     "not visible": not_visible,
     "visible from": visible,
 }
-for name in SIDES:  # "backLeft" is written `back left of`
-    words = re.sub("[A-Z]", lambda capital: " " + capital[0].lower(), name) + " of"
-    OPERATORS[words] = side(name, words)
+OPERATORS |= {side_words(name): side(name) for name in SIDES}

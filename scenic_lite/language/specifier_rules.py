@@ -144,10 +144,15 @@ def offset_along(
     scope: Scope, node: ast.AST, direction: Value, offset: Value, words: str = "offset along ... by"
 ) -> ResolvedSpecifier:
     ego = ego_of(scope)
-    start = ego.properties["position"]
+    place = moved_along(ego.properties["position"], direction, offset, words)
+    return at_with_heading(scope, node, place, ego.properties["heading"])
+
+
+def moved_along(start: Vector, direction: Value, offset: Value, words: str = "offset along ... by") -> Vector:
+    """Return a place by an offset in the frame of a heading, or of a field's heading at the start."""
     field = isinstance(direction, VectorField)
     turn = direction.heading_at(start) if field else heading_of(direction, "offset along")
-    return at_with_heading(scope, node, start + vector_of(offset, words).rotated(turn), ego.properties["heading"])
+    return start + vector_of(offset, words).rotated(turn)
 
 
 def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
@@ -163,39 +168,27 @@ def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) 
     return placing(scope, node, place, heading if scope.state.dialect == 3 else None)
 
 
-def visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
-    """`visible [from V]`: a point of V's view; dialect 3 also demands that V sees the object, wherever it is put."""
-    viewer = viewer_of(scope, viewer)
-    return in_or_out_of_sight(scope, node, Sight(viewer, True), lambda self: view_of(viewer))
+def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
+    """`visible [from V]`: a point of V's view; `not visible [from V]`: one of the container outside V's view.
 
+    Dialect 3 also demands that V sees the object, or nothing of it, wherever it is put.
+    """
+    sight, dialect = Sight(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
+    view = view_of(sight.viewer)
 
-def not_visible(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
-    """`not visible [from V]`: a point of the container outside V's view; dialect 3 hides all of the object."""
-    viewer = viewer_of(scope, viewer)
-    view = view_of(viewer)
-
-    def hidden(self: Instance) -> Region:
+    def place(self: Instance) -> Vector:
         container = self.properties["regionContainedIn"] or scope.state.workspace
-        if container is None:
+        if not sight.visible and container is None:
             raise ScenicError("value", "`not visible` needs a workspace to draw from")
-        return outside(container, view)
-
-    return in_or_out_of_sight(scope, node, Sight(viewer, False), hidden)
-
-
-def in_or_out_of_sight(
-    scope: Scope, node: ast.AST, sight: Sight, region_for: Callable[[Instance], Region]
-) -> ResolvedSpecifier:
-    """Return a position drawn from a region that depends on what can be seen."""
-    dialect = scope.state.dialect
+        return point_in(scope, node, view if sight.visible else outside(container, view))[0]
 
     def demand(self: Instance) -> None:
         if dialect == 3:
             scope.state.sights.append((self, sight))
 
-    place = LazyValue(frozenset({"regionContainedIn"}), lambda self: point_in(scope, node, region_for(self))[0])
-    gives = {"position": Given(OPTIONAL if dialect == 3 else REQUIRED, place)}
-    return ResolvedSpecifier("visible" if sight.visible else "not visible", node, gives, demand)
+    needs = frozenset({"regionContainedIn"})
+    gives = {"position": Given(OPTIONAL if dialect == 3 else REQUIRED, LazyValue(needs, place))}
+    return ResolvedSpecifier(words_of(node), node, gives, demand)
 
 
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
@@ -253,8 +246,8 @@ SPECIFIERS: dict[str, Callable[..., ResolvedSpecifier]] = {
     "offset by": offset_by,
     "offset along": offset_along,
     "beyond": beyond,
-    "visible": visible,
-    "not visible": not_visible,
+    "visible": in_or_out_of_sight,
+    "not visible": in_or_out_of_sight,
     "following": following,
     "facing": facing,
     "facing toward": facing_toward,

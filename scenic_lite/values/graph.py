@@ -7,6 +7,7 @@ then holds the nodes in topological order, so that N scenes cost one array opera
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property, reduce
 from typing import Any
@@ -115,6 +116,11 @@ class ThetaColumn(RandomExpr):
         self.name = ""
         self.owner: Any = None
         self.options: tuple = ()  # of a choice among structured values, whose index is shown
+
+    def show(self, value: Value, low: float = -math.inf, high: float = math.inf) -> Value:
+        """Take a value and its limits (nan: they differ from scene to scene) for what is drawn; return the value."""
+        self.shown, self.low, self.high = value, low, high
+        return value
 
 
 def is_number(value: Value) -> bool:
