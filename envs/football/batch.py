@@ -15,6 +15,7 @@ from envs.football.constants import NO_FAULT
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
+from envs.football.physics.variation import vary_engine
 from envs.football.scenic.scripted_step import run_program_monitors
 from envs.football.simulator import choose_actions, play
 from envs.football.state import MATCH
@@ -148,6 +149,7 @@ def restart(batch, settings, index):
     batch.registers[index] = batch.start_registers[index]
     if not settings.deterministic:
         batch.matches[index].random = stream
+    vary_engine(batch.matches[index])
     remember_minimap(batch, index, settings.observation)
 
 
@@ -157,6 +159,7 @@ def begin(batch, where, settings):
     for index in where:
         batch.matches[index] = batch.starts[index]
         batch.registers[index] = batch.start_registers[index]
+        vary_engine(batch.matches[index])
         remember_minimap(batch, index, settings.observation)
 
 

@@ -30,6 +30,10 @@ class FootballConfig:
     dialect: int | None = field(
         default=None, metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
     )
+    engine_spread: float = field(
+        default=0.0,
+        metadata={"help": "share by which keepers, tackles, kicks and reactions differ from episode to episode: 0.15"},
+    )
     engine: str = field(
         default="regista", metadata={"help": "what plays: regista, our simulator, or grf, Google Research Football"}
     )
@@ -46,6 +50,10 @@ class FootballConfig:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")
         for name in ("control", "right_control"):
             check_control(getattr(self, name))
+        if not 0 <= self.engine_spread < 1:
+            raise ValueError(f"engine_spread must be 0 or more and below 1, got {self.engine_spread}")
+        if self.engine_spread and self.engine == "grf":
+            raise ValueError("engine_spread is of our simulator; engine 'grf' is as it is")
         if self.grf_workers < 0:
             raise ValueError(f"grf_workers must be 0 or more, got {self.grf_workers}")
         if self.control == self.right_control == "none":

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from envs.football.ai.formation import formation_slots
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from envs.football.control.control_modes import assign_agents
-from envs.football.state import MATCH, NOBODY_YET
+from envs.football.state import ENGINE, MATCH, NOBODY_YET
 from scenic_lite.kernels.rng import streams
 
 
@@ -38,6 +38,16 @@ class MatchConfig:
     right_team_difficulty: npt.ArrayLike = 0.6
     deterministic: npt.ArrayLike = False  # the same random numbers in every episode
     use_magnet: npt.ArrayLike = True  # a free ball pulls the best placed player whatever his agent's direction
+    # In what the engine differs from the measured one: `state.ENGINE_FIELDS`, and by how much from episode to episode
+    reaction_time: npt.ArrayLike = 1.0
+    start_lag: npt.ArrayLike = 1.0
+    keeper_speed: npt.ArrayLike = 1.0
+    keeper_range: npt.ArrayLike = 1.0
+    keeper_reach: npt.ArrayLike = 1.0
+    tackle_odds: npt.ArrayLike = 1.0
+    kick_spread: npt.ArrayLike = 1.0
+    sticky_noise: npt.ArrayLike = 0.0
+    engine_spread: npt.ArrayLike = 0.0
     control: str | int = "closest1"  # which left players agents move: see `control_modes`
     right_control: str | int = "none"  # which right ones
 
@@ -85,6 +95,7 @@ def kick_off(
     _look_at(matches["players"][:, : len(teams)], ball)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
+    _apply_factors(matches["players"][:, : len(teams)], matches["engine"], roles)
     matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if roster.order is None else roster.order
     assign_agents(matches, (config.control, config.right_control))
     return matches
@@ -101,10 +112,19 @@ def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np
 
 def _write_settings(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> None:
     """Write the settings of the episode; equal seeds, or a deterministic match, give equal streams."""
+    for name in ENGINE.names:  # type: ignore[union-attr]
+        matches["engine"][name] = getattr(config, name)
     for field in fields(config):
         if field.name in MATCH.names and field.name != "control":  # type: ignore[operator]
             matches[field.name] = getattr(config, field.name)
     matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
+
+
+def _apply_factors(players: np.ndarray, engine: np.ndarray, roles: np.ndarray) -> None:
+    """Give players [N, P] their shares of what the engine [N] differs in."""
+    for name in ("reaction_time", "start_lag"):
+        players[name] = engine[name][:, None]
+    players["top_speed"] *= np.where(roles == GK, engine["keeper_speed"][:, None], 1.0)
 
 
 def _place_players(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:

@@ -26,7 +26,7 @@ from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
 KIND = "regista match record"
-FORMAT = f"{KIND} 2"
+FORMAT = f"{KIND} 3"  # 2: before matches had engines of their own
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents", "levels")
 _ARRAYS = ("actions", "last", *_STATE)

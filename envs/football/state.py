@@ -35,6 +35,18 @@ BALL_FIELDS = (
     ("curl", "f8", (), "rad/s", "spin about the vertical: positive bends the flight to the left"),
 )
 
+# In what the engine of this episode differs from the measured one: see `physics.variation`, which draws them
+ENGINE_FIELDS = (
+    ("reaction_time", "f8", (), "", "factor of the time by which built-in players are behind with what they see"),
+    ("start_lag", "f8", (), "", "factor of the time that bodies take to answer a new command"),
+    ("keeper_speed", "f8", (), "", "factor of keepers' sprints and dives"),
+    ("keeper_range", "f8", (), "", "factor of how far keepers leave their goals"),
+    ("keeper_reach", "f8", (), "", "factor of how far from them keepers reach a shot"),
+    ("tackle_odds", "f8", (), "", "factor of the chance to win the ball off a carrier's feet"),
+    ("kick_spread", "f8", (), "", "factor of how far kicks scatter"),
+    ("sticky_noise", "f8", (), "", "chance per step that an agent's last action is played once more, not its new one"),
+)
+
 PLAYER_FIELDS = (
     # Written once, by `kick_off`
     ("team", "i8", (), "", "0 left, 1 right"),
@@ -45,6 +57,8 @@ PLAYER_FIELDS = (
     ("start_y", "f8", (), "m", ""),
     ("top_speed", "f8", (), "m/s", "full sprint without the ball"),
     ("skill", "f8", (), "", "0.3 + 0.7 × difficulty of the team"),
+    ("reaction_time", "f8", (), "", "factor, see ENGINE_FIELDS"),
+    ("start_lag", "f8", (), "", "factor, the same"),
     # Who moves him, and how: `control` at the beginning and at the end of a step, its keys in between
     ("agent", "i8", (), "", "agent whose next action moves him, an index into `agents`; -1 none"),
     ("action", "i8", (), "", "this step's action, 0..18, 19 the built-in AI decides, -1 to stand; several in base 20"),
@@ -107,6 +121,13 @@ MATCH_FIELDS = (
     ("offsides", "?", (), "", ""),
     ("use_magnet", "?", (), "", "a free ball pulls the best placed player whatever his agent's direction"),
     ("second_half", "i8", (), "steps", "played when the second half begins; beyond the duration there is none"),
+    (
+        "engine_spread",
+        "f8",
+        (),
+        "",
+        "by which the factors of `engine` are drawn anew around what they are, per episode",
+    ),
     # Written by every draw
     ("random", "u8", (), "", "state of the stream of random numbers"),
     # Who decides for whom in the next step: `control` at the end of a step
@@ -118,6 +139,7 @@ MATCH_FIELDS = (
         "",
         "player of each team who is to win the ball, where an agent is `active`; -1 none yet",
     ),
+    ("last_actions", "i8", (MAX_PLAYERS,), "", "each agent's, for `engine.sticky_noise`"),
     # Who has the ball: `skills` and `physics.possession`, whenever it is touched, lost or kicked
     ("carrier", "i8", (), "", "player who leads the ball with his feet or holds it, -1 for a free ball"),
     ("keeper_holding", "i8", (), "", "keeper with the ball in his hands, -1 none"),
@@ -190,9 +212,10 @@ def _dtype(table: tuple) -> np.dtype:
 
 
 BALL = _dtype(BALL_FIELDS)
+ENGINE = _dtype(ENGINE_FIELDS)
 PLAYER = _dtype(PLAYER_FIELDS)
 MATCH = np.dtype(
     [(name, kind, shape) for name, kind, shape, _, _ in MATCH_FIELDS]
-    + [("ball", BALL), ("players", PLAYER, (MAX_PLAYERS,))],
+    + [("ball", BALL), ("engine", ENGINE), ("players", PLAYER, (MAX_PLAYERS,))],
     align=True,
 )

@@ -58,7 +58,7 @@ class FootballVectorEnv(UPOMDP):
     ) -> None:
         self.program = program if isinstance(program, Program) else load(program, FOOTBALL, config.dialect)
         self.config = config
-        self.lineup = Lineup(self.program, str(config.control), str(config.right_control))
+        self.lineup = Lineup(self.program, str(config.control), str(config.right_control), config.engine_spread)
         self.behaviors = CompiledBehaviors(self.program)
         for warning in self.behaviors.compiled.warnings:
             warnings.warn(warning, stacklevel=2)

@@ -8,15 +8,15 @@ from pitch import duel
 
 from envs.football.constants import CM, GK
 from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.state import BALL_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
+from envs.football.state import BALL_FIELDS, ENGINE_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
 from scenic_lite.kernels.rng import streams, uniform
 
 
 def test_every_field_is_declared_once() -> None:
-    for table in (BALL_FIELDS, PLAYER_FIELDS, MATCH_FIELDS):
+    for table in (BALL_FIELDS, ENGINE_FIELDS, PLAYER_FIELDS, MATCH_FIELDS):
         names = [row[0] for row in table]
         assert len(names) == len(set(names))
-    assert set(MATCH.names) == {row[0] for row in MATCH_FIELDS} | {"ball", "players"}
+    assert set(MATCH.names) == {row[0] for row in MATCH_FIELDS} | {"ball", "engine", "players"}
 
 
 def test_a_fresh_match() -> None:

@@ -90,7 +90,7 @@ def choose_command(match, i):
 @kernel
 def unaware_of_kick(match, player):
     """Return whether the ball has just been kicked and a player has not reacted to that yet."""
-    if match.carrier != NOBODY or match.kick_age > REACTION.unskilled + 0.5 * STEP:
+    if match.carrier != NOBODY or match.kick_age > player.reaction_time * REACTION.unskilled + 0.5 * STEP:
         return False
     return match.kick_age < reaction_time(player) + (uniform(match) - 0.5) * STEP
 

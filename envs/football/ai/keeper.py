@@ -160,7 +160,7 @@ def goes_for_loose_ball(match, i):
     goal_x = own_goal_x(player.team)
     if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
         return False
-    if abs(goal_x - ball.x) > OUT.claim_range or match.chaser[player.team] != i:
+    if abs(goal_x - ball.x) > OUT.claim_range * match.engine.keeper_range or match.chaser[player.team] != i:
         return lone(match, i)
     rival = match.chaser[1 - player.team]
     if rival == NOBODY:
@@ -254,6 +254,7 @@ def come_out(match, i, share):
     foot_x = goal_x - math.copysign(STAND.least, goal_x)
     foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
     way = length(to_x - foot_x, to_y - foot_y) + 1e-9
+    share = min(share * match.engine.keeper_range, 1.0)
     out = max(share * (way - OUT.stops_short), STAND.least) / way
     x, y = foot_x + out * (to_x - foot_x), foot_y + out * (to_y - foot_y)
     run_to(player, x, y, player.top_speed)

@@ -81,4 +81,4 @@ def go(player, dx, dy, speed):
 def reaction_time(player):
     """Return the seconds by which a player is behind with what he sees of others."""
     ease = (player.skill - (1.0 - REACTION.skill_range)) / REACTION.skill_range
-    return REACTION.unskilled + (REACTION.skilled - REACTION.unskilled) * ease
+    return player.reaction_time * (REACTION.unskilled + (REACTION.skilled - REACTION.unskilled) * ease)

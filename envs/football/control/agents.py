@@ -12,6 +12,7 @@ import math
 from envs.football.constants import ACTIVE, BAD_ACTION, BUILTIN_AI, CLOSEST, LEFT, NOBODY, NUM_ACTIONS, RIGHT
 from envs.football.control.active_player import choose_active
 from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
 
 
 @kernel
@@ -21,6 +22,9 @@ def assign_actions(match, actions):
         match.players[i].action = BUILTIN_AI
     for agent in range(num_agents(match)):
         action = actions[agent]
+        if match.engine.sticky_noise > 0.0 and match.step > 0 and uniform(match) < match.engine.sticky_noise:
+            action = match.last_actions[agent]
+        match.last_actions[agent] = action
         if not 0 <= action < NUM_ACTIONS:
             match.fault = BAD_ACTION
             action = 0

@@ -13,7 +13,18 @@ import math
 from typing import NamedTuple
 
 from envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
-from envs.football.physics.running import BRAKING, SETTLED, START, SURE, UNDER_WAY, gain, redirect, run_free, straight
+from envs.football.physics.running import (
+    BRAKING,
+    SETTLED,
+    START,
+    SURE,
+    UNDER_WAY,
+    gain,
+    lagging,
+    redirect,
+    run_free,
+    straight,
+)
 from envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
@@ -215,14 +226,14 @@ def steered(ball, player, speed, want):
             faster = min(speed + sprint_gain(speed, player.top_speed), want) / speed
             return player.vx * faster, player.vy * faster
         return redirect(player, want, 0.0, 1.0, 0.0, 0.0)
-    effort = LAG_SPRINT[min(player.turning, 3)] if sprinting else LAG[min(player.turning, 3)]
+    effort = lagging((LAG_SPRINT if sprinting else LAG)[min(player.turning, 3)], player.start_lag)
     if speed < UNDER_WAY:
         effort = min(player.turning, 1)
     player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
     if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # he stood
-        start = min(BRAKES.start / want, 1.0)
+        start = min(BRAKES.start * (2.0 - player.start_lag) / want, 1.0)  # a later start within the step
         return player.desired_vx * start, player.desired_vy * start
     if sprinting and cosine > TURN_BACK.below:
         return eased(player, speed, want, ARC.easing * effort * STEP)

@@ -62,7 +62,7 @@ def run_free(player, speed):
         player.turning = 0
         effort = 1.0
     else:
-        effort = effort_now(player.turning, speed)
+        effort = lagging(effort_now(player.turning, speed), player.start_lag)
         player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
@@ -90,6 +90,12 @@ def effort_now(steps, speed):
     if speed < BRAKING.walking:
         return LAG_WALKING[steps]
     return LAG_SPRINTING[steps] if speed > BRAKING.sprinting else LAG_RUNNING[steps]
+
+
+@kernel
+def lagging(effort, lag):
+    """Return the share of full effort that is left where the body's lag is `lag` times as long."""
+    return max(effort + (1.0 - effort) * (1.0 - lag), 0.0)
 
 
 @kernel

@@ -7,6 +7,7 @@ Read next: `library/model.scenic`.
 from pathlib import Path
 
 from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.football.state import ENGINE_FIELDS
 from scenic_lite.core.world import Domain
 
 LIBRARY = Path(__file__).parent / "library"
@@ -14,9 +15,14 @@ MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "be
 PACKAGES = ("football", "scenic.simulators.gfootball")
 ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # what Scenic4RL has in other places
 
+# Parameters of a program that say in what its engine differs from the measured one; they may be random, and then are
+# columns of θ as all that is.
+FACTORS = frozenset({name for name, *_ in ENGINE_FIELDS})
+
 # Parameters of a program that are settings of the match.
-SETTINGS = frozenset(
+SETTINGS = FACTORS | frozenset(
     {
+        "engine_spread",
         *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
         *("left_team_difficulty", "right_team_difficulty"),
         *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),

@@ -13,7 +13,7 @@ import numpy as np
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
 from envs.football.control.control_modes import count_agents
 from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.scenic.domain import SETTINGS
+from envs.football.scenic.domain import FACTORS, SETTINGS
 from envs.football.scenic.world_table import THE_BALL
 from scenic_lite import Program, Scenes, SourceSpan
 
@@ -33,6 +33,8 @@ WANTED = {
     int: f"a whole number of steps, 1 to {LONGEST:,}",
     float: "a number from 0 to 1",
 }
+MOST_FACTOR = 4.0
+WANTED_FACTOR = f"a number above 0 and up to {MOST_FACTOR:g}"
 
 
 class NotAMatchError(ValueError):
@@ -63,10 +65,13 @@ class Lineup:
         config: the settings that the program's parameters make.
         num_agents: how many move players of the left and of the right team.
 
-    Raises NotAMatchError, also for a `control` mode (see `control_modes`) that a team is too small for.
+    `engine_spread` is that of `MatchConfig`, where it is not 0. Raises NotAMatchError, also for a `control` mode (see
+    `control_modes`) that a team is too small for.
     """
 
-    def __init__(self, program: Program, control: str = "closest1", right_control: str = "none") -> None:
+    def __init__(
+        self, program: Program, control: str = "closest1", right_control: str = "none", engine_spread: float = 0.0
+    ) -> None:
         self.program = program
         kinds = [set(info.classes) for info in program.objects]
         balls = [index for index, kind in enumerate(kinds) if "Ball" in kind]
@@ -91,6 +96,9 @@ class Lineup:
         self.object_to_player = np.full(len(kinds), THE_BALL)
         self.object_to_player[self.players] = np.arange(len(self.players))
         self.config = replace(_settings(program), control=control, right_control=right_control)
+        if engine_spread:
+            self.config = replace(self.config, engine_spread=engine_spread)
+        self._random_factors = sorted((FACTORS & set(program.param_places)) - set(program.params))
         self._check_teams()
         self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
 
@@ -101,8 +109,19 @@ class Lineup:
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""
-        positions = self.program.instantiate(theta).positions * METRES
-        return kick_off(positions[:, self.players], positions[:, self.ball], self.roster, seeds, self.config)
+        scenes = self.program.instantiate(theta)
+        positions = scenes.positions * METRES
+        drawn: dict[str, Any] = {name: self._factor(name, scenes.params[name]) for name in self._random_factors}
+        config = replace(self.config, **drawn)
+        return kick_off(positions[:, self.players], positions[:, self.ball], self.roster, seeds, config)
+
+    def _factor(self, name: str, values: Any) -> np.ndarray:
+        """Return a random factor of the engine `[N]`. Raises NotAMatchError for a value that is none."""
+        for value in np.asarray(values).tolist():
+            if not _fits(value, float, name):
+                place = self.program.param_places[name]
+                raise refusal(self.program, f"param {name} must be {_wanted(float, name)}, not {value!r}", place)
+        return np.asarray(values, float)
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Return the team and role of one object."""
@@ -145,18 +164,28 @@ def _settings(program: Program) -> MatchConfig:
     for name, place in chosen.items():
         kind = type(getattr(MatchConfig(), name))
         if name not in program.params:
+            if name in FACTORS:
+                continue
             found = "a random value: every match of a program is played under the same settings"
-        elif not _fits(program.params[name], kind):
+        elif not _fits(program.params[name], kind, name):
             found = repr(program.params[name])
         else:
             continue
-        raise refusal(program, f"param {name} must be {WANTED[kind]}, not {found}", place)
-    return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen})
+        raise refusal(program, f"param {name} must be {_wanted(kind, name)}, not {found}", place)
+    return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen if name in program.params})
 
 
-def _fits(value: Any, kind: type) -> bool:
+def _fits(value: Any, kind: type, name: str) -> bool:
     if kind is bool or not isinstance(value, int | float) or isinstance(value, bool):
         return kind is bool and isinstance(value, bool)
     if kind is int:
         return 1 <= value <= LONGEST and float(value).is_integer()
-    return 0 <= value <= 1
+    return 0 < value <= MOST_FACTOR if _is_factor(name) else 0 <= value <= 1
+
+
+def _wanted(kind: type, name: str) -> str:
+    return WANTED_FACTOR if _is_factor(name) else WANTED[kind]
+
+
+def _is_factor(name: str) -> bool:
+    return name in FACTORS and name != "sticky_noise"  # which is a chance

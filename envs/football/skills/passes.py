@@ -144,7 +144,9 @@ def play_pass(match, player, ux, uy, distance):
     flat = speed / math.sqrt(1.0 + rise * rise)
     excess = FLIGHT.excess_lift * min(max(wanted - cap, 0.0), FLIGHT.excess_most)
     turn = min(FLIGHT.hard_scatter * (far_off + high_off) + FLIGHT.hard_keep * kept, FLIGHT.hard_most)
-    off = (FLIGHT.scatter / player.skill + 0.5 * math.pi * turn) * (2.0 * uniform(match) - 1.0)
+    off = (
+        (FLIGHT.scatter / player.skill + 0.5 * math.pi * turn) * (2.0 * uniform(match) - 1.0) * match.engine.kick_spread
+    )
     cosine, sine = math.cos(off), math.sin(off)
     wx, wy = ux * cosine - uy * sine, ux * sine + uy * cosine
     ball.vx, ball.vy, ball.vz = flat * wx, flat * wy, flat * rise + excess

@@ -70,7 +70,7 @@ def dive(match, player):
     """Throw the keeper to where he means to meet the shot."""
     dx, dy = match.save_x - player.x, match.save_y - player.y
     distance = math.sqrt(dx * dx + dy * dy)
-    speed = min(distance / max(match.save_wait, 0.1), DIVE.speed)
+    speed = min(distance / max(match.save_wait, 0.1), DIVE.speed * match.engine.keeper_speed)
     share = speed / distance if distance > 0.05 else 0.0
     player.desired_vx, player.desired_vy = share * dx, share * dy
 
@@ -97,7 +97,8 @@ def foresee(match, team):
         if time > 0.0:
             match.saver, match.save_gap = i, gap
             seen = time - DIVE.far_out * max(time - match.save_wait - DIVE.behind_him, 0.0)
-            match.save_succeeds = uniform(match) < save_chance(player, gap, seen) and effort < DIVE.speed
+            chance = save_chance(player, gap / match.engine.keeper_reach, seen)
+            match.save_succeeds = uniform(match) < chance and effort < DIVE.speed * match.engine.keeper_speed
             player.turning = READY
         return
 
@@ -119,7 +120,7 @@ def follow_shot(match, player, goal_x):
         time += DT
         gap = min(gap, length(ball.x - player.x, ball.y - player.y))
         away = length(ball.x - here_x, ball.y - here_y)
-        effort = max(away - DIVE.arm, 0.0) / max(time - DIVE.delay, 0.02)
+        effort = max(away - DIVE.arm * match.engine.keeper_reach, 0.0) / max(time - DIVE.delay, 0.02)
         outside = abs(ball.x) < HALF_LENGTH - DIVE.before_line or least == math.inf
         if outside and (effort < least or (effort == least and away < nearest)):
             least, nearest = effort, away

@@ -191,7 +191,7 @@ def bad_direction(match, rx, ry, ux, uy, hard):
     drag = BAD.drag * hard
     x, y = drag * rx + (1.0 - drag) * ux, drag * ry + (1.0 - drag) * uy
     size = length(x, y) + 1e-9
-    spread = BAD.scatter * hard
+    spread = BAD.scatter * hard * match.engine.kick_spread
     along, across = spread * (2.0 * uniform(match) - 1.0), spread * (2.0 * uniform(match) - 1.0)
     x, y = x / size + along * ux - across * uy, y / size + along * uy + across * ux
     z = spread * (2.0 * uniform(match) - 1.0)

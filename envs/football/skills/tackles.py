@@ -113,6 +113,7 @@ def tackle(match, i):
     chance *= 1.0 + TACKLE.clumsy * (1.0 - carrier.skill) ** 2
     if front < TACKLE.behind_cosine:
         chance *= TACKLE.behind
+    chance *= match.engine.tackle_odds
     if uniform(match) < chance:
         win(match, i)
         return
@@ -147,7 +148,7 @@ def slide_into(match, i, distance):
     passes = length(ball.vx - player.vx, ball.vy - player.vy)
     if distance > SLIDING.reach or ball.z > TACKLE.below or passes < SLIDING.moving:
         return
-    rate = SLIDING.rate * share_of_skill(player)
+    rate = SLIDING.rate * share_of_skill(player) * match.engine.tackle_odds
     same_way = player.facing_x * carrier.facing_x + player.facing_y * carrier.facing_y
     if same_way > SIDE_COSINE and distance > apart(ball, carrier):
         rate *= SLIDING.shielded
