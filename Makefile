@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo results test test-quick torture lint format benchmark clean
+.PHONY: setup demo results grf test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -22,6 +22,10 @@ results: $(READY)
 		--num-envs 16 --num-steps 512 --out runs/results
 	$(BIN)/regista probe --out runs/probe
 	$(BIN)/python -m experiments.pictures.results_page runs/results runs/probe
+
+# Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
+grf:
+	sh envs/grf/install.sh
 
 test: lint
 	$(BIN)/pytest --numprocesses auto

@@ -39,6 +39,7 @@ class FootballEnv(gymnasium.Env):
         control, right_control: which players of the left and of the right team agents move (see `control_modes`).
         render_mode: None or "rgb_array".
         dialect: of a program given as text or path, 2 or 3; None: found out (see `scenic_lite.load`).
+        engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
 
     `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs),
     `info["records"]`, of a program with `record`, what was recorded in the step, by name.
@@ -55,13 +56,14 @@ class FootballEnv(gymnasium.Env):
         right_control: str = "none",
         render_mode: str | None = None,
         dialect: int | None = None,
+        engine: str = "regista",
+        grf_python: str | None = None,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.render_mode = render_mode
-        self.batch = FootballVectorEnv(
-            program, 1, config=FootballConfig(representation, rewards, control, right_control, dialect)
-        )
+        config = FootballConfig(representation, rewards, control, right_control, dialect, engine, grf_python)
+        self.batch = FootballVectorEnv(program, 1, config=config)
         self.batch.keep_endings()
         self._over = False
         self.observation_space = self.batch.single_observation_space
@@ -111,6 +113,10 @@ class FootballEnv(gymnasium.Env):
             return None
         ended = self.batch.ended_matches
         return draw_match((ended if self._over and ended is not None else self.batch.matches)[0])
+
+    def close(self) -> None:
+        """Let go of what the engine holds."""
+        self.batch.close()
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""

@@ -112,7 +112,7 @@ def save_record(record: Record, path: str | Path) -> None:
         "config": json.dumps(asdict(record.config)),
         "np_random": json.dumps(record.state["np_random"]),
     }
-    arrays = {name: record.state[name] for name in _STATE}
+    arrays: dict[str, Any] = {name: value for name, value in record.state.items() if isinstance(value, np.ndarray)}
     np.savez_compressed(path, actions=record.actions, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
 
 
@@ -140,7 +140,8 @@ def load_record(path: str | Path) -> Record:
         random = json.loads(str(found["np_random"]))
     except (TypeError, ValueError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
-    state = {name: found[name] for name in _STATE} | {"np_random": random}
+    state = {name: array for name, array in found.items() if name not in (*_TEXTS, "actions", "last")}
+    state["np_random"] = random
     return Record(str(found["program"]), str(found["program_file"]), config, state, found["actions"], found["last"])
 
 

@@ -1,6 +1,7 @@
 """`regista evaluate`: play trained runs, and baselines, on the test scenes of their minigame.
 
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
+    regista evaluate runs/1v1Restricted-paired-0 --episodes 100 --levels 0 --engine grf
 
 Read next: `run.evaluator`, which plays; `run.results`, which counts; `run.report`, the tables.
 """
@@ -14,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from experiments.run import arguments, build
-from experiments.run.arguments import positional
+from experiments.run.arguments import group, positional
+from experiments.run.config import EngineConfig
 from experiments.run.errors import CommandError, UsageError
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
@@ -37,6 +39,7 @@ class EvaluateConfig(Checked):
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")
+    playing: EngineConfig = group(EngineConfig, "engine; without, the one that the runs were trained on")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -63,6 +66,7 @@ def main(argv: Sequence[str]) -> int:
     first = replace(runs[0].config, threads=config.threads)
     if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
         raise CommandError("these runs read their program with different settings; evaluate them apart")
+    first = replace(first, env=config.playing.instead_of(first.env))
     scenes = EvalScenes(first, build.load_scenes(first), config.episodes)
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())

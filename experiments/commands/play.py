@@ -2,6 +2,7 @@
 
     regista play 3v2FourBehaviors --video match.gif
     regista play mine.scenic --player random --record match.npz
+    regista play 1v1Free --engine grf                              # the same match in Google Research Football
 
 Read next: `commands.replay`; `envs.football.view.bot`, who plays unless told otherwise.
 """
@@ -17,7 +18,7 @@ import numpy as np
 
 from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
-from experiments.run.config import ProgramConfig
+from experiments.run.config import EngineConfig, ProgramConfig
 from experiments.run.errors import UsageError
 from ued.config import Checked, setting
 
@@ -37,6 +38,7 @@ class PlayConfig(Checked):
     speed: float = setting(1.0, "of the film, times life", ">0")
     record: Path | None = setting(None, "write a record, .npz, for regista replay")
     reading: ProgramConfig = group(ProgramConfig, "the program")
+    playing: EngineConfig = group(EngineConfig, "engine")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -50,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
     from envs.football.replay import Recorder, after_step
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
-    settings = FootballConfig(representation="raw", control=config.control)
+    settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
     env = build.make_upomdp(program, 1, settings, config.seed, 1)
     env.keep_endings()
     recorder, choose = Recorder(env), _player(config)

@@ -22,7 +22,7 @@ FAR_KEEPER = (GK, 1.0, 0.0)  # on the wrong goal line: an empty goal
 STRETCH = (55.0 / 54.4, 36.0 * 2.36 / 83.6)  # of players' places, as the engine does; the ball stays
 ACADEMY = MatchConfig(control="active")
 
-BACKS = ((LB, -0.422, -0.19576), (CB, -0.5, -0.06356), (CB, -0.5, 0.06356), (RB, -0.422, 0.19576))
+BACKS = ((LB, -0.422, -0.19576), (CB, -0.5, -0.06356), (CB, -0.5, 0.063559), (RB, -0.422, 0.19576))
 MIDDLE = ((CM, -0.184212, -0.10568), (CM, -0.267574, 0.0), (CM, -0.184212, 0.10568))
 KICKING_OFF = (KEEPER, (RM, 0.0, 0.02), (CF, 0.0, -0.02), *BACKS, *MIDDLE, (LM, -0.01, -0.216102))
 WAITING = (KEEPER, (RM, -0.05, 0.0), (CF, -0.01, 0.216102), *BACKS, *MIDDLE, (LM, -0.01, -0.216102))
@@ -42,13 +42,13 @@ class Scene:
 CHASERS = ((LB, 0.12, 0.2), (CB, 0.12, 0.1), (CM, 0.12, 0.0), (CB, 0.12, -0.1), (RB, 0.12, -0.2))
 COUNTER_LEFT = (
     KEEPER,
-    *((LB, -0.672, -0.19576), (CB, -0.75, -0.06356), (CB, -0.75, 0.06356), (RB, -0.672, 0.19576)),
+    *((LB, -0.672, -0.19576), (CB, -0.75, -0.06356), (CB, -0.75, 0.063559), (RB, -0.672, 0.19576)),
     *((CM, -0.434, -0.10568), (CM, -0.434, 0.10568), (CM, 0.5, -0.3161), (LM, 0.25, -0.1), (RM, 0.25, 0.1)),
     (CF, 0.35, 0.316102),
 )
 COUNTER_RIGHT = (
     KEEPER,
-    *((LB, 0.128, -0.19576), (CB, 0.4, -0.06356), (CB, -0.4, 0.06356), (RB, 0.128, -0.19576)),
+    *((LB, 0.128, -0.19576), (CB, 0.4, -0.06356), (CB, -0.4, 0.063559), (RB, 0.128, -0.19576)),
     *((CM, 0.365, -0.10568), (CM, 0.282, 0.0), (CM, 0.365, 0.10568), (LM, 0.54, -0.3161), (RM, 0.51, 0.0)),
     (CF, 0.54, 0.316102),
 )
@@ -67,7 +67,7 @@ SCENES = {
         (KEEPER, (CM, 0.6, 0.0), (CM, 0.7, 0.2), (CM, 0.7, -0.2)), (KEEPER, (CB, -0.75, 0.0)), (0.62, 0.0)
     ),
     "counterattack_easy": Scene(COUNTER_LEFT, COUNTER_RIGHT, (0.26, -0.11)),
-    "single_goal_versus_lazy": Scene(KICKING_OFF, WAITING, (0.0, 0.0), lazy=True, duration=3000),
+    "single_goal_versus_lazy": Scene(KICKING_OFF, WAITING, (-0.48, -0.06356), lazy=True, duration=3000),
     "11_vs_11": Scene(KICKING_OFF, WAITING, (0.0, 0.0), duration=3000),
 }
 

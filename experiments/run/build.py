@@ -147,7 +147,7 @@ def make_upomdp(program: Program, num_envs: int, config: FootballConfig, seed: i
     from envs.football.vector_env import FootballVectorEnv
     from scenic_lite.kernels.jit import compiled
 
-    if not compiled(step_batch):
+    if config.engine == "regista" and not compiled(step_batch):
         print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))

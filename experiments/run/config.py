@@ -12,7 +12,7 @@ import typing
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 from envs.football.config import FootballConfig
 from experiments.run.arguments import group, option, positional
@@ -53,6 +53,24 @@ class ProgramConfig:
     param: tuple[str, ...] = option((), "set a global parameter of the program", "-p", True, "NAME=VALUE")
     scenario: str | None = setting(None, "the modular scenario to run; else Main, or the only one")
     model: str | None = option(None, "the world model, in place of the program's own", "-m")
+
+
+@dataclass(frozen=True)
+class EngineConfig:
+    """What a command plays on, where it is not what it would play on by itself."""
+
+    engine: Literal["regista", "grf"] | None = setting(None, "what plays: regista, or grf, Google Research Football")
+    grf_python: str | None = setting(None, "the Python that has gfootball; else looked for")
+    grf_workers: int = setting(0, "processes that hold engines of grf; 0: one for each core")
+
+    def instead_of(self, env: FootballConfig) -> FootballConfig:
+        """Return the settings of an environment, on this engine if one is named."""
+        return dataclasses.replace(
+            env,
+            engine=self.engine or env.engine,
+            grf_python=self.grf_python or env.grf_python,
+            grf_workers=self.grf_workers or env.grf_workers,
+        )
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
-ENVIRONMENTS = 64  # at most, on each scene
+ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
 
 
 class EvalScenes:
@@ -67,7 +67,7 @@ class EvalScenes:
 
     def _make(self, program: Program, config: TrainConfig) -> Any:
         env = replace(config.env, rewards="scoring")
-        return build.make_upomdp(program, min(ENVIRONMENTS, self.episodes), env, SEED, config.threads)
+        return build.make_upomdp(program, min(ENVIRONMENTS[env.engine], self.episodes), env, SEED, config.threads)
 
     def _check_sizes(self, config: TrainConfig) -> None:
         shape = self.scenes[build.TRAINING_SCENE].single_observation_space.shape

@@ -35,7 +35,11 @@ def main() -> None:
         dones.append(done)
         if done:
             break
-    fields = {name: np.array([[each[name] for each in step] for step in shown]) for name in FIELDS}
+    fields = {  # the frames of both teams have other shapes
+        f"{name} {agent}": np.array([step[agent][name] for step in shown])
+        for name in FIELDS
+        for agent in range(sum(asked["agents"]))
+    }
     simple = np.array([Simple115StateWrapper.convert_observation(step, True) for step in shown])
     np.savez(sys.argv[2], simple115=simple, rewards=np.array(rewards), dones=np.array(dones), **fields)
 

@@ -1,0 +1,188 @@
+"""Workers that die, hang or answer nonsense are started again, and what they played is repeated."""
+
+import io
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.grf import worker, workers
+from envs.grf.workers import Episode, GrfError, Workers, grf_python
+from tests.envs.grf.fixtures import SCENE, fake_python
+
+ACTIONS = np.random.default_rng(0).integers(0, 19, (12, 3, worker.ROWS))  # [T, K, 22]
+
+
+def played(pool: Workers, steps: int = 12) -> np.ndarray:
+    """Play three episodes, and return what was seen at the start and after every step: OBSERVED `[T + 1, K]`."""
+    episodes = [Episode(SCENE, seed) for seed in range(3)]
+    seen = [pool.begin(episodes)] + [pool.play(episodes, actions) for actions in ACTIONS[:steps]]
+    pool.close()
+    return np.array(seen)
+
+
+@pytest.fixture(name="undisturbed")
+def _undisturbed(tmp_path):
+    return played(Workers(fake_python(tmp_path), 1))
+
+
+def test_episodes_do_not_depend_on_the_number_of_workers(tmp_path, undisturbed):
+    assert played(Workers(fake_python(tmp_path), 2)).tobytes() == undisturbed.tobytes()
+    assert not (undisturbed[0] == undisturbed[-1]).any()
+
+
+@pytest.mark.parametrize("what", ["die", "hang", "garbage"])
+def test_an_episode_is_repeated_where_its_worker_is_gone(tmp_path, monkeypatch, undisturbed, what):
+    monkeypatch.setattr(workers, "ANSWER_SECONDS", 2.0)
+    monkeypatch.setattr(workers, "STEP_SECONDS", 0.0)
+    pool = Workers(fake_python(tmp_path, do=what, at=22, once=str(tmp_path / "done")), 1)
+    seen = played(pool)
+    assert (tmp_path / "done").exists()
+    assert seen.tobytes() == undisturbed.tobytes()
+
+
+def test_a_worker_that_always_dies_is_given_up_with_its_last_words(tmp_path):
+    with pytest.raises(GrfError, match=r"failed 3 times over the same step: it has died.*under water"):
+        played(Workers(fake_python(tmp_path, do="die", at=1), 1))
+
+
+def test_what_the_engine_refuses_is_told_and_no_death(tmp_path):
+    with pytest.raises(GrfError, match="the referee is ill"):
+        played(Workers(fake_python(tmp_path, do="refuse", at=1), 1))
+
+
+def test_a_pool_goes_on_after_an_error(tmp_path, undisturbed):
+    pool = Workers(fake_python(tmp_path, do="refuse", at=10, once=str(tmp_path / "done")), 1)
+    episodes = [Episode(SCENE, seed) for seed in range(3)]
+    pool.begin(episodes)
+    for actions in ACTIONS[:3]:
+        pool.play(episodes, actions)
+    with pytest.raises(GrfError, match="referee"):
+        pool.play(episodes, ACTIONS[3])
+    assert pool.play(episodes, ACTIONS[3]).tobytes() == undisturbed[4].tobytes()
+    pool.close()
+
+
+def test_a_worker_of_another_version_is_refused(tmp_path):
+    with pytest.raises(GrfError, match="speaks version 99, not 1"):
+        played(Workers(fake_python(tmp_path, do="version"), 1))
+
+
+def test_a_program_that_is_no_worker_is_given_up(tmp_path):
+    script = tmp_path / "python"
+    script.write_text("#!/bin/sh\necho hello\n")
+    script.chmod(0o755)
+    with pytest.raises(GrfError, match="3 times"):
+        played(Workers(script, 1))
+
+
+def test_a_repetition_that_shows_something_else_is_an_error(tmp_path):
+    pool = Workers(fake_python(tmp_path), 1)
+    episode = Episode(SCENE, 1)
+    pool.begin([episode])
+    pool.play([episode], ACTIONS[0][:1])
+    episode.seed = 2
+    pool.close()
+    with pytest.raises(GrfError, match="differently the second time"):
+        pool.play([episode], ACTIONS[1][:1])
+    pool.close()
+
+
+def test_engines_are_given_up_and_their_episodes_repeated(tmp_path, monkeypatch, undisturbed):
+    monkeypatch.setattr(workers, "MOST_ENGINES", 1)
+    pool = Workers(fake_python(tmp_path), 1)
+    episodes = [Episode(SCENE, seed) for seed in range(3)]
+    for episode in episodes:
+        pool.begin([episode])
+    for step, actions in enumerate(ACTIONS):
+        for number, episode in enumerate(episodes):
+            seen = pool.play([episode], actions[number : number + 1])
+            assert seen[0].tobytes() == undisturbed[step + 1, number].tobytes()
+            assert len(pool.processes[0].held) == 1
+    pool.close()
+
+
+def test_closing_ends_the_processes(tmp_path):
+    pool = Workers(fake_python(tmp_path), 2)
+    pool.begin([Episode(SCENE, 0), Episode(SCENE, 1)])
+    processes = [each.process for each in pool.processes]
+    pool.close()
+    assert all(process.poll() is not None for process in processes)
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, None])
+def test_no_worker_outlives_us(tmp_path, how):
+    """However we end, by a signal or by ourselves."""
+    code = f"""
+import sys, time
+from envs.grf.workers import Episode, shared_workers
+from tests.envs.grf.fixtures import SCENE
+pool = shared_workers({str(fake_python(tmp_path))!r}, 1)
+pool.begin([Episode(SCENE, 0)])
+print(pool.processes[0].process.pid, flush=True)
+time.sleep({0 if how is None else 100})
+"""
+    root = Path(__file__).parents[3]
+    parent = subprocess.Popen([sys.executable, "-c", code], cwd=root, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    assert parent.stdout is not None
+    pid = int(parent.stdout.readline())
+    if how is not None:
+        parent.send_signal(how)
+    parent.wait()
+    until = time.monotonic() + 20
+    while is_running(pid):
+        assert time.monotonic() < until, "the worker is still there"
+        time.sleep(0.05)
+
+
+def is_running(pid: int) -> bool:
+    """Return whether there is such a process, but for one that is dead and not yet collected."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def test_where_the_engine_is_missing_one_sentence_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.delenv(workers.VARIABLE, raising=False)
+    monkeypatch.setenv(workers.HOME, str(tmp_path))
+    with pytest.raises(GrfError, match=r"not installed: no .*bin/python\. `make grf` .*README.*--grf-python"):
+        grf_python()
+    monkeypatch.setenv(workers.VARIABLE, sys.executable)
+    assert grf_python() == Path(sys.executable)
+    with pytest.raises(GrfError, match="no /nowhere/python"):
+        grf_python("/nowhere/python")
+
+
+def test_messages_come_back_as_they_were_sent():
+    arrays = {"actions": np.arange(6).reshape(2, 3), "observed": np.zeros(2, worker.OBSERVED)}
+    arrays["observed"]["score"] = [[1, 2], [3, 4]]
+    message, found = worker.unpack(io.BytesIO(worker.pack({"do": "step", "slots": [1, 2]}, **arrays)).read)
+    assert message == {"do": "step", "slots": [1, 2]}
+    assert all((found[name] == arrays[name]).all() and found[name].dtype == arrays[name].dtype for name in arrays)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: b"nonsense" + data,
+        lambda data: data[:4] + b"\xff\xff\xff\xff" + data[8:],
+        lambda data: data.replace(b'"<i8"', b'"<q9"'),
+        lambda data: data.replace(b"[2, 3]", b"[2, 2]"),
+        lambda data: data.replace(b'{"do"', b'{"do,'),
+    ],
+)
+def test_what_is_no_message_is_refused(damage):
+    data = worker.pack({"do": "step"}, actions=np.arange(6).reshape(2, 3))
+    with pytest.raises(worker.ProtocolError):
+        worker.unpack(io.BytesIO(damage(data)).read)
+
+
+def test_several_actions_are_digits():
+    assert worker.digits(0) == [0]
+    assert worker.digits(19) == [19]
+    assert worker.digits((5 * 20 + 0) * 20 + 13) == [5, 0, 13]
