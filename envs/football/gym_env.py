@@ -62,7 +62,9 @@ class FootballEnv(gymnasium.Env):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.render_mode = render_mode
-        config = FootballConfig(representation, rewards, control, right_control, dialect, engine, grf_python)
+        config = FootballConfig(
+            representation, rewards, control, right_control, dialect, engine=engine, grf_python=grf_python
+        )
         self.batch = FootballVectorEnv(program, 1, config=config)
         self.batch.keep_endings()
         self._over = False

@@ -65,9 +65,11 @@ class EngineConfig:
 
     def instead_of(self, env: FootballConfig) -> FootballConfig:
         """Return the settings of an environment, on this engine if one is named."""
+        engine = self.engine or env.engine
         return dataclasses.replace(
             env,
-            engine=self.engine or env.engine,
+            engine=engine,
+            engine_spread=0.0 if engine == "grf" else env.engine_spread,  # it is as it is
             grf_python=self.grf_python or env.grf_python,
             grf_workers=self.grf_workers or env.grf_workers,
         )
