@@ -9,14 +9,14 @@ Read next: `suites`.
 
 import gymnasium
 
-from minigames.suites import MINIGAMES, Minigame
+from minigames.suites import ACADEMY, ALL, MINIGAMES, Minigame
 
-__all__ = ["MINIGAMES", "Minigame"]
+__all__ = ["ACADEMY", "MINIGAMES", "Minigame"]
 
-for _game in MINIGAMES.values():
+for _game in ALL.values():
     gymnasium.register(
-        f"regista/{_game.name}-v0",
+        f"regista/{_game.name.replace('/', '_')}-v0",
         entry_point="envs.football.gym_env:FootballEnv",
         vector_entry_point="envs.football.vector_env:make_vec",
-        kwargs={"program": str(_game.program)},
+        kwargs={"program": str(_game.program), "control": _game.control},
     )

@@ -14,13 +14,15 @@ HERE = Path(__file__).parent
 class Minigame(NamedTuple):
     """A named training program with its test scenes.
 
-    `name` is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs, from easy to hard.
+    `name`, with a `_` for a `/`, is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs, from
+    easy to hard; `control` is whom agents move unless told otherwise.
     """
 
     name: str
     program: Path
     tests: tuple[tuple[str, Path], ...]
     description: str
+    control: str = "closest1"
 
 
 ONE_V_ONE_TESTS = (
@@ -66,3 +68,19 @@ MINIGAMES: dict[str, Minigame] = {
         ),
     )
 }
+
+# Google Research Football's own academy, everybody where its scenario files have him, played as there.
+ACADEMY: dict[str, Minigame] = {
+    f"academy/{name}": Minigame(f"academy/{name}", HERE / "academy" / f"{name}.scenic", (), description, "active")
+    for name, description in (
+        ("empty_goal_close", "the ball in the box, nobody in the way"),
+        ("empty_goal", "the ball in the middle, nobody in the way"),
+        ("run_to_score", "five chasers behind, an empty goal ahead"),
+        ("run_to_score_with_keeper", "five chasers behind, the keeper ahead"),
+        ("pass_and_shoot_with_keeper", "the ball wide and marked, a mate free in the middle"),
+        ("run_pass_and_shoot_with_keeper", "the ball wide and free, a mate marked in the middle"),
+        ("3_vs_1_with_keeper", "three attackers at the edge of the box against one defender and the keeper"),
+        ("counterattack_easy", "eleven a side, five attackers ahead of most opponents"),
+    )
+}
+ALL = MINIGAMES | ACADEMY

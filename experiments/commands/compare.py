@@ -20,7 +20,7 @@ from experiments.pictures import level_plots, plots, results_page
 from experiments.pictures.overview import Comparison, overview
 from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
-from experiments.run.config import TrainConfig, presets
+from experiments.run.config import TrainConfig
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
@@ -134,7 +134,8 @@ def draw(comparison: Comparison, folder: Path) -> None:
 
 def _read(argv: Sequence[str]) -> CompareConfig:
     typed = arguments.typed_settings(CompareConfig(), argv, "compare", DESCRIPTION)
-    base = CompareConfig(train=presets()[typed.get("preset", "fast")])
+    minigame = typed.get("minigame", CompareConfig().minigame)
+    base = CompareConfig(train=build.starting_point(typed.get("preset", "fast"), minigame))
     config = arguments.replace_paths(base, typed)
     for method in config.methods:
         build.find_method(method)

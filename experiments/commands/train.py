@@ -17,7 +17,7 @@ from typing import Any, Literal
 from experiments.pictures import plots
 from experiments.run import arguments, build
 from experiments.run.arguments import group
-from experiments.run.config import TrainConfig, presets
+from experiments.run.config import TrainConfig
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count, headline
@@ -103,7 +103,8 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
     typed = arguments.typed_settings(TrainFlags(), argv, "train", DESCRIPTION)
     if "resume" in typed:
         return _resume(typed)
-    base = TrainFlags(config=presets()[typed.get("preset", "fast")])
+    minigame: str = typed.get("config.minigame") or TrainConfig().minigame
+    base = TrainFlags(config=build.starting_point(typed.get("preset", "fast"), minigame))
     flags = arguments.replace_paths(base, typed)
     config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
     name = build.find_minigame(config.minigame).name

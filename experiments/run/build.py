@@ -9,6 +9,7 @@ import ast
 import sys
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,26 +36,34 @@ def find_minigame(name: str) -> Minigame:
 
     Raises `UsageError` for a name that is neither.
     """
-    from minigames.suites import MINIGAMES, Minigame
+    from minigames.suites import ALL, Minigame
 
-    if name in MINIGAMES:
-        return MINIGAMES[name]
+    if name in ALL:
+        return ALL[name]
     path = Path(name)
     if path.suffix == ".scenic":
         if not path.is_file():
             raise UsageError(f"there is no program {name}")
         return Minigame(path.stem, path, (), "a program of yours")
     raise UsageError(
-        f"unknown minigame {name!r}{nearest(name, MINIGAMES)}; known are {', '.join(MINIGAMES)}, or give a .scenic file"
+        f"unknown minigame {name!r}{nearest(name, ALL)}; known are {', '.join(ALL)}, or give a .scenic file"
     )
 
 
 def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
-    from minigames.suites import MINIGAMES
+    from minigames.suites import ALL
 
     program = find_minigame(name).program
-    return name if name in MINIGAMES else str(program.resolve())
+    return name if name in ALL else str(program.resolve())
+
+
+def starting_point(preset: str, minigame: str) -> TrainConfig:
+    """Return the settings of a preset for a minigame, whose agents move whom they move there."""
+    from experiments.run.config import presets
+
+    config = presets()[preset]
+    return replace(config, env=replace(config.env, control=find_minigame(minigame).control))
 
 
 def find_method(name: str) -> str:

@@ -1,0 +1,63 @@
+"""The academy: every program is the original's scenario, and can be had by its name, from the command line as well."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+import minigames  # noqa: F401 (registers the games)
+from envs.football.constants import GK
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.lineup import Lineup
+from experiments.__main__ import main
+from experiments.grf.scenes import SCENES, stage_scene
+from experiments.grf.stage import OPEN_END
+from experiments.run.folder import RunFolder
+from minigames.suites import ACADEMY
+from scenic_lite import load
+
+
+def test_the_academy_has_the_scenes_whose_goals_were_counted():
+    assert {name.removeprefix("academy/") for name in ACADEMY} <= set(SCENES)
+    assert len(ACADEMY) == 8
+
+
+@pytest.mark.parametrize("name", ACADEMY)
+def test_everybody_stands_where_the_original_has_him(name):
+    lineup = Lineup(load(ACADEMY[name].program, FOOTBALL), "active")
+    mine = lineup.starts(np.zeros((1, 0)), np.zeros(1, np.uint64))[0]
+    theirs = stage_scene(name.removeprefix("academy/"), OPEN_END, 1).matches[0]
+    for field in ("team", "role", "shirt"):
+        assert (mine["players"][field] == theirs["players"][field]).all(), field
+    for axis in "xy":
+        np.testing.assert_allclose(mine["players"][axis], theirs["players"][axis], atol=1e-3)
+        np.testing.assert_allclose(mine["ball"][axis], theirs["ball"][axis], atol=1e-9)
+    assert lineup.config.game_duration == 401  # steps, which the original gives an episode of 400
+    assert lineup.config.end_episode_on_possession_change and not lineup.config.offsides
+
+
+def test_places_are_drawn_anew_for_every_level_where_it_is_asked_for():
+    program = load(ACADEMY["academy/3_vs_1_with_keeper"].program, FOOTBALL, None, None, {"jitter": 1})
+    fixed = load(ACADEMY["academy/3_vs_1_with_keeper"].program, FOOTBALL)
+    assert fixed.dim == 0 and program.dim == 12
+    middle = fixed.instantiate(np.zeros((1, 0))).positions
+    theta = np.random.default_rng(0).uniform(-1, 1, (50, 12))
+    off = np.abs(program.instantiate(theta).positions - middle)
+    assert off[:, :6].max() <= 1 + 1e-9 and off[:, :6].mean() == pytest.approx(0.5, abs=0.05)
+    assert (off[:, 6] == 0).all()  # the ball lies where it lay
+
+
+def test_gymnasium_knows_it_by_the_originals_name_and_moves_the_active_player():
+    env = gymnasium.make("regista/academy_3_vs_1_with_keeper-v0", representation="simple115")
+    observation, _ = env.reset(seed=0)
+    assert observation.shape == (115,)
+    assert np.flatnonzero(observation[97:108]).tolist() == [0]  # the keeper, as there
+    assert env.unwrapped.batch.matches[0]["players"]["role"][0] == GK
+    assert np.flatnonzero(env.step(0)[0][97:108]).tolist() == [1]
+
+
+def test_a_run_of_it_moves_the_active_player_unless_told_otherwise(tmp_path):
+    flags = ["--method=dr", "--total-env-steps=400", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]
+    for words, control in (([], "active"), (["--control", "closest1"], "closest1")):
+        out = tmp_path / control
+        assert main(["train", "academy/pass_and_shoot_with_keeper", *flags, *words, "--out", str(out)]) == 0
+        assert RunFolder.open(out).config.env.control == control
