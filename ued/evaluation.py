@@ -77,6 +77,7 @@ def _play(
     returns, lengths = np.zeros(episodes), np.zeros(episodes, np.int64)
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
+    upomdp.idle[:] = episode >= episodes
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
     while (episode < episodes).any():
@@ -95,6 +96,8 @@ def _play(
             episode[ends] = np.arange(next_episode, next_episode + num_ends)
             next_episode += num_ends
             starts = ends & (episode < episodes)  # [N]
+            upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():
                 observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
+    upomdp.idle[:] = False
     return returns, lengths, steps * num_envs

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from envs.football.config import FootballConfig
+from envs.football.constants import TERMINATED
 from envs.football.vector_env import FootballVectorEnv
 from envs.grf import engine
 from experiments.grf.scenes import program_text
@@ -107,3 +108,38 @@ def test_what_was_played_is_repeated_bit_for_bit():
             np.testing.assert_array_equal(ours, theirs)
     env.close()
     twin.close()
+
+
+def test_behaviors_and_monitors_play_on_the_real_engine():
+    program = """
+behavior RunAndShoot():
+    while self.x < 75:
+        take SetDirection(5), Sprint()
+    while True:
+        take Shoot()
+        take NoAction()
+
+monitor Pay():
+    while True:
+        simulation().scenic_reward = 0.25
+        wait
+
+LeftGK at -98 @ 0
+ego = LeftCF at 60 @ 0, with behavior RunAndShoot()
+RightGK at 98 @ 30
+Ball ahead of ego by 2
+terminate when simulation().score_left > 0
+require monitor Pay()
+"""
+    env = make(real_python(), program.replace("score_left", "game_ds.score_left"), control="closest1")
+    env.reset(seed=0)
+    twin = env.with_scripted_policy()
+    for _ in range(80):
+        _, rewards, terminated, _, info = twin.step(np.array([0]))
+        if terminated[0]:
+            break
+        assert rewards[0] == 0.25
+    assert terminated[0] and info["ended"][0] == TERMINATED
+    assert rewards[0] == 1.25  # the goal, and what the monitor pays
+    twin.close()
+    env.close()
