@@ -102,7 +102,7 @@ def _read_owner(match, seen):
         if match.players[owner].role == GK and match.ball.z > IN_HANDS:
             match.keeper_holding = owner
     for team in range(2):
-        match.chaser[team] = player_at(match, TEAM * team + seen.designated[team])
+        match.chaser[team] = match.designated[team] = player_at(match, TEAM * team + seen.designated[team])
 
 
 @kernel

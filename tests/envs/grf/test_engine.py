@@ -189,7 +189,8 @@ def test_theta_sets_the_scene_of_a_single_match(python):
     check_theta(info["theta"], 2)
     np.testing.assert_allclose(seen["left_team"][1], [0.4, -0.05], atol=1e-9)
     np.testing.assert_allclose(seen["right_team"][1], [0.6, 0.05], atol=1e-9)
-    assert env.step(5)[0]["steps_left"] == 8
+    seen = env.step(5)[0]
+    assert (seen["steps_left"], seen["designated"]) == (8, 1)  # the stand-in designates the last player
     env.close()
 
 

@@ -91,6 +91,10 @@ def test_both_engines_begin_alike(scene):
         np.testing.assert_allclose(*places, atol=1e-3)  # m
     for name in ("x", "y", "z"):
         np.testing.assert_allclose(real.matches["ball"][name], ours.matches["ball"][name], atol=1e-3)
+    for _ in range(2):  # who is active at first, and after the first step
+        assert real.matches["agents"][:, 0].tolist() == ours.matches["agents"][:, 0].tolist()
+        for env in (real, ours):
+            env.step(np.zeros(1, int))
     real.close()
 
 
