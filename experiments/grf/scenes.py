@@ -14,7 +14,6 @@ from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
 from envs.football.kick_off import MatchConfig, Roster
 from experiments.grf.stage import Stage
 
-ROLE_NAMES = ("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")  # by role
 Players = tuple[tuple[int, float, float], ...]  # role, x, y
 
 KEEPER = (GK, -1.0, 0.0)
@@ -80,24 +79,3 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
     places = np.array([(x, y) for _, x, y in players]) * STRETCH
     settings = replace(config, game_duration=scene.duration)
     return Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)
-
-
-def program_text(name: str) -> str:
-    """Return a scene as a Scenic program, everybody where the engine puts him, the keepers on their lines.
-
-    Its episodes have as many steps as the original's, one more than its `game_duration` says.
-    """
-    scene = SCENES[name]
-    settings = {"game_duration": scene.duration + 1, "offsides": False} | {
-        f"end_episode_on_{what}": True for what in ("score", "out_of_play", "possession_change")
-    }
-    lines = [f"param {setting} = {value}" for setting, value in settings.items()]
-    things = []
-    for team, side, players in (("Left", 1, scene.left), ("Right", -1, scene.right)):
-        for role, x, y in players:
-            x, y = 100 * side * x * STRETCH[0], 100 * side * -y * STRETCH[1]
-            free = "with allowCollisions True, with regionContainedIn everywhere"
-            things.append(f"{team}{ROLE_NAMES[role]} at {x:.12g} @ {y:.12g}, {free}")
-    x, y = scene.ball
-    things.append(f"Ball at {100 * x:.12g} @ {-100 * y:.12g}, with allowCollisions True")
-    return "\n".join([*lines, "ego = " + things[0], *things[1:], ""])

@@ -11,7 +11,7 @@ from envs.football.config import FootballConfig
 from envs.football.constants import TERMINATED
 from envs.football.vector_env import FootballVectorEnv
 from envs.grf import engine
-from experiments.grf.scenes import program_text
+from minigames.suites import HERE as HOME
 from tests.envs.grf.fixtures import HERE, real_python
 from tests.envs.grf.official import FIELDS
 
@@ -32,7 +32,12 @@ def official(python: str, folder: Path, **asked: object) -> dict[str, np.ndarray
         return dict(archive)
 
 
-def make(python: str, program: str, **settings: object) -> FootballVectorEnv:
+def academy(scene: str) -> Path:
+    """Return the program of an academy scene."""
+    return HOME / "academy" / f"{scene}.scenic"
+
+
+def make(python: str, program: str | Path, **settings: object) -> FootballVectorEnv:
     config = FootballConfig(**{"control": "active", "engine": "grf", "grf_python": python, "grf_workers": 1} | settings)
     return FootballVectorEnv(program, 1, config=config)
 
@@ -48,7 +53,7 @@ def test_an_academy_is_the_official_one(scene, tmp_path, same_seed):
     actions = np.random.default_rng(1).choice(KEYS, (80, 1))
     asked = {"scenario": f"academy_{scene}", "seed": SEED, "agents": [1, 0], "action_set": "default"}
     expected = official(python, tmp_path, actions=actions.tolist(), rewards="scoring,checkpoints", **asked)
-    env = make(python, program_text(scene), representation="simple115", rewards="scoring,checkpoints")
+    env = make(python, academy(scene), representation="simple115", rewards="scoring,checkpoints")
     seen = [env.reset(seed=0)[0]]
     rewards, dones = [], []
     for action in actions:
@@ -70,7 +75,7 @@ def test_a_team_of_agents_is_the_official_one(tmp_path, same_seed):
     actions = np.random.default_rng(2).choice(KEYS, (40, 6))
     asked = {"scenario": "academy_3_vs_1_with_keeper", "seed": SEED, "agents": [4, 2], "action_set": "v2"}
     expected = official(python, tmp_path, actions=actions.tolist(), rewards="scoring", **asked)
-    env = make(python, program_text("3_vs_1_with_keeper"), representation="raw", control="all", right_control="all")
+    env = make(python, academy("3_vs_1_with_keeper"), representation="raw", control="all", right_control="all")
     observation = env.reset(seed=0)[0]
     for step in range(len(expected["dones"]) + 1):
         for agent, raw in enumerate(observation):
@@ -84,7 +89,7 @@ def test_a_team_of_agents_is_the_official_one(tmp_path, same_seed):
 
 @pytest.mark.parametrize("scene", ["3_vs_1_with_keeper", "counterattack_easy"])
 def test_both_engines_begin_alike(scene):
-    real, ours = (make(real_python(), program_text(scene), engine=engine) for engine in ("grf", "regista"))
+    real, ours = (make(real_python(), academy(scene), engine=engine) for engine in ("grf", "regista"))
     for env in (real, ours):
         env.reset(seed=0)
     for name in ("x", "y", "team", "role"):
@@ -101,7 +106,7 @@ def test_both_engines_begin_alike(scene):
 
 def test_what_was_played_is_repeated_bit_for_bit():
     python = real_python()
-    env = make(python, program_text("3_vs_1_with_keeper"))
+    env = make(python, academy("3_vs_1_with_keeper"))
     env.reset(seed=3)
     rng = np.random.default_rng(0)
     for action in rng.choice(KEYS, (30, 1)):
