@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
+from envs.football.ai.balance import FULL_HOLD, NO_HOLD
 from envs.football.ai.formation import formation_slots
 from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from envs.football.control.control_modes import assign_agents
@@ -88,10 +89,10 @@ def kick_off(
     for axis, name in enumerate("xy"):
         matches["ball"][name] = ball[:, axis]
         matches["ball_start_" + name] = ball[:, axis]
-        matches["mean_ball_" + name] = ball[:, axis]
     matches["ball"]["z"] = BALL_RADIUS
     _place_players(matches["players"][:, : len(teams)], positions, teams, roles)
     matches["starter"] = _starter(positions, ball, teams)
+    matches["hold"] = _hold(positions, ball, teams)
     _look_at(matches["players"][:, : len(teams)], ball)
     difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
     matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
@@ -132,26 +133,38 @@ def _place_players(players: np.ndarray, positions: np.ndarray, teams: np.ndarray
     for axis, name in enumerate("xy"):
         players[name] = positions[..., axis]
         players["start_" + name] = positions[..., axis]
-        players["support_" + name] = positions[..., axis]
+        players["place_" + name] = positions[..., axis]
     players["team"], players["role"] = teams, roles
     players["marked_opponent"] = NOBODY
     for team in (LEFT, RIGHT):
         own = teams == team
         players["shirt"][:, own] = np.arange(np.count_nonzero(own))
-        forward = positions[:, own, 0] * (1.0 if team == LEFT else -1.0)
-        depth_and_width = formation_slots(forward, positions[:, own, 1], roles[own])
-        players["slot_x"][:, own], players["slot_y"][:, own] = depth_and_width[:, 0], depth_and_width[:, 1]
+        slots = formation_slots(int(own.sum()))
+        players["slot_x"][:, own], players["slot_y"][:, own] = slots.T[:, None]
+    players["post"] = np.arange(len(teams))
     speeds = np.where(roles == GK, TOP_SPEEDS[0], np.take(TOP_SPEEDS, players["shirt"][0] % len(TOP_SPEEDS)))
     players["top_speed"] = speeds
+
+
+def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Return for both teams the square of the distance in m from the ball to the nearest player: [N, 2]."""
+    squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
+    return np.stack([np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT)], axis=-1)
 
 
 def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
     """Return the team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are
     equal.
     """
-    squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
-    left, right = (np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT))
+    left, right = _nearest(positions, ball, teams).T
     return np.where(left < right, LEFT, RIGHT)
+
+
+def _hold(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+    """Return both teams' hold on the ball [N, 2] at the start: the nearer one has it, neither if both are as near."""
+    left, right = _nearest(positions, ball, teams).T
+    lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
+    return NO_HOLD + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_HOLD - NO_HOLD)
 
 
 def _look_at(players: np.ndarray, ball: np.ndarray) -> None:

@@ -22,6 +22,8 @@ import numpy as np
 
 from envs.football.constants import MAX_PLAYERS
 
+BALL_MEMORY = 41  # steps of the ring in which the ball's places are summed up: averages over 4 s at most
+
 # Moved by `physics.ball` in every frame, set by whatever touches it (`physics.dribble`, `skills`)
 BALL_FIELDS = (
     ("x", "f8", (), "m", "place of the centre"),
@@ -53,8 +55,10 @@ PLAYER_FIELDS = (
     ("role", "i8", (), "", "0 keeper .. 9 forward"),
     ("shirt", "i8", (), "", "index within the team, in program order"),
     ("order", "i8", (), "", "place among the players of the program: who comes first where two are equal"),
-    ("start_x", "f8", (), "m", "place at kick-off; formations are built around it"),
+    ("start_x", "f8", (), "m", "place at kick-off"),
     ("start_y", "f8", (), "m", ""),
+    ("slot_x", "f8", (), "", "slot of his number in the formation: -1 back .. 1 front"),
+    ("slot_y", "f8", (), "", "-1 .. 1 across the pitch, as he sees it: to his left"),
     ("top_speed", "f8", (), "m/s", "full sprint without the ball"),
     ("skill", "f8", (), "", "0.3 + 0.7 × difficulty of the team"),
     ("reaction_time", "f8", (), "", "factor, see ENGINE_FIELDS"),
@@ -97,11 +101,11 @@ PLAYER_FIELDS = (
     ("cards", "i8", (), "", "1 cautioned (yellow), 2 sent off (red, or the second yellow)"),
     ("leave_wait", "f8", (), "s", "until a player who has been sent off leaves the pitch"),
     ("has_left", "?", (), "", "has left the pitch: stands far beside it, does nothing and is in nobody's way"),
-    # What the built-in AI remembers of him: `ai.formation`, `ai.support`, `ai.marking`, every few steps
-    ("slot_x", "f8", (), "", "his slot in the formation: -1 back .. 1 front"),
-    ("slot_y", "f8", (), "", "-1 .. 1 across the pitch, upwards"),
-    ("support_x", "f8", (), "m", "where he supports the ball, from one decision to the next"),
-    ("support_y", "f8", (), "m", ""),
+    # What the built-in AI remembers of him: `ai.formation`, `ai.positions`, `ai.marking`, every few steps
+    ("post", "i8", (), "", "player of his team whose slot he has for now"),
+    ("place_x", "f8", (), "m", "where he wants to be without the ball, from one decision to the next"),
+    ("place_y", "f8", (), "m", ""),
+    ("mean_speed", "f8", (), "m/s", "averaged over the last seconds: who has run for long runs less"),
     ("marked_opponent", "i8", (), "", "opponent whom he marks, -1 none"),
 )
 
@@ -151,20 +155,24 @@ MATCH_FIELDS = (
     ("receiver", "i8", (), "", "player for whom the last kick was meant, -1 nobody; he need not have the ball yet"),
     # Who goes for the ball: `physics.possession` in every step, `skills.saves` when a shot leaves the foot
     ("chaser", "i8", (2,), "", "player of each team who can be first at the ball"),
+    ("arrival", "f8", (2,), "s", "until he can"),
     ("saver", "i8", (), "", "keeper against whom a shot is under way, -1 none"),
     ("save_x", "f8", (), "m", "where he means to meet it"),
     ("save_y", "f8", (), "m", ""),
     ("save_wait", "f8", (), "s", "until the ball is there"),
     ("save_gap", "f8", (), "m", "from where he was to there, when the shot left the foot"),
     ("save_succeeds", "?", (), "", "drawn when the shot left the foot"),
-    # What the built-in AI remembers of the match: `ai.decide`, `ai.marking`, `ai.support`, before anybody decides
-    ("mean_ball_x", "f8", (), "m", "place of the ball, averaged over the last seconds"),
-    ("mean_ball_y", "f8", (), "m", ""),
+    # What the built-in AI remembers of the match: `ai.balance`, `ai.marking`, `ai.support`, before anybody decides
+    ("ball_sums", "f8", (BALL_MEMORY, 2), "m", "x and y of the ball, summed up since play was stopped; a ring"),
+    ("remembered", "i8", (), "steps", "since then; its rest by the ring's length is the latest entry"),
+    ("hold", "f8", (2,), "", "each team's on the ball: 0.5 the others have it, 1.5 this team"),
+    ("lean", "f8", (), "", "by which the left team's hold was greater in the last seconds"),
+    ("trap", "f8", (2,), "m", "how far forward of the middle, as it plays, a team's line is: negative"),
     ("team_in_possession", "i8", (), "", "team that has the ball or will be first at it, -1 none"),
-    ("arrival_lead", "f8", (), "s", "by which the right team will be sooner at a free ball than the left one"),
     ("last_carrier", "i8", (), "", "player who has the ball or had it last"),
     ("carry_age", "i8", (), "steps", "since he got it"),
-    ("presser", "i8", (2, 2), "", "per team, players who press the opponent on the ball, -1 none"),
+    ("hunter", "i8", (2, 2), "", "per team, the two players nearest to the opponent on the ball, -1 none"),
+    ("helper", "i8", (2,), "", "player of each team who offers himself to the mate on the ball, -1 none"),
     ("runner", "i8", (2,), "", "player of each team on an attacking run, -1 none"),
     ("run_steps_left", "i8", (2,), "steps", "until that run ends"),
     # What referee's calls are due: `skills` report them within a step, `rules` deal with them at its end
@@ -203,7 +211,7 @@ MATCH_FIELDS = (
 NOBODY_YET = (
     *("reported_owner", "carrier", "keeper_holding", "kicker", "last_touch", "last_owned_team", "saver", "chaser"),
     *("receiver", "restart_team", "restart_kick", "taker", "foul_player", "foul_victim", "designated"),
-    *("team_in_possession", "last_carrier", "presser", "runner"),
+    *("team_in_possession", "last_carrier", "hunter", "helper", "runner"),
 )
 
 

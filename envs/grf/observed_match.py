@@ -124,7 +124,7 @@ def read_agents(match, seen, controllers):
     first, number = 0, 0
     for team in range(2):
         if match.control[team] == ACTIVE:
-            chosen = match.designated[team]
+            chosen = match.chaser[team]
             if controllers[team] == 1:
                 chosen = player_at(match, seen.agents[number])
             _give(match, first, chosen)

@@ -1,4 +1,4 @@
-"""The built-in AI: posts, markers, hunters, runs, passes and shots, from hand-made positions."""
+"""The built-in AI: slots, markers, hunters, runs, passes and shots, from hand-made positions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from pitch import OPEN, play, position, take_over
 
 from envs.football.ai.formation import formation_slots
-from envs.football.constants import CB, CF, CM, GK, LB, LEFT, NOBODY, RB, RIGHT, SHOT
+from envs.football.constants import CB, CF, CM, GK, LEFT, NOBODY, RIGHT, SHOT
 from envs.football.kick_off import MatchConfig
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
@@ -24,16 +24,22 @@ def alone(players: list, ball: tuple[float, float], n: int = 40, **settings: obj
     return matches
 
 
-def test_posts_come_from_the_line_up_and_the_role() -> None:
-    x, y = np.array([[-50.0, -20.0, -20.0, 0.0]]), np.array([[0.0, -16.0, 16.0, 0.0]])
-    depth, width = formation_slots(x, y, np.array([GK, LB, RB, CF]))[0]
-    assert depth[1] == depth[2] < -0.8 and depth[3] == 1.0
-    assert width[1] == -width[2] < -0.8
+def test_slots_belong_to_numbers_and_keep_their_distance() -> None:
+    slots = formation_slots(11)
+    assert slots[0].tolist() == [-1.0, 0.0]
+    assert slots[1:5, 0].max() < slots[5:8, 0].min() < slots[9, 0] == 1.0
+    assert slots[1, 1] > 0.7 and np.allclose(slots[1, 1], -slots[4, 1], atol=0.05)
+    between = np.linalg.norm(slots[1:, None] - slots[None, 1:], axis=-1)
+    assert between[~np.eye(10, dtype=bool)].min() > 0.4
 
 
-def test_a_line_up_without_depth_leaves_it_to_the_roles() -> None:
-    depth = formation_slots(np.array([[10.0, 10.5]]), np.array([[0.0, 3.0]]), np.array([CB, CF]))[0, 0]
-    assert depth.tolist() == [-1.0, 1.0]
+def test_players_run_to_their_numbers_slots_wherever_the_scene_puts_them() -> None:
+    """Measured: a lone number 1, who has the left back's slot, drifts to his left while the carrier waits."""
+    players = [(-55.0, 0.0, LEFT, GK), (13.2, 9.3, LEFT, CB), (55.0, 0.0, RIGHT, GK), (22.0, 5.6, RIGHT, CB)]
+    matches = position(players, (14.1, 9.2), OPEN, range(20))
+    play(matches, [0] * 30, player=1)
+    place = matches["players"][:, 3]
+    assert np.all(np.abs(place["x"] - 22.5) < 1.2) and np.all(np.abs(place["y"] + 4.0) < 1.2)
 
 
 def test_the_block_follows_the_ball() -> None:
@@ -57,7 +63,7 @@ def test_the_most_dangerous_are_marked_and_at_most_two_hunt() -> None:
                 of = row[row != NOBODY]
                 assert len(of) <= 3 and len(set(of)) == len(of)
                 marked += len(of)
-            hunters += np.count_nonzero(matches["presser"][:, team] != NOBODY)
+            hunters += np.count_nonzero(matches["hunter"][:, team] != NOBODY)
     assert marked > 0 and hunters > 0
 
 

@@ -184,7 +184,9 @@ def test_restarts_are_set_up_alike_on_all_sides(mode: int, mirror: str) -> None:
     matches = [position(players, (0.0, 0.0), BUILT_IN) for players in (ELEVENS, turned)]
     x, y = PLACES[mode]
     for each, who, along, across in ((matches[0], LEFT, 1.0, 1.0), (matches[1], team, side, -1.0)):
-        each["players"]["slot_y"] += across * 0.01
+        each["players"]["slot_y"] += 0.01
+        if mirror == "flipped":
+            each["players"]["slot_y"] *= across
         stop_play(each[0], mode, who, along * x, across * y)
         step_matches(each, np.zeros((1, 1), int))
         assert each["game_mode"][0] == mode != NORMAL

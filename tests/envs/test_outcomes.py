@@ -152,7 +152,7 @@ def test_full_strength_backs_win_the_ball_more_often() -> None:
         matches = position(players, (20.4, 0.0), config, MANY)
         kept.append(goals(matches, hold(DIRECTION_RIGHT), 150))
     assert kept[0] > kept[1]
-    assert kept[1] < 0.1  # measured at 0.6: 23 of 25 runs are stopped, and difficulty hardly matters
+    assert kept[1] < 0.2  # measured at 0.6: 23 of 25 runs are stopped, and difficulty hardly matters
 
 
 def test_the_built_in_ai_plays_itself() -> None:

@@ -150,9 +150,10 @@ def test_a_wall_of_three_before_a_near_free_kick() -> None:
 
 @pytest.mark.parametrize("team", [LEFT, RIGHT])
 def test_who_would_stand_on_another_steps_back_from_the_ball(team: int) -> None:
-    """Teams in one line along the pitch all have their posts in its middle, and few places beside the arc."""
+    """Teams whose slots are all in the middle find few places beside the arc."""
     line = [(x, 0.0, who, CM) for who in (LEFT, RIGHT) for x in np.linspace(-40.0, 40.0, 8)]
     matches = position(line, (0.0, 0.0), replace(OPEN, control="none"))
+    matches["players"]["slot_x"] = matches["players"]["slot_y"] = 0.0
     stop_play(matches[0], PENALTY, team, 44.0 if team == LEFT else -44.0, 0.0)
     play(matches, [0])
     players, ball = matches["players"][0, :16], matches["ball"][0]

@@ -126,7 +126,7 @@ def wrong_names(match):
         if i < NOBODY or i >= n:
             return 29
     for team in range(2):
-        for i in (match.chaser[team], match.runner[team], match.presser[team, 0], match.presser[team, 1]):
+        for i in (match.chaser[team], match.runner[team], match.hunter[team, 0], match.hunter[team, 1]):
             if i < NOBODY or i >= n or (i != NOBODY and match.players[i].team != team):
                 return 29
     for agent in range(match.num_agents[0] + match.num_agents[1]):

@@ -1,39 +1,44 @@
 """The built-in AI: what both teams see of the match, then one decision per player and step for all without a command.
 
-Decisions of a team (slots, markers, runs) are made anew every few steps. Read next: `ai.formation`, `ai.marking`; then
-`ai.keeper`, `ai.attack`, `ai.support`, `ai.defence`.
+Decisions of a team (slots, markers, runs) are made anew every few steps. Read next: `ai.balance`, `ai.positions`,
+`ai.marking`; then `ai.keeper`, `ai.attack`.
 """
 
 from __future__ import annotations
 
 from envs.football.ai.attack import meet_free_ball, play_ball
-from envs.football.ai.defence import defend
-from envs.football.ai.formation import exchange_slots, remember_ball
+from envs.football.ai.balance import remember
+from envs.football.ai.defence import lay_traps, must_move, tackle, tackles
+from envs.football.ai.formation import exchange_posts
 from envs.football.ai.keeper import choose_keeper_command
-from envs.football.ai.marking import choose_markers, choose_pressers
+from envs.football.ai.marking import choose_hunters, choose_markers, hunts
+from envs.football.ai.positions import take_position
 from envs.football.ai.run_speed import REACTION, reaction_time
-from envs.football.ai.support import start_runs, support
+from envs.football.ai.support import choose_runners
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.physics.possession import ball_speed, meeting_time
+from envs.football.physics.possession import first_at_ball
+from envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-SLOTS_EVERY, MARKS_EVERY = 10, 5  # steps
-LATE = 0.3  # s behind the opponents at a free ball: further behind, nobody runs for it
+DECIDED_EVERY, MARKED_AT = 4, 3  # steps, of slots and of markers; which of them: at first nobody is marked
+LATE, LATE_SHARE = 0.2, 2.0  # s, and times the opponents' time to a free ball: who needs longer does not run for it
 
 
 @kernel
 def read_game(match):
     """See for both teams who has or gets the ball, and every few steps who belongs where and marks whom."""
-    remember_ball(match)
     count_possession(match)
-    changed = find_team_in_possession(match)
-    if match.step % SLOTS_EVERY == 0:
-        exchange_slots(match)
-    if changed or match.step % MARKS_EVERY == 0:
+    find_team_in_possession(match)
+    remember(match)
+    lay_traps(match)
+    on_ball = first_at_ball(match)
+    if on_ball != NOBODY and match.step % DECIDED_EVERY == 0:
+        exchange_posts(match, on_ball)
+    if match.step % DECIDED_EVERY == MARKED_AT:
         choose_markers(match)
-        start_runs(match)
-    choose_pressers(match)
+    choose_runners(match)
+    choose_hunters(match)
 
 
 @kernel
@@ -46,25 +51,11 @@ def count_possession(match):
 
 @kernel
 def find_team_in_possession(match):
-    """Find the team that has the ball or will be first at it; return whether it is another than before."""
-    before = match.team_in_possession
+    """Find the team that has the ball or will be first at it; between two that are equally soon it stays as it is."""
     if match.carrier != NOBODY:
         match.team_in_possession = match.players[match.carrier].team
-        return match.team_in_possession != before
-    match.arrival_lead = arrival_lead(match)
-    if match.arrival_lead != 0.0:
-        match.team_in_possession = LEFT if match.arrival_lead < 0.0 else RIGHT
-    return match.team_in_possession != before
-
-
-@kernel
-def arrival_lead(match):
-    """Return the seconds by which the left team's first player at a free ball is later than the right team's."""
-    left, right = match.chaser[LEFT], match.chaser[RIGHT]
-    if left == NOBODY or right == NOBODY:
-        return -1.0 if right == NOBODY else 1.0
-    speed = ball_speed(match.ball)
-    return meeting_time(match, match.players[left], speed) - meeting_time(match, match.players[right], speed)
+    elif match.arrival[LEFT] != match.arrival[RIGHT]:
+        match.team_in_possession = LEFT if match.arrival[LEFT] < match.arrival[RIGHT] else RIGHT
 
 
 @kernel
@@ -81,10 +72,12 @@ def choose_command(match, i):
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
         meet_free_ball(match, i)
-    elif match.team_in_possession == player.team:
-        support(match, i)
+    elif match.team_in_possession != player.team and tackles(match, player):
+        tackle(match, i)
+    elif match.carrier != NOBODY and hunts(match, i) and must_move(player, match.players[match.carrier]):
+        go_for_ball(match, i, player.top_speed)
     else:
-        defend(match, i)
+        take_position(match, i)
 
 
 @kernel
@@ -101,4 +94,4 @@ def goes_for_free_ball(match, i):
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
         return False
-    return (match.arrival_lead if team == LEFT else -match.arrival_lead) < LATE
+    return match.arrival[team] < LATE_SHARE * match.arrival[1 - team] + LATE

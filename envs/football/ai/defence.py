@@ -1,7 +1,8 @@
-"""Built-in players whose team has not got the ball: press, hold up, mark, or keep the line.
+"""Built-in players against an opponent: stay between him and the goal, hunt him, tackle, and keep the line.
 
 As measured of Google Research Football, a lone defender retreats before a carrier, staying between him and the
-goal, and attacks the ball only near it or near his own goal. Read next: `ai.keeper`.
+goal, and attacks the ball only near it or near his own goal. Read next: `ai.positions`, where all this is put together;
+`ai.keeper`.
 """
 
 from __future__ import annotations
@@ -9,18 +10,18 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import BLOCK, block_x, formation_place
-from envs.football.ai.marking import man_on_ball
-from envs.football.ai.run_speed import go, head_for, reaction_time
-from envs.football.constants import GK, HALF_LENGTH, NOBODY
+from envs.football.ai.formation import LINE, MINDSET, between
+from envs.football.ai.run_speed import reaction_time
+from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.pitch import forward, own_goal_x
+from envs.football.physics.possession import man_on_ball
 from envs.football.physics.vectors import apart, length
-from envs.football.skills.steering import go_for_ball, run_to, slide
+from envs.football.skills.steering import go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
 
 
 class Duel(NamedTuple):
-    """Going for a led ball: tackles, slides, pressing."""
+    """Going for a led ball: tackles and slides."""
 
     slide_near: float = 0.7  # m to the ball, at least
     slide_far: float = 1.6  # m, at most
@@ -28,72 +29,46 @@ class Duel(NamedTuple):
     slide_loose: float = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
     tackle_range: float = 2.0  # m to a ball
     coming: float = 1.5  # m/s at which it comes: whoever it comes to tries for it
-    patience: float = 110.0  # steps a carrier may keep the ball, against several,
-    patience_range: float = 40.0  # m to the goal, within which
-    speed: float = 7.5  # m/s, for estimates of when a presser is where
 
 
 class Guard(NamedTuple):
-    """Staying between the opponent on the ball and the goal."""
+    """Staying between an opponent and the goal."""
 
     lead: float = 0.5  # s by which the opponent's run is led
     own_lead: float = 0.14  # s by which his own is
-    shot_from: float = 24.0  # m to the goal: from where the opponent shoots
+    shot_from: float = 24.0  # m to the goal: from where the opponent on the ball shoots,
+    danger_from: float = 8.0  # and from where any other is dangerous
     nearest: float = 0.4  # m in front of him at least
     buffer: float = 4.0  # m nearer than he is to where he will shoot
-    trap_depth: float = 25.0  # m behind a ball that is far away
-    trap_least: float = 4.0  # m behind it at least
-    trap_from: float = -10.0  # m from the half-way line to a ball that is far
-    trap_to: float = 49.0  # m, to one that is near
-    clear_by: float = 1.5  # m by which he passes him on the way back,
-    abreast: float = 0.3  # m, until he is abreast of him
-    beaten: float = 0.7  # share of the m by which a guard is too late that he falls back
+    late: float = 0.7  # share of the m by which a guard is too late that he falls back
+    most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the hold on the ball
+    curve: float = 0.7
 
 
-class Mark(NamedTuple):
-    """Standing loosely by the others."""
+class Meet(NamedTuple):
+    """Where a hunter meets the opponent on his way to the goal."""
 
-    gap: float = 1.5  # m left to an opponent without the ball,
-    share: float = 0.04  # and this share of his distance to the ball more,
-    most: float = 3.5  # m at most
-    close: float = 0.6  # of the way there from his slot: opponents who wait for a pass have some 5 m of room
-    small_game: float = 8.0  # players: up to so many there is no block to keep
-
-
-class Line(NamedTuple):
-    """The back line."""
-
-    slot: float = -0.5  # slots further back than this form it
-    nearest: float = 6.0  # m from the goal
-    farthest: float = 55.0  # m from the goal
-    behind: float = 3.0  # m behind a ball that has come close
+    stride: float = 0.8  # m beyond where both are equally far
+    lead: float = 0.14  # s, the opponent's run
+    deep: float = 0.5  # m deeper than he is, which do not count,
+    wide: float = 0.8  # m aside for each m deeper: from there on he must move
 
 
-# Documented of Google Research Football; leads, room and line are fitted: `regista benchmark --suite grf`, families
-# tackles and matches.
-DUEL, GUARD, MARK, LINE = Duel(), Guard(), Mark(), Line()
+class Trap(NamedTuple):
+    """The line behind which nobody falls back but with the ball."""
+
+    start: float = 40.0  # m from the own goal, where the line is held,
+    force: float = 6.0  # and where it is held at the last
+    fall_back: float = 25.0  # m before the ball, while that is far
+    future: float = 0.7  # s of the ball's way
+    caution: float = 4.0  # m before the opponent on the ball,
+    rival_lead: float = 0.15  # s, his run
+    slack: float = 4.0  # m that a mate may be behind the line
+    soft: float = 2.0  # m before the line, from where on places are pressed together
 
 
-@kernel
-def defend(match, i):
-    """Do what suits a player whose team has not got the ball."""
-    player = match.players[i]
-    on_ball = man_on_ball(match, 1 - player.team)
-    if tackles(match, player):
-        go_for_ball(match, i, player.top_speed)
-        if may_slide(match, player):
-            slide(match, i)
-    elif on_ball != NOBODY and (match.presser[player.team, 0] == i or match.presser[player.team, 1] == i):
-        press(match, i, on_ball)
-    elif player.marked_opponent == NOBODY:
-        x, y = slot_place(match, player)
-        head_for(match, player, x, y)
-    elif player.marked_opponent != on_ball:
-        mark(match, player)
-    elif loses_patience(match, player, on_ball):
-        go_for_ball(match, i, player.top_speed)
-    else:
-        guard(match, player)
+# Documented of Google Research Football; families tackles, academy and matches of `regista benchmark --suite grf`.
+DUEL, GUARD, MEET, TRAP = Duel(), Guard(), Meet(), Trap()
 
 
 @kernel
@@ -115,6 +90,15 @@ def tackles(match, player):
 
 
 @kernel
+def tackle(match, i):
+    """Run at a led ball, and slide where only that reaches it."""
+    player = match.players[i]
+    go_for_ball(match, i, player.top_speed)
+    if may_slide(match, player):
+        slide(match, i)
+
+
+@kernel
 def may_slide(match, player):
     """Return whether a slide reaches a ball that is loose for long enough; teams with agents leave that to them."""
     ball, carrier = match.ball, match.players[match.carrier]
@@ -127,118 +111,90 @@ def may_slide(match, player):
 
 
 @kernel
-def press(match, i, on_ball):
-    """Run to where the opponent on the ball can be met on his way to the goal, and there at the ball."""
-    player, rival = match.players[i], match.players[on_ball]
+def must_move(player, rival):
+    """Return whether a player has to move to meet an opponent, who does not simply run into him.
+
+    They would meet on the opponent's way to the goal, where both are equally far, or just beyond.
+    """
     goal_x = own_goal_x(player.team)
-    to_goal = length(goal_x - rival.x, rival.y) + 1e-9
-    pace = -(rival.vx * (rival.x - goal_x) + rival.vy * rival.y) / to_goal
-    time = apart(player, rival) / (DUEL.speed + max(pace, 0.0))
-    if time < 0.35 or pace < 1.0:
-        go_for_ball(match, i, player.top_speed)
-        return
-    share = min(pace * time / to_goal, 0.9)
-    run_to(player, rival.x + share * (goal_x - rival.x), rival.y * (1.0 - share), player.top_speed)
+    way_x, way_y = goal_x - rival.x, -rival.y
+    to_x, to_y = player.x - rival.x, player.y - rival.y
+    along = way_x * to_x + way_y * to_y
+    share = min(0.5 * (to_x * to_x + to_y * to_y) / along, 1.0) if along > 1e-9 else 0.0
+    share += MEET.stride / (length(way_x, way_y) + 1e-9)
+    x = rival.x + share * way_x + MEET.lead * rival.vx
+    y = rival.y + share * way_y + MEET.lead * rival.vy
+    deep = max(forward(player.team) * (x - player.x), 0.0) - MEET.deep
+    return abs(y - player.y) > MEET.wide * deep
 
 
 @kernel
-def guard(match, player):
-    """Stay nearer than the opponent on the ball to where that one will shoot: far off loosely, then in front of him.
+def guard_share(match, player):
+    """Return how much a player guards whom he marks, 0 to 1: the more the less of the ball his team has."""
+    attacker = MINDSET[match.players[player.post].role]
+    return min(max(GUARD.most[LINE[player.role]] - attacker - match.hold[player.team], 0.0), 1.0) ** GUARD.curve
+
+
+@kernel
+def guarding_place(match, player, x, y):
+    """Return where a player who belongs at (x, y) guards the opponent whom he marks: nearer to where he will shoot.
 
     Where that opponent will be is led so far that a guard goes back before a sprinter rather than into him.
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
     lead = GUARD.lead - reaction_time(player)
-    x, y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
-    to_goal = length(goal_x - x, y) + 1e-9
-    way = max(to_goal - GUARD.shot_from, GUARD.nearest)
-    line = trap_x(match, player.team)
-    if forward(player.team) * (x + way / to_goal * (goal_x - x) - line) < 0.0:
-        way = max(to_goal * (line - x) / (goal_x - x), GUARD.nearest)
-    spot_x, spot_y = x + way / to_goal * (goal_x - x), y * (1.0 - way / to_goal)
-    x, y = slot_place(match, player)
+    from_x, from_y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
+    to_goal = length(goal_x - from_x, from_y) + 1e-9
+    on_ball = player.marked_opponent == man_on_ball(match, rival.team) and match.team_in_possession == rival.team
+    way = min(max(to_goal - (GUARD.shot_from if on_ball else GUARD.danger_from), GUARD.nearest), HALF_LENGTH)
+    ahead, line = forward(player.team), match.trap[player.team]
+    if ahead * (from_x + way / to_goal * (goal_x - from_x)) < line:
+        way = to_goal * abs((ahead * line - from_x) / (goal_x - from_x + math.copysign(1e-9, goal_x)))
+    spot_x, spot_y = from_x + way / to_goal * (goal_x - from_x), from_y * (1.0 - way / to_goal)
     off = length(spot_x - x, spot_y - y) + 1e-9
     share = min(max(off - way + GUARD.buffer, 0.0) / off, 1.0)
     x, y = x + share * (spot_x - x), y + share * (spot_y - y)
     late = length(spot_x - player.x - GUARD.own_lead * player.vx, spot_y - player.y - GUARD.own_lead * player.vy) - way
     if late > 0.0:
-        back = min(GUARD.beaten * late / (length(goal_x - x, y) + 1e-9), 1.0)
+        back = GUARD.late * late / (length(goal_x - x, y) + 1e-9)
         x, y = x + back * (goal_x - x), y * (1.0 - back)
-    if not run_round(player, rival, x, y):
-        head_for(match, player, x, y)
+    return x, y
 
 
 @kernel
-def run_round(player, rival, x, y):
-    """Run round an opponent who is in the way to (x, y); return whether one is."""
-    dx, dy = x - player.x, y - player.y
-    distance = length(dx, dy) + 1e-9
-    to_x, to_y = rival.x - player.x, rival.y - player.y
-    along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
-    if not GUARD.abreast < along < distance or abs(across) > GUARD.clear_by:
-        return False
-    aside = math.copysign(GUARD.clear_by - abs(across), across)  # to the side on which he is not
-    x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
-    go(player, x + dx / distance - player.x, y + dy / distance - player.y, player.top_speed)
-    return True
+def lay_traps(match):
+    """Set both teams' lines behind which nobody falls back: where the deepest danger is."""
+    for team in (LEFT, RIGHT):
+        match.trap[team] = -deepest_danger(match, team)
 
 
 @kernel
-def mark(match, player):
-    """Stand loosely between the opponent whom he marks and the goal."""
-    rival = match.players[player.marked_opponent]
-    goal_x = own_goal_x(player.team)
-    late = reaction_time(player)
-    x, y = rival.x - late * rival.vx, rival.y - late * rival.vy
-    to_goal = length(goal_x - x, y) + 1e-9
-    gap = min(MARK.gap + MARK.share * apart(match.ball, rival), MARK.most) / to_goal
-    post_x, post_y = slot_place(match, player)
-    x, y = x + gap * (goal_x - x), y * (1.0 - gap)
-    close = MARK.close if match.num_players > MARK.small_game else 1.0
-    head_for(match, player, post_x + close * (x - post_x), post_y + close * (y - post_y))
+def deepest_danger(match, team):
+    """Return how deep in a team's half, in m from the middle, its line is: by ball, carrier, and slow mates."""
+    depth = -forward(team)
+    ball = depth * match.ball.x
+    near = between(ball, HALF_LENGTH - TRAP.start - TRAP.fall_back, HALF_LENGTH - TRAP.force)
+    deepest = max(HALF_LENGTH - TRAP.start, ball + TRAP.fall_back * (1.0 - near))
+    deepest = max(deepest, ball + TRAP.future * depth * match.ball.vx)
+    on_ball = man_on_ball(match, 1 - team)
+    if on_ball != NOBODY:
+        rival = match.players[on_ball]
+        deepest = max(deepest, depth * (rival.x + TRAP.rival_lead * rival.vx) + TRAP.caution)
+    last, second = -math.inf, -math.inf
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.team == team and not player.has_left:
+            here = depth * player.x
+            last, second = max(last, here), max(second, min(last, here))
+    return max(deepest, max(second, ball, 0.0) - TRAP.slack)
 
 
 @kernel
-def loses_patience(match, player, on_ball):
-    """Return whether a guard attacks an opponent who keeps the ball without getting anywhere, as mates cover him."""
-    rival = match.players[on_ball]
-    if match.carry_age <= DUEL.patience or length(own_goal_x(player.team) - rival.x, rival.y) > DUEL.patience_range:
-        return False
-    mates = 0
-    for j in range(match.num_players):
-        mates += match.players[j].team == player.team and match.players[j].role != GK
-    return mates > 1
-
-
-@kernel
-def slot_place(match, player):
-    """Return place in m in the block, those at the back in line, all closing up to a ball that comes near the goal."""
-    x, y = formation_place(match, player)
-    ball = match.ball
-    if player.slot_x < LINE.slot:
-        x = line_x(match, player.team)
-    goal_x = own_goal_x(player.team)
-    close = BLOCK.focus * max(1.0 - abs(goal_x - ball.x) / HALF_LENGTH, 0.0)
-    close *= max(1.0 - length(ball.x - x, ball.y - y) / BLOCK.focus_range, 0.0)
-    return x + close * 0.5 * (ball.x - x), y + close * (ball.y - y)
-
-
-@kernel
-def trap_x(match, team):
-    """Return x behind which guards leave an opponent offside: far behind a far ball, close behind one near the goal."""
-    depth = -forward(team) * match.ball.x
-    near = min(max((depth - GUARD.trap_from) / (GUARD.trap_to - GUARD.trap_from), 0.0), 1.0)
-    return -forward(team) * max(depth + GUARD.trap_depth * (1.0 - near), depth + GUARD.trap_least)
-
-
-@kernel
-def line_x(match, team):
-    """Return x of a team's back line: it moves with the block, from near the goal to some way out, and not past the
-    ball.
-    """
-    ahead = forward(team)
-    line = ahead * block_x(match, team) - BLOCK.depth
-    line = min(max(line, LINE.nearest - HALF_LENGTH), LINE.farthest - HALF_LENGTH)
-    line = min(line, max(ahead * match.ball.x - LINE.behind, LINE.nearest - HALF_LENGTH))
-    return ahead * line
+def held_up(match, team, x):
+    """Return x of a place in m, pressed together before the line behind which nobody falls back."""
+    depth = -forward(team)
+    start = -match.trap[team] - TRAP.soft
+    if depth * x <= start:
+        return x
+    return depth * (start + TRAP.soft * min((depth * x - start) / (2.0 * TRAP.soft), 1.0))

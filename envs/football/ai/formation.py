@@ -1,90 +1,234 @@
 """Where everybody belongs: a block of slots that slides with the ball, and who takes which slot.
 
-A slot is a place in the block, -1 to 1 from back to front and across. It comes from the line-up at kick-off and from
-the role; players exchange slots as the match moves them about. The sizes of the block and how it follows the ball are
-fitted to whole matches of Google Research Football. Read next: `ai.marking`, for who leaves his slot.
+A slot is a place in the block, -1 to 1 from back to front and across, and belongs to a number in the team, wherever a
+scene puts who wears it: so Google Research Football has it, whose players run to their numbers' slots from the first
+step on. Mates exchange slots as the match moves them about. Places are a team's own here: u forward and v to the left,
+m from the middle. Read next: `ai.support` and `ai.defence`, for why players leave their slots.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import AM, CB, CF, CM, DM, GK, HALF_LENGTH, HALF_WIDTH, LB, LM, RB, RM, STEP
+from envs.football.ai.balance import lean_towards, mean_ball
+from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH
 from envs.football.physics.pitch import forward
-from envs.football.physics.vectors import squared_apart
+from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
+
+# Slots of the numbers 0 to 10
+SLOTS = (
+    (-1.0, 0.0),
+    *((-0.74, 0.77), (-1.0, 0.15), (-1.0, -0.15), (-0.74, -0.77)),
+    *((0.0, 0.3), (-0.12, 0.0), (0.0, -0.3)),
+    *((0.36, 0.85), (1.0, 0.0), (0.36, -0.85)),
+)
+ROOM, ROUNDS = 0.5, 10  # by how much slots are moved apart, as far as that is reached in so many rounds
+
+# By role, from the keeper on: in which line he plays, 0 back, 1 midfield, 2 forward, an index into tables; how much of
+# an attacker he is; what is added to his block's width in attack, to its depth in defence, to how far back it stands
+LINE = (0, 0, 0, 0, 1, 1, 1, 1, 1, 2)
+MINDSET = (0.0, 0.0, 0.25, 0.25, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0)
+WIDER = (0.0, 0.052, 0.052, 0.052, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+DEEPER = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.125, 0.125)
+BACK_IN_ATTACK = (0.0, 0.0, -0.1, -0.1, 0.0, 0.0, -0.1, -0.1, 0.0, 0.0)
+BACK_IN_DEFENCE = (0.0, 0.0, -0.075, -0.075, 0.0, 0.0, -0.05, -0.05, 0.0, 0.0)
+
+
+class Stance(NamedTuple):
+    """The block of a team that attacks, or of one that defends."""
+
+    depth: float  # half of it, as a share of `Block.depth`
+    width: float  # half of it, as a share of `Block.width`
+    back: float  # how far behind the ball its middle is, as a share of the pitch; 0.5 is none
+    lean: float  # of its middle to where the match leans, as a share
+    lean_role: float  # more of it the more of an attacker a role is
+    midfield: float  # where the middle slots are stretched to, 0 back to 1 front
+    close_up: float  # how far everybody closes up to the ball, as a share
+    across: float  # how far everybody is drawn across to the ball, as a share
 
 
 class Block(NamedTuple):
-    """The block of slots, and how it follows the ball."""
+    """What both stances share."""
 
-    memory: float = 2.5  # s over which the ball is averaged
-    follow_slow: float = 0.36  # share of the averaged ball's x at which the block stands,
-    follow_fast: float = 0.22  # and of the ball's
-    set_back: float = 1.2  # m towards the own goal
-    follow_across: float = 0.4  # share of the averaged ball's y
-    depth: float = 11.0  # m, half of the block
-    width: float = 24.0  # m, half of it
-    focus: float = 0.4  # in defence slots close up to the ball by this share,
-    focus_range: float = 30.0  # fading out over m
-    edge: float = 3.0  # m from the lines
-    exchange: float = 0.9  # two players exchange slots when that shortens their ways to less than this share
-
-
-# Fitted to whole matches of Google Research Football: `regista benchmark --suite grf`, family matches.
-BLOCK = Block()
-
-# Slots
-ROLE_DEPTH = {GK: -1.0, CB: -1.0, LB: -0.8, RB: -0.8, DM: -0.4, CM: 0.0, LM: 0.4, RM: 0.4, AM: 0.5, CF: 1.0}
-LINED_UP = 4.0  # m; a line-up that is less deep tells nothing, and the roles decide
-LINE_UP_SHARE = 0.7  # of the line-up in a slot's depth, the rest is the role
-LINE_UP_WIDTH = 18.0  # m from the middle of the pitch that are as wide as the block
+    depth: float = 0.45  # of half the pitch's length
+    width: float = 0.95  # of half its width
+    slow: float = 3.5  # s over which the ball is averaged for its place ahead,
+    slow_across: float = 4.0  # and across, far from it
+    haste: float = 0.7  # shares of that which are dropped near it
+    haste_across: float = 0.5
+    near: float = 2.0  # m to the player on the ball
+    far: float = 30.0
+    unsure: float = 0.6  # weight of the half in which the ball is, where it is not clear whose it is
+    half: float = 0.7  # of half the length: from there on the ball is clearly in a half
+    long_lean: float = 0.8  # weight of the last seconds in where the match leans
+    now_lean: float = 0.2  # and of the present
+    stretch: float = 0.35  # of the middle slots
+    stretch_ball: float = 0.3  # weight in it of where the ball is,
+    stretch_half: float = 0.8  # up to this share of half the length
+    fit_depth: float = 0.95  # how far the middle stays away from the ends of the pitch,
+    fit_width: float = 0.9  # and from the sides, so that the block keeps its shape
 
 
-def formation_slots(x: np.ndarray, y: np.ndarray, roles: np.ndarray) -> np.ndarray:
-    """Return the slots [N, 2, P] of a team whose players stand at `x` (forward) and `y` [N, P] m, with `roles` [P]."""
-    field = roles != GK
-    depth = np.broadcast_to([ROLE_DEPTH[role] for role in roles], x.shape).astype(float)
-    if field.any():
-        back, front = x[:, field].min(axis=1, keepdims=True), x[:, field].max(axis=1, keepdims=True)
-        known = front - back > LINED_UP
-        place = np.clip(2.0 * (x - back) / np.where(known, front - back, 1.0) - 1.0, -1.0, 1.0)
-        depth = np.where(known & field, LINE_UP_SHARE * place + (1.0 - LINE_UP_SHARE) * depth, depth)
-    return np.stack([depth, np.clip(y / LINE_UP_WIDTH, -1.0, 1.0)], axis=1)
+class CloseUp(NamedTuple):
+    """The pull of the ball on those around it."""
+
+    slow: float = 3.0  # s over which the ball is averaged in attack
+    quick: float = 2.0  # in defence, half against the player on it
+    ahead: float = 1.0  # m before the ball in attack
+    behind: float = 2.0  # m behind it in defence
+    inward: float = 0.9  # of its way across
+    reach: float = 50.0  # m
+    flat: float = 0.8  # what a distance across counts
+    curve: float = 0.3  # how much of a smooth step the pull is
+    peak: float = 0.15  # share of the reach where it is a little stronger,
+    peak_width: float = 0.25
+    peak_height: float = 0.1
+    across: float = 0.6  # share of it that acts across
+    least: float = 0.2  # share of it at the wrong end of the pitch
 
 
-@kernel
-def remember_ball(match):
-    """Move the averaged ball on."""
-    match.mean_ball_x += (match.ball.x - match.mean_ball_x) * (STEP / BLOCK.memory)
-    match.mean_ball_y += (match.ball.y - match.mean_ball_y) * (STEP / BLOCK.memory)
+# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+ATTACK = Stance(0.868, 0.948, 0.52, 0.026, 0.2, 0.828, 0.826, 0.5)
+DEFENCE = Stance(0.71, 0.84, 0.54, 0.182, -0.2, 0.776, 0.938, 0.2)
+BLOCK, CLOSE_UP = Block(), CloseUp()
+LOOK_AHEAD = 0.5  # s by which runs are led where slots are exchanged
+EXCHANGE = 0.95  # two mates exchange slots when that shortens their ways to less than this share
 
 
-@kernel
-def block_x(match, team):
-    """Return x of the middle of a team's block, in m."""
-    return BLOCK.follow_slow * match.mean_ball_x + BLOCK.follow_fast * match.ball.x - forward(team) * BLOCK.set_back
-
-
-@kernel
-def formation_place(match, player):
-    """Return the place in m of a player's slot."""
-    x = block_x(match, player.team) + forward(player.team) * BLOCK.depth * player.slot_x
-    y = BLOCK.follow_across * match.mean_ball_y + BLOCK.width * player.slot_y
-    return on_pitch(x, y)
-
-
-@kernel
-def on_pitch(x, y):
-    """Return the nearest place that is not close to a line."""
-    limit_x, limit_y = HALF_LENGTH - BLOCK.edge, HALF_WIDTH - BLOCK.edge
-    return min(max(x, -limit_x), limit_x), min(max(y, -limit_y), limit_y)
+def formation_slots(count: int) -> np.ndarray:
+    """Return the slots [count, 2] of the first numbers of a team, moved apart from each other; the keeper's stays."""
+    slots = np.array(SLOTS[:count]).reshape(-1, 2)
+    for _ in range(ROUNDS):
+        between = slots[1:, None] - slots[None, 1:]
+        distance = np.linalg.norm(between, axis=-1, keepdims=True)
+        lack = np.where(distance < ROOM, ROOM - distance, 0.0)
+        slots[1:] += (0.5 * lack * between / np.maximum(distance, 1e-9)).sum(axis=1)
+        slots = np.clip(slots, -1.0, 1.0)
+    return slots
 
 
 @kernel
-def exchange_slots(match):
+def smooth(share, strength):
+    """Return a share in [0, 1], bent by so much into a smooth step."""
+    return strength * (0.5 + 0.5 * math.sin(math.pi * (share - 0.5))) + (1.0 - strength) * share
+
+
+@kernel
+def between(value, low, high):
+    """Return where a value lies between two others: 0 to 1."""
+    return min(max((value - low) / (high - low), 0.0), 1.0)
+
+
+@kernel
+def blend(attack, defence, attacking):
+    """Return a number of the stance between the two, `attacking` 0 to 1."""
+    return attack * attacking + defence * (1.0 - attacking)
+
+
+@kernel
+def post_place(match, player, post, on_ball):
+    """Return the place in m of the slot of player number `post` of his team, for a player who may be another.
+
+    `on_ball` is the player who has the ball or will be first at it. The stages: how far the team attacks, its block,
+    the slot in it, and how far the ball draws him out of it.
+    """
+    ahead = forward(player.team)
+    owner, first = match.players[post], match.players[on_ball]
+    distance = length(first.x - player.x, first.y - player.y)
+    haste = 1.0 - between(distance, BLOCK.near, BLOCK.far)
+    ball_u = ahead * mean_ball(match, BLOCK.slow * (1.0 - BLOCK.haste * haste), 0)
+    ball_v = ahead * mean_ball(match, BLOCK.slow_across * (1.0 - BLOCK.haste_across * haste), 1)
+    attacking = how_far_attacking(match, player.team, ball_u)
+    back, front, low, high = block(match, player.team, owner.role, attacking, ball_u, ball_v)
+    u = back + 0.5 * (1.0 + stretched(owner.slot_x, attacking, ball_u)) * (front - back)
+    v = low + 0.5 * (1.0 + owner.slot_y) * (high - low)
+    pure_v = v
+    draw = (1.0 - min(abs(ball_v - v) / (high - low), 1.0)) * (0.2 + 0.8 * abs(ball_v) / HALF_WIDTH)
+    v += draw * blend(ATTACK.across, DEFENCE.across, attacking) * (ball_v - v)
+    focus_u, focus_v = focus(match, first, player.team, attacking, back)
+    draw = close_up(focus_u - u, focus_v - pure_v) * close_up_strength(attacking, ball_u)
+    u += draw * (focus_u - u)
+    v += draw * CLOSE_UP.across * (focus_v - v)
+    u, v = min(max(u, -HALF_LENGTH), HALF_LENGTH), min(max(v, -HALF_WIDTH), HALF_WIDTH)
+    return ahead * u, ahead * v
+
+
+@kernel
+def how_far_attacking(match, team, ball_u):
+    """Return how far a team attacks, 0 to 1: by its hold on the ball, or unless clear by its half."""
+    held = between(match.hold[team] - 0.5, 0.3, 0.7)
+    unsure = BLOCK.unsure * (1.0 - abs(2.0 * held - 1.0))
+    return held * (1.0 - unsure) + unsure * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
+
+
+@kernel
+def block(match, team, role, attacking, ball_u, ball_v):
+    """Return a team's block for a role: back and front, right and left edge, in m."""
+    depth = BLOCK.depth * blend(ATTACK.depth, DEFENCE.depth + DEEPER[role], attacking)
+    width = BLOCK.width * blend(ATTACK.width + WIDER[role], DEFENCE.width, attacking)
+    back = blend(ATTACK.back + BACK_IN_ATTACK[role], DEFENCE.back + BACK_IN_DEFENCE[role], attacking)
+    attacker = MINDSET[role] - 0.5
+    lean = blend(
+        min(max(ATTACK.lean + ATTACK.lean_role * attacker, 0.0), 1.0),
+        min(max(DEFENCE.lean + DEFENCE.lean_role * attacker, 0.0), 1.0),
+        attacking,
+    )
+    side = BLOCK.now_lean * (2.0 * attacking - 1.0) + BLOCK.long_lean * lean_towards(match, team)
+    middle = ball_u + lean * (HALF_LENGTH * side - ball_u) - HALF_LENGTH * (2.0 * back - 1.0)
+    middle = min(max(middle, -HALF_LENGTH), HALF_LENGTH) * (1.0 - BLOCK.fit_depth * depth)
+    across = min(max(ball_v, -HALF_WIDTH), HALF_WIDTH) * (1.0 - BLOCK.fit_width * width)
+    rear = max(middle - depth * HALF_LENGTH, min(match.trap[team], HALF_LENGTH))
+    return rear, middle + depth * HALF_LENGTH, across - width * HALF_WIDTH, across + width * HALF_WIDTH
+
+
+@kernel
+def stretched(slot_x, attacking, ball_u):
+    """Return a slot's depth: the middle ones are stretched towards where the team needs them."""
+    ball = between(ball_u / HALF_LENGTH, -BLOCK.stretch_half, BLOCK.stretch_half)
+    middle = blend(ATTACK.midfield, DEFENCE.midfield, attacking)
+    middle += BLOCK.stretch_ball * (ball - middle)
+    share = BLOCK.stretch * smooth(max(1.0 - abs(1.2 * slot_x), 0.0), 1.0)
+    return slot_x + share * (2.0 * middle - 1.0 - slot_x)
+
+
+@kernel
+def focus(match, first, team, attacking, back):
+    """Return the place to which everybody near closes up: before the ball in attack, behind it in defence."""
+    ahead = forward(team)
+    slow_u, slow_v = ahead * mean_ball(match, CLOSE_UP.slow, 0), ahead * mean_ball(match, CLOSE_UP.slow, 1)
+    quick_u, quick_v = ahead * mean_ball(match, CLOSE_UP.quick, 0), ahead * mean_ball(match, CLOSE_UP.quick, 1)
+    u = blend(slow_u, 0.5 * (quick_u + ahead * first.x), attacking)
+    v = CLOSE_UP.inward * blend(slow_v, 0.5 * (quick_v + ahead * first.y), attacking)
+    return blend(min(u + CLOSE_UP.ahead, HALF_LENGTH), max(u - CLOSE_UP.behind, back, -HALF_LENGTH), attacking), v
+
+
+@kernel
+def close_up(du, dv):
+    """Return the share of the way to the focus, so far away, that a slot is drawn to it at most."""
+    far = length(du, CLOSE_UP.flat * dv) / CLOSE_UP.reach
+    if far >= 1.0:
+        return 0.0
+    peak = CLOSE_UP.peak_height * (1.0 - min(abs(far - CLOSE_UP.peak) / CLOSE_UP.peak_width, 1.0))
+    return min(smooth(1.0 - far, CLOSE_UP.curve) + peak, 1.0)
+
+
+@kernel
+def close_up_strength(attacking, ball_u):
+    """Return how far everybody closes up: in attack the more the further forward the ball, in defence the further
+    back.
+    """
+    side = 0.3 + 0.7 * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
+    share = blend(side**0.8, (1.0 - side) ** 0.6, attacking)
+    share = CLOSE_UP.least + (1.0 - CLOSE_UP.least) * share
+    return share * blend(ATTACK.close_up, DEFENCE.close_up, attacking)
+
+
+@kernel
+def exchange_posts(match, on_ball):
     """Let every two mates exchange their slots if that shortens their ways (their squares, so that no way is long)."""
     for i in range(1, match.num_players):
         a = match.players[i]
@@ -93,16 +237,22 @@ def exchange_slots(match):
         for j in range(i):
             b = match.players[j]
             if b.team == a.team and b.role != GK and not b.has_left:
-                exchange(match, a, b)
+                exchange(match, a, b, on_ball)
 
 
 @kernel
-def exchange(match, a, b):
+def exchange(match, a, b, on_ball):
     """Exchange two mates' slots if that shortens their ways."""
-    ax, ay = formation_place(match, a)
-    bx, by = formation_place(match, b)
-    stay = squared_apart(a, ax, ay) + squared_apart(b, bx, by)
-    change = squared_apart(a, bx, by) + squared_apart(b, ax, ay)
-    if change < BLOCK.exchange * stay:
-        a.slot_x, b.slot_x = b.slot_x, a.slot_x
-        a.slot_y, b.slot_y = b.slot_y, a.slot_y
+    ax, ay = post_place(match, a, a.post, on_ball)
+    bx, by = post_place(match, b, b.post, on_ball)
+    stay = squared_ahead(a, ax, ay) + squared_ahead(b, bx, by)
+    change = squared_ahead(a, bx, by) + squared_ahead(b, ax, ay)
+    if change < EXCHANGE * stay:
+        a.post, b.post = b.post, a.post
+
+
+@kernel
+def squared_ahead(player, x, y):
+    """Return the square of the distance in m from where a player will be to (x, y)."""
+    dx, dy = player.x + LOOK_AHEAD * player.vx - x, player.y + LOOK_AHEAD * player.vy - y
+    return dx * dx + dy * dy

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.marking import man_on_ball
 from envs.football.constants import (
     GOAL_HALF_WIDTH,
     HIGH_PASS,
@@ -16,7 +15,7 @@ from envs.football.constants import (
     RUN_SPEED,
 )
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import ball_speed, meeting_time
+from envs.football.physics.possession import ball_speed, man_on_ball, meeting_time
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.hands import HOLD_STEPS
 from envs.football.skills.saves import dive

@@ -1,6 +1,6 @@
-"""Who looks after whom: the most dangerous opponents are marked, the one on the ball is pressed by two at most.
+"""Who looks after whom: the most dangerous opponents are marked, the one on the ball is hunted by two at most.
 
-As documented of Google Research Football. Read next: `ai.defence`, for what markers and pressers do.
+As documented of Google Research Football. Read next: `ai.defence`, for what markers and hunters do.
 """
 
 from __future__ import annotations
@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from envs.football.ai.formation import MINDSET
+from envs.football.ai.run_speed import EFFORT
 from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
 from envs.football.physics.pitch import own_goal_x
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.possession import man_on_ball
+from envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
 
@@ -36,34 +39,27 @@ class Quality(NamedTuple):
     share: float = 0.8  # of the quality against nearness
 
 
-class Press(NamedTuple):
-    """Who goes for the opponent on the ball."""
+class Hunt(NamedTuple):
+    """Going for the opponent on the ball."""
 
-    range: float = 20.0  # m to him
-    tired: float = 0.4  # share of the range that the tired lack
+    range: float = 10.0  # m to him,
+    range_defender: float = 10.0  # and so much more for a defender
+    lead: float = 0.1  # s by which his run is led, to find who is nearest
+    rival_lead: float = 0.12  # s, his run for his distance
+    own_lead: float = 0.04  # s, one's own run
 
 
-# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
-DANGER, QUALITY, PRESS = Danger(), Quality(), Press()
-
-
-@kernel
-def man_on_ball(match, team):
-    """Return the player of `team` who has the ball or will be first of his team at it, -1 none."""
-    i = match.carrier
-    if i != NOBODY and match.players[i].team == team:
-        return i
-    return match.chaser[team]
+# Documented of Google Research Football; families matches and academy of `regista benchmark --suite grf`.
+DANGER, QUALITY, HUNT = Danger(), Quality(), Hunt()
 
 
 @kernel
 def choose_markers(match):
-    """Give each defending team's markers the most dangerous opponents; a team on the ball marks nobody."""
+    """Give both teams' markers the most dangerous opponents, whoever has the ball: he may lose it."""
     for i in range(match.num_players):
         match.players[i].marked_opponent = NOBODY
     for team in (LEFT, RIGHT):
-        if match.team_in_possession != team:
-            mark_the_dangerous(match, team)
+        mark_the_dangerous(match, team)
 
 
 @kernel
@@ -82,10 +78,9 @@ def mark_the_dangerous(match, team):
 
 @kernel
 def most_dangerous(match, team, taken):
-    """Return the opponent of `team` nearest to a place between its goal and the ball, keepers and the bits `taken`
-    apart.
+    """Return the opponent of `team` nearest to a place between its goal and the ball, the bits `taken` apart.
 
-    Who is on the ball counts as nearer than he is. -1: none.
+    Who is on the ball counts as nearer than he is; a keeper counts like everybody. -1: none.
     """
     x = DANGER.goal * (own_goal_x(team) - math.copysign(DANGER.depth, own_goal_x(team)))
     x, y = x + (1.0 - DANGER.goal) * match.ball.x, (1.0 - DANGER.goal) * match.ball.y
@@ -93,7 +88,7 @@ def most_dangerous(match, team, taken):
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
         rival = match.players[j]
-        if rival.team == team or rival.role == GK or rival.has_left or taken >> j & 1 == 1:
+        if rival.team == team or rival.has_left or taken >> j & 1 == 1:
             continue
         distance = length(x - rival.x, y - rival.y) - (DANGER.on_ball if j == on_ball else 0.0)
         if distance < least:
@@ -135,38 +130,51 @@ def marking_quality(player, rival):
 
 
 @kernel
-def choose_pressers(match):
-    """Send the two nearest free defenders within range after an opponent on the ball whom nobody marks."""
+def choose_hunters(match):
+    """Find each team's two players nearest to the opponent on the ball: they alone may hunt him."""
     for team in (LEFT, RIGHT):
-        match.presser[team, 0] = NOBODY
-        match.presser[team, 1] = NOBODY
+        match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
         on_ball = man_on_ball(match, 1 - team)
-        if match.team_in_possession == 1 - team and on_ball != NOBODY and match.game_mode == NORMAL:
-            send_pressers(match, team, on_ball)
+        if on_ball != NOBODY:
+            find_nearest_two(match, team, match.players[on_ball])
 
 
 @kernel
-def send_pressers(match, team, on_ball):
-    """Choose up to two pressers; none if the opponent on the ball is marked."""
+def find_nearest_two(match, team, rival):
+    """Write the two players of `team` nearest to where an opponent will be in a moment."""
+    x, y = rival.x + HUNT.lead * rival.vx, rival.y + HUNT.lead * rival.vy
     first, second = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
-        if player.team != team or player.role == GK:
+        if player.team != team or player.has_left:
             continue
-        if player.marked_opponent == on_ball:
-            match.presser[team, 0], match.presser[team, 1] = NOBODY, NOBODY
-            return
-        distance = apart(player, match.players[on_ball])
-        if player.marked_opponent != NOBODY or distance > pressing_range(player):
-            continue
+        distance = squared_apart(player, x, y)
         if distance < first:
-            match.presser[team, 1], second = match.presser[team, 0], first
-            match.presser[team, 0], first = i, distance
+            match.hunter[team, 1], second = match.hunter[team, 0], first
+            match.hunter[team, 0], first = i, distance
         elif distance < second:
-            match.presser[team, 1], second = i, distance
+            match.hunter[team, 1], second = i, distance
 
 
 @kernel
-def pressing_range(player):
-    """Return the distance in m within which a player presses the opponent on the ball."""
-    return PRESS.range * player.skill * (1.0 - PRESS.tired * player.tiredness)
+def hunts(match, i):
+    """Return whether player i goes for the opponent on the ball: near, free, and one of the two nearest."""
+    player = match.players[i]
+    team = player.team
+    on_ball = man_on_ball(match, 1 - team)
+    if on_ball == NOBODY or match.team_in_possession == team or match.game_mode != NORMAL:
+        return False
+    if player.marked_opponent != NOBODY or (match.hunter[team, 0] != i and match.hunter[team, 1] != i):
+        return False
+    rival = match.players[on_ball]
+    dx = rival.x + HUNT.rival_lead * rival.vx - player.x - HUNT.own_lead * player.vx
+    dy = rival.y + HUNT.rival_lead * rival.vy - player.y - HUNT.own_lead * player.vy
+    return length(dx, dy) < hunting_range(match, player)
+
+
+@kernel
+def hunting_range(match, player):
+    """Return from how far in m a player hunts: defenders from further, the tired, the breathless and the weak less."""
+    attacker = MINDSET[match.players[player.post].role]
+    fresh = 1.0 - 0.5 * player.tiredness - 0.5 * min(player.mean_speed / EFFORT.sprint, 1.0)
+    return (HUNT.range + HUNT.range_defender * (1.0 - attacker)) * fresh * player.skill

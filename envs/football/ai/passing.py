@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from envs.football.ai.formation import MINDSET
 from envs.football.ai.interception import danger
 from envs.football.ai.position_value import nearest_opponent, position_value
 from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
@@ -41,7 +42,7 @@ class Worth(NamedTuple):
 class Panic(NamedTuple):
     """Clearances."""
 
-    slot: float = -0.4  # slots further back clear
+    mindset: float = 0.25  # who is less of an attacker clears
     range: float = 30.0  # m to the own goal
     near: float = 2.5  # m to an opponent
     cleared: float = 38.0  # m
@@ -152,7 +153,8 @@ def clear_in_panic(match, i):
     """Under pressure near the own goal, as a defender: kick the ball high and far; return whether."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
-    if player.slot_x > PANIC.slot or to_own_goal > PANIC.range or nearest_opponent(match, player) > PANIC.near:
+    attacker = MINDSET[match.players[player.post].role]
+    if attacker >= PANIC.mindset or to_own_goal > PANIC.range or nearest_opponent(match, player) > PANIC.near:
         return False
     x = player.x + forward(player.team) * PANIC.cleared
     y = player.y * 1.3 + 4.0 * player.vy / (1.0 + abs(player.vy))

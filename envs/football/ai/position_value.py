@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from envs.football.ai.formation import MINDSET
 from envs.football.constants import HALF_LENGTH
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length, squared_apart
@@ -17,7 +18,7 @@ from scenic_lite.kernels.jit import kernel
 class Value(NamedTuple):
     """What a place is worth."""
 
-    progress_least: float = 2.0  # weight of ground, for a slot at the back
+    progress_least: float = 2.0  # weight of ground, for a defender
     progress_most: float = 8.0  # and at the front
     ahead: float = 0.4  # weight of room ahead,
     ahead_range: float = 20.0  # m
@@ -31,9 +32,10 @@ VALUE = Value()
 
 
 @kernel
-def eagerness(player):
-    """Return the weight of ground gained for a player: the further forward his slot, the greater."""
-    return VALUE.progress_least + (VALUE.progress_most - VALUE.progress_least) * 0.5 * (1.0 + player.slot_x)
+def eagerness(match, player):
+    """Return the weight of ground gained for a player: the more of an attacker, the greater."""
+    attacker = MINDSET[match.players[player.post].role]
+    return VALUE.progress_least + (VALUE.progress_most - VALUE.progress_least) * attacker
 
 
 @kernel
@@ -58,7 +60,7 @@ def position_value(match, player, x, y):
             ahead = min(ahead, distance)
     ground = 1.0 - to_goal / (2.0 * HALF_LENGTH)
     return (
-        eagerness(player) * ground
+        eagerness(match, player) * ground
         + VALUE.ahead * ahead / VALUE.ahead_range
         + VALUE.around * around / VALUE.around_range
     )

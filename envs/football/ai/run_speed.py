@@ -8,27 +8,33 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from envs.football.ai.formation import MINDSET, between
 from envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
-from envs.football.physics.vectors import length
+from envs.football.physics.vectors import apart
 from scenic_lite.kernels.jit import kernel
+
+
+class Effort(NamedTuple):
+    """What a player spends on being where he should be."""
+
+    urgency: float = 2.6  # 1/s: wanted speed per distance to go
+    sprint: float = 8.0  # m/s that count in full,
+    overflow: float = 0.1  # and share of what is wanted beyond
+    lazy_from: float = 20.0  # m to the opponent on the ball
+    lazy_to: float = 65.0
+    from_tired: float = 0.8  # share of `lazy_from` that the tired lose
+    to_tired: float = 0.5
+    least_lazy: float = 0.5  # share of the laziness that does not depend on his role
+    breath: float = 1.2  # of what he has left after running for long
+    breath_curve: float = 0.66
 
 
 class GaitChoice(NamedTuple):
     """Which of the body's gaits suits a desired speed: up to so many m/s he ..."""
 
-    stands: float = 1.75  # m/s
-    walks: float = 4.25  # m/s
-    runs: float = 6.5  # m/s; above it he sprints
-
-
-class Effort(NamedTuple):
-    """How fast he wants to be where he goes."""
-
-    urgency: float = 2.6  # 1/s: speed per distance to go
-    lazy_from: float = 20.0  # m to the ball
-    lazy_to: float = 65.0  # m
-    laziness: float = 0.75  # share of the speed that is lost from there on
-    tired: float = 0.3  # share of it that the tired lose
+    stands: float = 1.8  # m/s
+    walks: float = 4.2  # m/s
+    runs: float = 6.0  # m/s; above it he sprints
 
 
 class Reaction(NamedTuple):
@@ -39,24 +45,34 @@ class Reaction(NamedTuple):
     skill_range: float = 0.7  # of `skill`, from difficulty 0 to 1
 
 
-# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
-GAIT_CHOICE, EFFORT, REACTION = GaitChoice(), Effort(), Reaction()
+# Documented of Google Research Football; family matches of `regista benchmark --suite grf`.
+EFFORT, GAIT_CHOICE, REACTION = Effort(), GaitChoice(), Reaction()
 
 
 @kernel
-def head_for(match, player, x, y):
-    """Want to be at (x, y), with the effort that the distance and the ball's call for."""
+def head_for(match, player, x, y, rival):
+    """Want to be at (x, y), with the effort that this and the distance to the opponent `rival` on the ball need."""
     dx, dy = x - player.x, y - player.y
-    distance = math.sqrt(dx * dx + dy * dy)
-    ball = match.ball
-    far = (length(ball.x - player.x, ball.y - player.y) - EFFORT.lazy_from) / (EFFORT.lazy_to - EFFORT.lazy_from)
-    desired = (
-        EFFORT.urgency
-        * distance
-        * (1.0 - EFFORT.laziness * min(max(far, 0.0), 1.0))
-        * (1.0 - EFFORT.tired * player.tiredness)
-    )
-    go(player, dx, dy, gait_speed(player, desired))
+    desired = EFFORT.urgency * math.sqrt(dx * dx + dy * dy)
+    go(player, dx, dy, gait_speed(player, lazy_speed(match, player, desired, rival)))
+
+
+@kernel
+def lazy_speed(match, player, desired, rival):
+    """Return what is left in m/s of a desired speed far from the action, by the role, and when out of breath."""
+    fresh = 1.0 - player.tiredness
+    start = EFFORT.lazy_from * (1.0 - EFFORT.from_tired * player.tiredness)
+    end = EFFORT.lazy_to * (1.0 - EFFORT.to_tired * (1.0 - fresh))
+    attacker = MINDSET[match.players[player.post].role]
+    held = min(max(match.hold[player.team] - 0.5, 0.0), 1.0)
+    by_role = attacker + held * (1.0 - 2.0 * attacker)
+    lazy = between(apart(player, rival), start, end) * (EFFORT.least_lazy + (1.0 - EFFORT.least_lazy) * by_role)
+    speed = min(desired, EFFORT.sprint) + EFFORT.overflow * max(desired - EFFORT.sprint, 0.0)
+    speed *= 1.0 - lazy
+    if desired >= DRIBBLE_SPEED:
+        speed = max(speed, DRIBBLE_SPEED)
+    breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
+    return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 
 
 @kernel

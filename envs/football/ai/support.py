@@ -1,7 +1,7 @@
-"""Built-in players whose team has the ball and who have not: come free, keep apart, run, and stay onside.
+"""Coming free: a field of forces leads players from their slots to where they help the player on the ball, onside.
 
-As documented of Google Research Football: a place between the slot and one where a field of forces leads, and now
-and then a run behind the defence. Read next: `ai.attack`, for the player on the ball.
+As documented of Google Research Football; now and then one runs behind the defence. Read next: `ai.attack`, for the
+player on the ball.
 """
 
 from __future__ import annotations
@@ -9,108 +9,208 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import formation_place, on_pitch
-from envs.football.ai.run_speed import head_for
-from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, RIGHT
-from envs.football.physics.pitch import forward
+from envs.football.ai.formation import LINE, MINDSET, between, smooth
+from envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RIGHT
+from envs.football.physics.pitch import attacked_goal_x, forward
+from envs.football.physics.possession import man_on_ball
 from envs.football.physics.vectors import apart, length
 from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
 
 
-class Support(NamedTuple):
-    """A place for who has not the ball, between his slot and where a field of forces leads."""
+class Forces(NamedTuple):
+    """The field: what pulls, what pushes, how strongly, how far."""
 
-    least: float = 0.1  # share of the forces, far from the ball
-    most: float = 0.9  # and near it
-    near: float = 12.0  # m
-    far: float = 40.0  # m
-    mates_apart: float = 10.0  # m
-    mates_push: float = 0.5  # m per m
-    shadow: float = 5.0  # m to either side of the line behind an opponent
-    shadow_push: float = 0.8  # m per m
-    come_within: float = 7.0  # m to the ball
-    come: float = 0.6  # m per m
-    keep_off: float = 2.0  # m to the ball
-    forward_slot: float = 0.2  # slots from here on push forward,
-    lane_run: float = 6.0  # m
-    onside: float = -1.8  # m: he misjudges the line by this much
+    look_ahead: float = 0.1  # s by which all runs are led
+    step: float = 8.0  # m that a player is led at most
+    damped: float = 7.0  # m from what pulls: nearer the pull grows weaker
+    slot: float = 0.7  # his slot pulls,
+    slot_near: float = 0.3  # by this share close to it,
+    slot_far: float = 20.0  # and in full from m on
+    lane: float = 22.0  # m by which attackers' slots are pushed on, next to the lane
+    lane_aside: float = 8.0  # m from the middle, on the side where the ball is not
+    lane_width: float = 30.0  # m
+    helper: float = 12.0  # m by which the nearest mate's slot is pushed on,
+    helper_least: float = 0.3  # and share of it for defenders
+    run: float = 2.0  # the goal pulls who runs behind the defence
+    rivals: int = 3  # opponents nearest to him push,
+    rival: float = 0.3
+    rival_shadow: float = 2.0  # m behind them, seen from the ball
+    rival_reach: float = 5.0  # m
+    rival_curve: float = 0.7
+    run_reach: float = 2.0  # m, of opponents to who runs,
+    run_share: float = 0.5  # of their push
+    mates: int = 5  # mates nearest to him push,
+    mate: float = 0.4
+    mate_reach: float = 10.5  # m
+    mates_from: float = 1.02  # hold on the ball from which mates push,
+    ball_from: float = 1.06  # and the ball's way does
+    ball: float = 1.0
+    ball_reach: float = 2.0  # m
+    ball_curve: float = 0.5
+    carrier: float = 0.45  # the player on the ball pulls,
+    carrier_far: float = 21.0  # m: up to here
+    carrier_near: float = 12.0  # and from here on pushes as well
 
 
 class Run(NamedTuple):
     """Runs behind the defence."""
 
-    ahead: float = 16.0  # m
-    within: float = 40.0  # m ahead of the ball at most
-    clear: float = 3.0  # m between a runner and any opponent
-    slot: float = -0.2  # slots further back do not run
+    ahead: float = 26.0  # m before the player on the ball: who is nearest to there may run
+    within: float = 40.0  # m to the player on the ball
+    spot: float = 10.0  # m behind the runner is looked for opponents,
+    rivals: int = 4
+    range: float = 15.0  # m
+    push: float = 0.3
+    rating: float = 0.5  # from which he runs
+    steps: int = 40
+    share: tuple[float, ...] = (1.0, 0.9, 0.7)  # of the forces, from which a run of back, midfielder, forward counts
 
 
-# Documented of Google Research Football; forces and runs are fitted: `regista benchmark --suite grf`, family matches.
-SUPPORT, RUN = Support(), Run()
-DECIDED_EVERY = 3  # steps; who decides when is staggered by shirts
-RUN_STEPS = 40  # steps of a run
-RUNS_EVERY = 5  # steps between two calls of `start_runs`
+# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+FORCES, RUN = Forces(), Run()
+SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # hold above 0.5: from and to where the forces lead each line
+RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push
+BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's way pushes
+ONSIDE, ONSIDE_LEAD = 0.08, 0.24  # m before the line; s by which defenders are led
+RUNS_EVERY, HELPER_EVERY = 5, 15  # steps
 
 
 @kernel
-def support(match, i):
-    """Head for the place that was chosen last, choosing anew every few steps."""
-    player = match.players[i]
-    if (match.step + player.shirt) % DECIDED_EVERY == 0:
-        choose_place(match, i)
-    head_for(match, player, player.support_x, player.support_y)
+def support_share(match, player):
+    """Return the share of the way from his slot that a player is led by the forces."""
+    line = LINE[player.role]
+    return between(match.hold[player.team] - 0.5, SHARE_FROM[line], SHARE_TO[line])
 
 
 @kernel
-def choose_place(match, i):
-    """Set where player i supports the player on the ball."""
+def runs_behind(match, i, share):
+    """Return whether player i runs behind the defence."""
     player = match.players[i]
-    if match.runner[player.team] == i:
-        x, y = player.x + forward(player.team) * RUN.ahead, 0.9 * player.y
-    else:
-        x, y = formation_place(match, player)
-        near = (length(match.ball.x - x, match.ball.y - y) - SUPPORT.near) / (SUPPORT.far - SUPPORT.near)
-        weight = SUPPORT.most + (SUPPORT.least - SUPPORT.most) * min(max(near, 0.0), 1.0)
-        force_x, force_y = support_force(match, i, x, y)
-        x, y = x + weight * force_x, y + weight * force_y
-    x, y = on_pitch(x, y)
+    return match.runner[player.team] == i and share > RUN.share[LINE[player.role]]
+
+
+@kernel
+def supporting_place(match, i, x, y, carrier, runs):
+    """Return where the forces lead player i, whose slot is at (x, y), while a mate `carrier` is the one on the ball."""
+    player, first = match.players[i], match.players[carrier]
     ahead = forward(player.team)
-    player.support_x, player.support_y = ahead * min(ahead * x, onside_line(match, player.team) - SUPPORT.onside), y
+    at_x, at_y = player.x + FORCES.look_ahead * player.vx, player.y + FORCES.look_ahead * player.vy
+    from_x, from_y = first.x + FORCES.look_ahead * first.vx, first.y + FORCES.look_ahead * first.vy
+    pull_x, pull_y, pulls = pull_of_slot(match, i, x, y, at_x, at_y, from_y)
+    if runs:
+        fx, fy, f = pulled(attacked_goal_x(player.team) - at_x, -0.5 * at_y, FORCES.run)
+        pull_x, pull_y, pulls = pull_x + fx, pull_y + fy, pulls + f
+    fx, fy, f = push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs)
+    pull_x, pull_y, pulls = pull_x + fx, pull_y + fy, pulls + f
+    if match.hold[player.team] >= FORCES.mates_from:
+        fx, fy, f = push_of_mates(match, i, at_x, at_y)
+        pull_x, pull_y, pulls = pull_x + fx, pull_y + fy, pulls + f
+    if carrier != i:
+        if match.hold[player.team] >= FORCES.ball_from:
+            fx, fy, f = push_of_ball(match, at_x, at_y)
+            pull_x, pull_y, pulls = pull_x + fx, pull_y + fy, pulls + f
+        fx, fy, f = pull_of_carrier(from_x - at_x, from_y - at_y)
+        pull_x, pull_y, pulls = pull_x + fx, pull_y + fy, pulls + f
+    u = ahead * (at_x + FORCES.step * pull_x / pulls)
+    u = min(u, onside_line(match, player.team) - ONSIDE, HALF_LENGTH)
+    v = at_y + FORCES.step * pull_y / pulls
+    return ahead * max(u, -HALF_LENGTH), min(max(v, -HALF_WIDTH), HALF_WIDTH)
 
 
 @kernel
-def support_force(match, i, x, y):
-    """Return the way in m that leads from (x, y) to a better place for player i: apart from mates, out of shadows."""
-    player, ball = match.players[i], match.ball
-    to_x, to_y = x - ball.x, y - ball.y
-    distance = math.sqrt(to_x * to_x + to_y * to_y) + 1e-9
-    ux, uy = to_x / distance, to_y / distance
-    force_x = forward(player.team) * SUPPORT.lane_run if player.slot_x > SUPPORT.forward_slot else 0.0
-    force_y = 0.0
-    reach = max(SUPPORT.keep_off - distance, 0.0) - SUPPORT.come * max(distance - SUPPORT.come_within, 0.0)
-    force_x += reach * ux
-    force_y += reach * uy
+def pulled(dx, dy, power):
+    """Return the pull of something so far away: a vector, weaker when it is near, and its weight."""
+    distance = math.sqrt(dx * dx + dy * dy) + 1e-9
+    share = power * min(distance / FORCES.damped, 1.0) / distance
+    return share * dx, share * dy, power
+
+
+@kernel
+def pushed(dx, dy, power, reach, curve):
+    """Return the push of something so far away, of which only what is in reach pushes: a vector, and its weight."""
+    distance = math.sqrt(dx * dx + dy * dy)
+    if distance >= reach:
+        return 0.0, 0.0, 0.0
+    power *= (1.0 - distance / reach) ** curve
+    share = -power / (distance + 1e-9)
+    return share * dx, share * dy, power
+
+
+@kernel
+def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
+    """Return the pull of player i's slot, which is pushed on for attackers near the lane and for the ball's helper."""
+    player = match.players[i]
+    attacker = MINDSET[match.players[player.post].role]
+    if match.helper[player.team] == i:
+        push = FORCES.helper * (FORCES.helper_least + (1.0 - FORCES.helper_least) * attacker)
+    else:
+        ahead = forward(player.team)
+        lane_y = -ahead * (FORCES.lane_aside if ahead * carrier_y >= 0.0 else -FORCES.lane_aside)
+        near = 1.0 - between(abs(lane_y - at_y), 0.0, FORCES.lane_width)
+        push = FORCES.lane * smooth(near, 1.0) * attacker**1.5
+    dx, dy = x + forward(player.team) * push - at_x, y - at_y
+    far = min(length(dx, dy) / FORCES.slot_far, 1.0)
+    return pulled(dx, dy, FORCES.slot * (FORCES.slot_near + (1.0 - FORCES.slot_near) * far))
+
+
+@kernel
+def push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs):
+    """Return the push of the nearest opponents, from the shadows in which the player on the ball cannot reach him."""
+    power = FORCES.rival * RIVAL_BY_ROLE[match.players[player.post].role] * (FORCES.run_share if runs else 1.0)
+    reach = FORCES.run_reach if runs else FORCES.rival_reach
+    push_x, push_y, pushes = 0.0, 0.0, 0.0
+    limit = (reach + FORCES.rival_shadow) ** 2
     for j in range(match.num_players):
-        other = match.players[j]
-        if j == i:
+        rival = match.players[j]
+        dx, dy = rival.x - at_x, rival.y - at_y
+        if rival.team == player.team or dx * dx + dy * dy > limit:
             continue
-        if other.team == player.team:
-            dx, dy = x - other.x, y - other.y
-            squared = dx * dx + dy * dy
-            if 0.0 < squared < SUPPORT.mates_apart * SUPPORT.mates_apart:
-                away = math.sqrt(squared)
-                push = SUPPORT.mates_push * (SUPPORT.mates_apart - away) / away
-                force_x += push * dx
-                force_y += push * dy
+        x, y = rival.x + FORCES.look_ahead * rival.vx, rival.y + FORCES.look_ahead * rival.vy
+        off = length(x - from_x, y - from_y) + 1e-9
+        x += FORCES.rival_shadow * (x - from_x) / off
+        y += FORCES.rival_shadow * (y - from_y) / off
+        fx, fy, f = pushed(x - at_x, y - at_y, power, reach, FORCES.rival_curve)
+        push_x, push_y, pushes = push_x + fx, push_y + fy, pushes + f
+    return push_x, push_y, pushes
+
+
+@kernel
+def push_of_mates(match, i, at_x, at_y):
+    """Return the push of player i's mates in reach."""
+    push_x, push_y, pushes = 0.0, 0.0, 0.0
+    for j in range(match.num_players):
+        mate = match.players[j]
+        if j == i or mate.team != match.players[i].team:
             continue
-        dx, dy = other.x - ball.x, other.y - ball.y
-        along, across = dx * ux + dy * uy, dx * uy - dy * ux
-        if 0.0 < along < distance + SUPPORT.shadow and 0.0 < abs(across) < SUPPORT.shadow:
-            push = math.copysign(SUPPORT.shadow_push * (SUPPORT.shadow - abs(across)), across)
-            force_x -= push * uy
-            force_y += push * ux
-    return force_x, force_y
+        dx, dy = mate.x + FORCES.look_ahead * mate.vx - at_x, mate.y + FORCES.look_ahead * mate.vy - at_y
+        if dx * dx + dy * dy < FORCES.mate_reach * FORCES.mate_reach:
+            fx, fy, f = pushed(dx, dy, FORCES.mate, FORCES.mate_reach, 1.0)
+            push_x, push_y, pushes = push_x + fx, push_y + fy, pushes + f
+    return push_x, push_y, pushes
+
+
+@kernel
+def push_of_ball(match, at_x, at_y):
+    """Return the push of the way that the ball will go."""
+    ball = match.ball
+    push_x, push_y, pushes = 0.0, 0.0, 0.0
+    for k in range(len(BALL_WAY)):
+        dx, dy = ball.x + BALL_WAY[k] * ball.vx - at_x, ball.y + BALL_WAY[k] * ball.vy - at_y
+        fx, fy, f = pushed(dx, dy, FORCES.ball, FORCES.ball_reach, FORCES.ball_curve)
+        push_x, push_y, pushes = push_x + fx, push_y + fy, pushes + f
+    return push_x, push_y, pushes
+
+
+@kernel
+def pull_of_carrier(dx, dy):
+    """Return the pull of the mate on the ball, so far away, who pushes as well when he is near."""
+    distance = math.sqrt(dx * dx + dy * dy)
+    if distance >= FORCES.carrier_far:
+        return 0.0, 0.0, 0.0
+    pull_x, pull_y, pulls = pulled(dx, dy, FORCES.carrier * (1.0 - distance / FORCES.carrier_far))
+    push_x, push_y, pushes = pushed(dx, dy, FORCES.carrier, FORCES.carrier_near, 1.0)
+    return pull_x + push_x, pull_y + push_y, pulls + pushes
 
 
 @kernel
@@ -121,39 +221,57 @@ def onside_line(match, team):
 
 
 @kernel
-def start_runs(match):
-    """Let time pass for runs, and let the team on the ball start one if nobody runs."""
+def choose_runners(match):
+    """Let time pass for runs, and every half second let each team on the ball start one if nobody runs."""
     for team in (LEFT, RIGHT):
-        match.run_steps_left[team] -= RUNS_EVERY
-        if match.team_in_possession != team or match.run_steps_left[team] <= 0:
+        match.run_steps_left[team] -= 1
+        if match.run_steps_left[team] <= 0:
             match.runner[team] = NOBODY
-        if match.team_in_possession == team and match.runner[team] == NOBODY and match.carrier != NOBODY:
-            match.runner[team] = free_runner(match, team)
-            match.run_steps_left[team] = RUN_STEPS
+        on_ball = man_on_ball(match, team)
+        if on_ball == NOBODY:
+            continue
+        if match.step % HELPER_EVERY == 0:
+            match.helper[team] = nearest_mate_to(match, on_ball, 1.5, False)
+        if match.step % RUNS_EVERY == 0 and match.runner[team] == NOBODY and match.team_in_possession == team:
+            start_run(match, team, on_ball)
 
 
 @kernel
-def free_runner(match, team):
-    """Return the foremost mate of the player on the ball who is onside and free, -1 none."""
-    ahead = forward(team)
-    line = onside_line(match, team)
-    best, most = NOBODY, 0.0
-    for i in range(match.num_players):
-        player = match.players[i]
-        if player.team != team or player.role == GK or i == match.carrier or player.slot_x < RUN.slot:
-            continue
-        lead = ahead * (player.x - match.ball.x)
-        if not most < lead < RUN.within or ahead * player.x > line or ahead * player.x > HALF_LENGTH - RUN.ahead:
-            continue
-        if clear_of_opponents(match, player, RUN.clear):
-            best, most = i, lead
-    return best
+def start_run(match, team, on_ball):
+    """Send the mate best placed for it behind the defence, if he has room there."""
+    runner = nearest_mate_to(match, on_ball, RUN.ahead, True)
+    if runner == NOBODY or apart(match.players[runner], match.players[on_ball]) > RUN.within:
+        return
+    player = match.players[runner]
+    near = math.sqrt(1.0 - apart(player, match.players[on_ball]) / RUN.within)
+    if near * room_to_run(match, player) >= RUN.rating:
+        match.runner[team], match.run_steps_left[team] = runner, RUN.steps
 
 
 @kernel
-def clear_of_opponents(match, player, distance):
-    """Return whether no opponent is this close to a player."""
+def room_to_run(match, player):
+    """Return how few opponents are behind a player, 1 none; the original looks behind him, not before."""
+    x, y = player.x - forward(player.team) * RUN.spot, 0.8 * player.y
+    room = 1.0
     for j in range(match.num_players):
-        if match.players[j].team != player.team and apart(match.players[j], player) < distance:
-            return False
-    return True
+        rival = match.players[j]
+        distance = length(rival.x - x, rival.y - y)
+        if rival.team != player.team and distance < RUN.range:
+            room -= RUN.push * math.sqrt(smooth(1.0 - distance / RUN.range, 1.0))
+    return room
+
+
+@kernel
+def nearest_mate_to(match, i, ahead, is_free):
+    """Return the mate of player i who is nearest to so many m before him, -1 none; with `is_free` no agent's player."""
+    player = match.players[i]
+    x, y = player.x + forward(player.team) * ahead, player.y
+    best, nearest = NOBODY, math.inf
+    for j in range(match.num_players):
+        mate = match.players[j]
+        if j == i or mate.team != player.team or mate.has_left or (is_free and mate.agent != NOBODY):
+            continue
+        distance = length(mate.x - x, mate.y - y)
+        if distance < nearest:
+            best, nearest = j, distance
+    return best

@@ -38,6 +38,7 @@ class Chase(NamedTuple):
 OWNED, CHASE = Owned(), Chase()
 PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
+NEVER = 100.0  # s until a team without players is at the ball
 
 
 @kernel
@@ -84,25 +85,34 @@ def meeting_time(match, player, speed):
 
 @kernel
 def find_chasers(match):
-    """Find for each team the player who can be first at the ball: the carrier, or by meeting time."""
-    match.chaser[LEFT] = NOBODY
-    match.chaser[RIGHT] = NOBODY
+    """Find for each team the player who can be first at the ball, the carrier or by meeting time, and how soon."""
+    for team in (LEFT, RIGHT):
+        match.chaser[team], match.arrival[team] = NOBODY, NEVER
     speed = ball_speed(match.ball)
-    soonest_left, soonest_right = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
-        time = -1.0
+        time = 0.0
         if match.carrier != i:
-            soonest = soonest_left if player.team == LEFT else soonest_right
-            if apart(match.ball, player) > (CHASE.speed + speed) * soonest:
+            if apart(match.ball, player) > (CHASE.speed + speed) * match.arrival[player.team]:
                 continue  # too far away even if the ball rolled towards him
             time = meeting_time(match, player, speed) + player.down_wait
-        if player.team == LEFT and time < soonest_left:
-            soonest_left = time
-            match.chaser[LEFT] = i
-        elif player.team == RIGHT and time < soonest_right:
-            soonest_right = time
-            match.chaser[RIGHT] = i
+        if time < match.arrival[player.team] or match.carrier == i:
+            match.chaser[player.team], match.arrival[player.team] = i, time
+
+
+@kernel
+def man_on_ball(match, team):
+    """Return the player of `team` who has the ball or will be first of his team at it, -1 none."""
+    i = match.carrier
+    if i != NOBODY and match.players[i].team == team:
+        return i
+    return match.chaser[team]
+
+
+@kernel
+def first_at_ball(match):
+    """Return the player who has the ball or will be first at it, -1 while both teams are equally near."""
+    return NOBODY if match.team_in_possession == NOBODY else man_on_ball(match, match.team_in_possession)
 
 
 @kernel

@@ -50,7 +50,6 @@ class Block(NamedTuple):
 class Draw(NamedTuple):
     """How slots are laid into the block, and how far each is drawn."""
 
-    outermost: float = 0.83  # of the block's half width, where the outermost slots are
     throw_shift: float = 0.25  # of the ball's place across, by which all are moved at a throw-in
     across: float = 0.8  # how much of the way across counts in the distance to the ball
     across_least: float = 0.2  # share of the pull across for a ball in the middle,
@@ -133,7 +132,7 @@ def block_place(match, i, taking, way):
     pull, pull_y = block.pull + block.pull_along * along, block.pull_y + block.pull_y_along * along
     ahead = back + 0.5 * (1.0 + player.slot_x) * (front - back)
     shift = DRAW.throw_shift * ball.y if match.game_mode == THROW_IN else 0.0
-    y = DRAW.outermost * player.slot_y * block.wide * HALF_WIDTH + shift
+    y = way * player.slot_y * block.wide * HALF_WIDTH + shift
     far = length(way * ball.x - ahead, DRAW.across * (ball.y - y))
     ahead += pull * max(1.0 - abs(focus - ahead) / (front - back), 0.0) * (focus - ahead)
     target_y = block.focus_y * ball.y

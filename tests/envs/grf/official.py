@@ -9,11 +9,7 @@ import sys
 
 import numpy as np
 
-FIELDS = (
-    *("ball", "ball_direction", "left_team", "left_team_direction", "right_team", "right_team_direction"),
-    *("left_team_tired_factor", "left_team_roles", "left_team_active", "sticky_actions", "active", "designated"),
-    *("ball_owned_team", "ball_owned_player", "steps_left", "game_mode", "score"),
-)
+FIELDS = ("ball", "left_team", "left_team_direction", "right_team", "right_team_direction", "sticky_actions", "active")
 
 
 def main() -> None:

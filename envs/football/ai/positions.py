@@ -1,0 +1,78 @@
+"""Where a built-in player without the ball wants to be: his slot, where he helps the ball, whom he guards, the line.
+
+The stages are Google Research Football's, the same whether his team has the ball or not: what changes is how much each
+counts, by the team's hold on the ball. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from envs.football.ai.defence import guard_share, guarding_place, held_up
+from envs.football.ai.formation import LINE, between, post_place, smooth
+from envs.football.ai.run_speed import head_for
+from envs.football.ai.support import runs_behind, support_share, supporting_place
+from envs.football.constants import CF, NOBODY
+from envs.football.physics.possession import first_at_ball, man_on_ball
+from envs.football.physics.vectors import apart
+from scenic_lite.kernels.jit import kernel
+
+
+class Own(NamedTuple):
+    """How far a player keeps to his own slot rather than to the one that he has exchanged for it, far from the ball."""
+
+    share: tuple[float, ...] = (1.0, 0.9, 0.8)  # backs, midfield, forwards
+    near: float = 15.0  # m to the player on the ball: up to here he takes the exchanged one,
+    far: float = 20.0  # from here on his own
+
+
+# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+OWN = Own()
+CHOSEN_EVERY = 2  # steps; who chooses when is staggered by shirts
+
+
+@kernel
+def take_position(match, i):
+    """Head for the place that was chosen last, choosing anew every few steps."""
+    player = match.players[i]
+    rival = man_on_ball(match, 1 - player.team)
+    if match.step <= 1 or (match.step + player.shirt) % CHOSEN_EVERY == 0:
+        choose_place(match, i)
+    head_for(match, player, player.place_x, player.place_y, match.players[rival if rival != NOBODY else i])
+
+
+@kernel
+def choose_place(match, i):
+    """Set where player i wants to be."""
+    player = match.players[i]
+    first = first_at_ball(match)
+    if first == NOBODY:
+        return
+    x, y = own_place(match, i, first)
+    carrier = man_on_ball(match, player.team)
+    share = support_share(match, player)
+    if carrier != NOBODY and share > 0.0:
+        help_x, help_y = supporting_place(match, i, x, y, carrier, runs_behind(match, i, share))
+        x, y = x + share * (help_x - x), y + share * (help_y - y)
+    if player.marked_opponent != NOBODY:
+        share = guard_share(match, player)
+        if share > 0.0:
+            guard_x, guard_y = guarding_place(match, player, x, y)
+            x, y = x + share * (guard_x - x), y + share * (guard_y - y)
+    if player.role != CF:
+        x = held_up(match, player.team, x)
+    player.place_x, player.place_y = x, y
+
+
+@kernel
+def own_place(match, i, first):
+    """Return the place of player i's slot: near the ball of the one that he has for now, far off of his own."""
+    player = match.players[i]
+    share = smooth(OWN.share[LINE[player.role]] * between(apart(player, match.players[first]), OWN.near, OWN.far), 1.0)
+    if player.post == i or share == 0.0:
+        return post_place(match, player, player.post, first)
+    x, y = post_place(match, player, i, first)
+    if share < 1.0:
+        post_x, post_y = post_place(match, player, player.post, first)
+        x, y = post_x + share * (x - post_x), post_y + share * (y - post_y)
+    return x, y
