@@ -11,15 +11,19 @@ Regista imports it for the messages, which both sides must write alike:
     begin slots scenes seeds, lengths [K], actions [sum of lengths, 22]     -> observed [K]
     step slots, actions [K, 22]                                             -> observed [K]
 
-Every request may name slots to `forget`. `begin` resets each slot's engine to its scene and plays the actions that it
-is sent, by which an interrupted episode is repeated. What goes wrong in a request is answered by an "error".
+Every request says in how many `seconds` it must be done: the system ends a process that takes longer, even one whose
+engine hangs after whoever asked is gone. It may name slots to `forget`. `begin` resets each slot's engine to its scene
+and plays the actions that it is sent, by which an interrupted episode is repeated. What goes wrong in a request is
+answered by an "error".
 Read next: `grf.workers`, the other end.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
+import signal
 import struct
 import sys
 import traceback
@@ -33,6 +37,8 @@ PROTOCOL = 1
 MAGIC = b"RGRF"
 HEAD = struct.Struct("<4sII")
 LARGEST = 1 << 28  # bytes of a header or a body; more is no message of ours
+
+GRACE = 2  # s after which a process ends itself that should have been ended by then
 
 TEAM = 11  # rows of a team: left players 0 to 10, right players 11 to 21, whether they are there or not
 ROWS = 2 * TEAM
@@ -285,10 +291,12 @@ def main() -> None:
     requests, server = sys.stdin.buffer, Server()
     while True:
         request, arrays = unpack(lambda count: read_exactly(requests, count))
+        signal.alarm(math.ceil(request["seconds"]) + GRACE)
         try:
             reply = server.answer(request, arrays)
         except Exception:
             reply = pack({"error": traceback.format_exc(limit=-3)})
+        signal.alarm(0)
         answers.write(reply)
         answers.flush()
 

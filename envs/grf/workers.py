@@ -161,7 +161,7 @@ class WorkerProcess:
     def _send(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
         assert self.process is not None and self.process.stdin is not None
         self._until = time.monotonic() + seconds
-        data = memoryview(pack(message, **arrays))
+        data = memoryview(pack(message | {"seconds": seconds}, **arrays))
         try:
             while data:
                 if not select.select([], [self.process.stdin], [], max(self._until - time.monotonic(), 0))[1]:

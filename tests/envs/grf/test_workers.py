@@ -114,29 +114,61 @@ def test_closing_ends_the_processes(tmp_path):
     assert all(process.poll() is not None for process in processes)
 
 
-@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, None])
+PLAY = """
+import sys, time
+import numpy as np
+from envs.grf import workers
+from tests.envs.grf.fixtures import SCENE
+python, then = sys.argv[1:]
+workers.ANSWER_SECONDS, workers.STEP_SECONDS = 3.0, 0.0
+pool = workers.shared_workers(python, 1)
+episode = workers.Episode(SCENE, 0)
+pool.begin([episode])
+print(pool.processes[0].process.pid, flush=True)
+if then == "play":
+    pool.play([episode], np.zeros((1, 22), int))
+elif then == "wait":
+    time.sleep(100)
+"""
+
+
+def start_parent(python: Path, then: str) -> tuple[subprocess.Popen, int]:
+    """Start a process that plays; return it, and the number of its worker."""
+    words = [sys.executable, "-c", PLAY, str(python), then]
+    root = Path(__file__).parents[3]
+    parent = subprocess.Popen(words, cwd=root, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    assert parent.stdout is not None
+    return parent, int(parent.stdout.readline())
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, None])
 def test_no_worker_outlives_us(tmp_path, how):
     """However we end, by a signal or by ourselves."""
-    code = f"""
-import sys, time
-from envs.grf.workers import Episode, shared_workers
-from tests.envs.grf.fixtures import SCENE
-pool = shared_workers({str(fake_python(tmp_path))!r}, 1)
-pool.begin([Episode(SCENE, 0)])
-print(pool.processes[0].process.pid, flush=True)
-time.sleep({0 if how is None else 100})
-"""
-    root = Path(__file__).parents[3]
-    parent = subprocess.Popen([sys.executable, "-c", code], cwd=root, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-    assert parent.stdout is not None
-    pid = int(parent.stdout.readline())
+    parent, pid = start_parent(fake_python(tmp_path), "end" if how is None else "wait")
     if how is not None:
         parent.send_signal(how)
     parent.wait()
+    assert ends(pid)
+
+
+def test_not_even_a_hung_worker_outlives_us(tmp_path):
+    parent, pid = start_parent(fake_python(tmp_path, do="hang", at=0, once=str(tmp_path / "done")), "play")
     until = time.monotonic() + 20
-    while is_running(pid):
-        assert time.monotonic() < until, "the worker is still there"
+    while not (tmp_path / "done").exists():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    parent.kill()
+    parent.wait()
+    assert is_running(pid)
+    assert ends(pid)
+
+
+def ends(pid: int) -> bool:
+    """Return whether a process ends within some seconds."""
+    until = time.monotonic() + 20
+    while is_running(pid) and time.monotonic() < until:
         time.sleep(0.05)
+    return not is_running(pid)
 
 
 def is_running(pid: int) -> bool:
