@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from envs.football.ai.formation import LINE, MINDSET, between
-from envs.football.ai.run_speed import reaction_time
+from envs.football.ai.run_speed import go, reaction_time
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import man_on_ball
@@ -41,6 +41,8 @@ class Guard(NamedTuple):
     nearest: float = 0.4  # m in front of him at least
     buffer: float = 4.0  # m nearer than he is to where he will shoot
     late: float = 0.7  # share of the m by which a guard is too late that he falls back
+    clear_by: float = 1.5  # m by which he passes the opponent on the way back,
+    abreast: float = 0.3  # m, until he is abreast of him
     most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the hold on the ball
     curve: float = 0.7
 
@@ -160,6 +162,21 @@ def guarding_place(match, player, x, y):
         back = GUARD.late * late / (length(goal_x - x, y) + 1e-9)
         x, y = x + back * (goal_x - x), y * (1.0 - back)
     return x, y
+
+
+@kernel
+def run_round(player, rival, x, y):
+    """Run round an opponent who is in the way to (x, y); return whether one is."""
+    dx, dy = x - player.x, y - player.y
+    distance = length(dx, dy) + 1e-9
+    to_x, to_y = rival.x - player.x, rival.y - player.y
+    along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
+    if not GUARD.abreast < along < distance or abs(across) > GUARD.clear_by:
+        return False
+    aside = math.copysign(GUARD.clear_by - abs(across), across)  # to the side on which he is not
+    x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
+    go(player, x + dx / distance - player.x, y + dy / distance - player.y, player.top_speed)
+    return True
 
 
 @kernel

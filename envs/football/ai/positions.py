@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.ai.defence import guard_share, guarding_place, held_up
+from envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
 from envs.football.ai.formation import LINE, between, post_place, smooth
 from envs.football.ai.run_speed import head_for
 from envs.football.ai.support import runs_behind, support_share, supporting_place
@@ -38,6 +38,9 @@ def take_position(match, i):
     rival = man_on_ball(match, 1 - player.team)
     if match.step <= 1 or (match.step + player.shirt) % CHOSEN_EVERY == 0:
         choose_place(match, i)
+    rounds = player.marked_opponent != NOBODY and player.marked_opponent == match.carrier
+    if rounds and run_round(player, match.players[match.carrier], player.place_x, player.place_y):
+        return
     head_for(match, player, player.place_x, player.place_y, match.players[rival if rival != NOBODY else i])
 
 
