@@ -23,7 +23,7 @@ MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
 LABEL = -1  # in place of an opcode: the label of this row stands here
 AREA = 1 << 24  # registers are numbered by area until they are laid side by side
-FIXED, CONSTANTS, INPUTS, VARIABLES, SCRATCH, TEMPORARIES = (area * AREA for area in range(6))
+FIXED, CONSTANTS, INPUTS, VARIABLES, TEMPORARIES = (area * AREA for area in range(5))
 
 
 class Label:
@@ -87,7 +87,6 @@ class Assembler:
     reachable: bool = True  # whether the next row can be come to
     place: SourceSpan | None = None  # of the statement that is being compiled
     variables: Area = field(default_factory=lambda: Area(VARIABLES))
-    scratch: Area = field(default_factory=lambda: Area(SCRATCH))  # variables of functions, which end before time passes
     temporaries: Area = field(default_factory=lambda: Area(TEMPORARIES))
     constants: dict[float, int] = field(default_factory=dict)
     inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # by the node's id

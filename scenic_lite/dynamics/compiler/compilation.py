@@ -26,9 +26,10 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
-# "object" and its label, "simulation" and "", "global" and its module's number; then the attribute or variable
-Key = tuple[str, str | int, str]
+Key = tuple[str, str, str]  # of an attribute: "object", its label, the name
 DEEPEST = 40  # behaviors and functions inside each other
+OWN = "behavior or function"
+SHARED = "what several share is an attribute of an object: ego.count = 0"
 
 
 @dataclass(eq=False)
@@ -50,7 +51,6 @@ class InlinedBody:
     result: Variable | None = None  # of a function that returns from several places
     loops: list[Loop] = field(default_factory=list)
     aborts: list[Label] = field(default_factory=list)
-    level: int = 0  # intermediate results in use when a function gives its value back
     live: int = 0  # constructs around the present statement that are decided during a match
 
 
@@ -85,15 +85,10 @@ class CompiledScope(Scope):
                 return
             super().run((node,))
 
-    def assign(self, name: str, value: Value, anywhere: bool = False) -> None:
-        """Assign a variable; `anywhere`: change what a name stands for, whoever it belongs to."""
-        owner = self.owner_of(name, anywhere)
-        if owner is None:
-            self.compilation.keep_global(self, name, value)
-            return
-        if owner is not self:
-            owner.assign(name, value)
-            return
+    def assign(self, name: str, value: Value) -> None:
+        """Assign a variable. Raises ScenicError for one that is not the behavior's or function's own."""
+        if name in self.globals or name in self.nonlocals:
+            raise ScenicError("unsupported", f"a match cannot change '{name}', which is not of this {OWN}", hint=SHARED)
         self.undecided.discard(name)
         variable, code = self.variables.get(name), self.compilation.code
         if variable is None:
@@ -104,22 +99,6 @@ class CompiledScope(Scope):
         self.unset.discard(name)
         if name in self.flags:
             code.row(op.COPY, self.flags[name], code.constant(1))
-
-    def owner_of(self, name: str, anywhere: bool) -> CompiledScope | None:
-        """Return the frame whose variable is assigned, None for the module's. Raises ScenicError if that is gone."""
-        if name in self.globals:
-            return None
-        if not anywhere and name not in self.nonlocals:
-            return self
-        scope: Environment | None = self if anywhere else self.outer
-        while scope is not None and name not in scope.locals and scope.locals is not scope.module_names:
-            scope = scope.outer
-        if isinstance(scope, CompiledScope):
-            return scope
-        if name in self.module_names:
-            return None
-        message = f"'{name}' belongs to a function that is over, and cannot be changed in a match"
-        raise ScenicError("unsupported", message, hint="copy it first: items = list(items)")
 
     def check_set(self, name: str) -> None:
         """Write rows that stop a match which reads a variable without a value. Raises ScenicError if that is vague."""
@@ -140,8 +119,7 @@ class CompiledScope(Scope):
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
         for name in sorted(names):
-            others = name in self.globals or name in self.nonlocals or name not in self.assigned | self.locals.keys()
-            if others or name in self.variables:
+            if name in self.variables or name not in self.assigned | self.locals.keys():
                 continue
             c = self.compilation
             variable = Variable(c.code, c.types, (*self.inlined.path, name), fluid=True)
@@ -295,14 +273,12 @@ class Compilation:
     code: Assembler
     types: TypeTable
     simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
-    modules: dict[int, dict[str, Value]]  # variables of modules that the program assigns in a match, by the id
     mode: Mode = field(init=False)  # how nodes are evaluated for the compiler
     site: Site = field(default_factory=Site)
     output: Output = field(default_factory=Output)
     shown: WorldRegisters = field(default_factory=WorldRegisters)
     drivers: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors that scenarios give objects, by label
     shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
-    before: dict[int, dict[str, Value]] = field(default_factory=dict)  # what `modules` held before this walk
     remembering: bool = False  # the program reads `lastActions`
 
     @property
@@ -350,36 +326,22 @@ class Compilation:
 
     # ------------------------------------------------------------ what all behaviors of a match see
 
-    def keep_global(self, scope: Scope, name: str, value: Value) -> None:
-        """Assign a variable of a module."""
-        number = id(scope.module_names)
-        self.modules[number] = scope.module_names
-        self.keep(("global", number, name), value)
-
     def keep(self, key: Key, value: Value) -> None:
-        """Assign an attribute or variable that lasts as long as the match."""
+        """Assign an attribute: it lasts as long as the match."""
         variable = self.shared_variable(key)
         variable.store(value)
         self.table_of(key)[key[2]] = variable.load()
 
     def table_of(self, key: Key) -> dict[str, Value]:
         """Return where an attribute is looked up."""
-        kind, label, name = key
-        if kind == "global":
-            assert isinstance(label, int)
-            return self.modules[label]
-        if kind == "simulation":
-            return self.simulation.names
-        owner = next(each for each in self.program.instances if each.label == label)
-        return owner.properties if name in owner.properties else owner.attributes
+        owner = next(each for each in self.program.instances if each.label == key[1])
+        return owner.properties if key[2] in owner.properties else owner.attributes
 
     def shared_variable(self, key: Key) -> Variable:
         """Return the variable of an attribute; at the start of a match it holds what the program gave it."""
         if key in self.shared:
             return self.shared[key]
         table, name = self.table_of(key), key[2]
-        if isinstance(key[1], int) and name in table:
-            self.before.setdefault(key[1], {})[name] = table[name]
         if key not in self.types.types:  # what was read of it before was taken for fixed
             self.types.outdated.add(key)
         variable = self.shared[key] = Variable(self.code, self.types, key, shared=True)
@@ -397,7 +359,7 @@ class Compilation:
 
     def show_shared(self) -> None:
         """Let the attributes that a program is known to set be read from their registers."""
-        for key in [key for key in self.types.types if key[0] in ("object", "simulation", "global")]:
+        for key in [key for key in self.types.types if key[0] == "object"]:
             self.table_of(key)[key[2]] = self.shared_variable(key).load()
 
     def scenarios_begun(self) -> int:

@@ -65,10 +65,9 @@ def compile_program(program: Program, world: World) -> Compiled:
     """Return the code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
     types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
-    modules: dict[int, dict[str, Value]] = {}
     for _ in range(MOST_WALKS):
         types.begin_walk()
-        compilation = Compilation(program, world, Assembler(), types, simulation, modules)
+        compilation = Compilation(program, world, Assembler(), types, simulation)
         compilation.mode = compile_mode(compilation)
         with live_objects(compilation):
             threads = walk(compilation)
@@ -93,8 +92,6 @@ def live_objects(c: Compilation) -> Iterator[None]:
         variables.update(loaded_variables)
         for each, (properties, attributes) in zip(instances, loaded, strict=True):
             each.properties, each.attributes = properties, attributes
-        for number, before in c.before.items():
-            c.modules[number].update(before)
 
 
 def compile_mode(c: Compilation) -> Mode:
@@ -371,20 +368,9 @@ def show_world(c: Compilation) -> None:
     for i, name in enumerate(world.facts):
         code.notes[c.shown.facts + i] = name
     c.shown.names = frozenset(names)
-    seen = world.simulation(list(program.instances), dict(facts))
-    update(c.simulation, seen)
-    c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
-
-
-def update(old: Namespace, new: Namespace) -> None:
-    """Let a namespace that variables hold since an earlier walk show this one's registers."""
-    inner = {name: value for name, value in old.names.items() if isinstance(value, Namespace)}
-    old.names.clear()
-    old.names.update(new.names)
-    for name, value in inner.items():
-        if isinstance(new.names.get(name), Namespace):
-            old.names[name] = value
-            update(value, new.names[name])
+    if not c.simulation.names:  # once: the world has the same registers in every walk, and variables hold parts of it
+        c.simulation.names.update(world.simulation(list(program.instances), dict(facts)).names)
+        c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
 
 
 # ------------------------------------------------------------ one thread

@@ -27,8 +27,8 @@ from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.lists import DECIDED, FUNCTIONS, comprehension, contains, element_at, refused
-from scenic_lite.dynamics.compiler.registers import materialize, moves_to, registers_in, snapshot
-from scenic_lite.dynamics.compiler.types import RegisterList, type_of, varies
+from scenic_lite.dynamics.compiler.registers import materialize
+from scenic_lite.dynamics.compiler.types import RegisterList, varies
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import item_of
@@ -110,31 +110,14 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
 
 def place_of_key(c: Compilation, table: dict, key: Value) -> Value:
     """Return the place of a live key among those of a dictionary; a fault if it is not there."""
-    if isinstance(key, RandomChoice):
-        keys = list(table)
-        known = [next((i for i, other in enumerate(keys) if other is option), len(keys)) for option in key.options]
-        place = materialize(c.code, choose(key.index, known))
-    else:
-        place = len(table)
-        for i, known_key in reversed(list(enumerate(table))):
-            same = materialize(c.code, apply(EQUAL, known_key, key))
-            place = choose(as_number(same), [place, i])
-        place = materialize(c.code, place)
+    place: Value = len(table)
+    for i, known in reversed(list(enumerate(table))):
+        same = materialize(c.code, apply(EQUAL, known, key))
+        place = choose(as_number(same), [place, i])
+    place = materialize(c.code, place)
     inside = apply(LESS, place, len(table))
     c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
     return place
-
-
-def with_item(c: Compilation, scope: Scope, container: Value, index: Value, value: Value) -> Value:
-    """Return a container with another element."""
-    if isinstance(index, RandomExpr | RandomChoice | slice) or not isinstance(container, dict | list):
-        what = f"elements of {describe_kind(container)}" if not isinstance(container, RegisterList) else "elements"
-        raise refused(f"{what} where the match decides cannot be assigned", "use a variable for each of them")
-    if isinstance(container, dict):
-        return {**container, index: value}
-    changed = list(container)
-    changed[index] = value
-    return changed
 
 
 # ------------------------------------------------------------ texts, operators, comparisons
@@ -273,43 +256,17 @@ def undecided(value: Value) -> bool:
 def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
-    """Write the rows of a function of the program in place. Its variables last until it has given its value."""
-    bound = function.bind(arguments, keywords)
-    code, outside, before = c.code, c.code.variables, c.code.place
-    used = code.scratch.used
-    code.variables = code.scratch
+    """Write the rows of a function of the program in place."""
+    bound, before = function.bind(arguments, keywords), c.code.place
     try:
         with c.entered(function, node):
-            names = {name: materialize(code, value) for name, value in bound.items()}
-            result, level = settled_result(c, function, names)
+            names = {name: materialize(c.code, value) for name, value in bound.items()}
+            return result_of(scope_of(c, function, names), function)
     except ScenicError as error:
         raise seen_from(scope, function, node, error) from None
     finally:
-        code.place, code.variables = before, outside
-        code.known.clear()
-    code.temporaries.used = max(code.temporaries.used, level)
-    result = out_of_the_way(code, result, used)
-    code.scratch.used = used
-    return result
-
-
-def settled_result(c: Compilation, function: Function, names: dict[str, Value]) -> tuple[Value, int]:
-    """Write the body; again if a variable of its own had not its last type, which is sooner done than a whole walk."""
-    code, doubts, known = c.code, len(c.output.doubts), dict(c.code.known)
-    temporaries, scratch = code.temporaries.used, code.scratch.used
-    while True:
-        inner = scope_of(c, function, dict(names))
-        with code.captured() as rows:
-            result = result_of(inner, function)
-        own = {key for key in c.types.outdated if key[: len(c.site.path)] == c.site.path}
-        if not own:
-            code.rows.extend(rows)
-            return result, inner.inlined.level
-        c.types.outdated -= own
-        c.types.read = {key for key in c.types.read if key[: len(c.site.path)] != c.site.path}
-        del c.output.doubts[doubts:]
-        code.reachable, code.known = True, dict(known)
-        code.temporaries.used, code.scratch.used = temporaries, scratch
+        c.code.place = before
+        c.code.known.clear()
 
 
 def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> CompiledScope:
@@ -335,17 +292,6 @@ def result_of(inner: CompiledScope, function: Function) -> Value:
         body.result.store(None)
     code.put(body.end)
     return body.result.load()
-
-
-def out_of_the_way(code: Assembler, value: Value, used: int) -> Value:
-    """Return a function's value, copied out of the registers of its variables, which are free again."""
-    if not varies(value):
-        return value
-    freed = range(code.scratch.base + used, code.scratch.base + code.scratch.used)
-    type = type_of(value)
-    moves = moves_to(type, iter(range(type.size)), value)
-    read = {register for _, part in moves for register in registers_in(part)}
-    return value if read.isdisjoint(freed) else snapshot(code, value)
 
 
 EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {

@@ -120,7 +120,7 @@ class Layout:
     """Where each area of registers begins."""
 
     def __init__(self, code: Assembler) -> None:
-        areas = (code.variables, code.scratch, code.temporaries)
+        areas = (code.variables, code.temporaries)
         sizes = [code.fixed.used, len(code.constants), len(code.inputs), *(area.most for area in areas)]
         self.bases = [sum(sizes[:i]) for i in range(len(sizes))]
         self.count = sum(sizes)

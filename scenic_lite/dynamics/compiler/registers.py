@@ -24,7 +24,6 @@ from scenic_lite.dynamics.compiler.types import (
     join,
     loaded,
     option_for,
-    sorts_of,
     type_of,
     unflatten,
     varies,
@@ -228,26 +227,16 @@ class TypeTable:
         self.outdated.clear()
 
     def declare(self, key: tuple, type: Type) -> bool:
-        """Note that a variable can hold this; return whether its type is another one now. Raises ScenicError."""
+        """Note that a variable can hold this; return whether its type is another one now."""
         before = self.types.get(key)
         after = join(before, type)
         if after == before:
             return False
         assert after is not None
-        if before is not None and len(sorts_of(after)) > max(1, len(sorts_of(before))):
-            held = sorts_of(before)
-            was, becomes = (
-                " or ".join(sorts) or "None" for sorts in (held, [new for new in sorts_of(type) if new not in held])
-            )
-            message = f"'{key[-1]}' was {was} and becomes {becomes}"
-            raise ScenicError("unsupported", f"{message}: no variable changes its type in a match", hint=ANOTHER)
         self.types[key] = after
         if key in self.read:
             self.outdated.add(key)
         return True
-
-
-ANOTHER = "give the other value a variable of its own"
 
 
 class Variable:

@@ -13,13 +13,11 @@ from copy import copy
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.scope import near
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Assembler, Label
-from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, Loop
+from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.expressions import with_item
 from scenic_lite.dynamics.compiler.lists import (
     LiveRange,
     appended,
@@ -38,7 +36,6 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import combine
-from scenic_lite.evaluation.statements import define_function
 from scenic_lite.language.classes import checked
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import walk_own
@@ -84,18 +81,10 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
     elif isinstance(target, ast.Attribute):
         set_attribute(c, scope, target, scope.value(target.value), value)
     elif isinstance(target, ast.Subscript):
-        container, index = scope.value(target.value), scope.value(target.slice)
-        rebind(c, scope, target.value, with_item(c, scope, container, index, value))
+        hint = "make another: [value, *items[1:]]; or use a variable for each of them"
+        raise ScenicError("unsupported", "elements cannot be assigned in a match", hint=hint)
     else:
         raise scope.error("syntax", "this cannot be assigned to", target)
-
-
-def rebind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -> None:
-    """Assign what has changed, to a variable wherever that belongs."""
-    if isinstance(target, ast.Name):
-        scope.assign(target.id, value, anywhere=True)
-    else:
-        bind(c, scope, target, value)
 
 
 def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) -> None:
@@ -121,11 +110,14 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
         return False
     item = scope.value(node.args[0])
     variable = scope.variables.get(target.id) if isinstance(target, ast.Name) else None
+    if isinstance(target, ast.Name) and target.id not in scope.locals:
+        message = f"a match cannot append to '{target.id}', which is not of this {OWN}"
+        raise ScenicError("unsupported", message, hint=SHARED)
     if variable is not None and isinstance(items, RegisterList):
         variable.declare(RegisterList(ListType(type_of(item), LONGEST), ()))
         put_item(c.code, variable.load(), item)
     else:
-        rebind(c, scope, target, appended(c, items, item))
+        bind(c, scope, target, appended(c, items, item))
     return True
 
 
@@ -135,17 +127,12 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
 def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
     """Compile `owner.name = value`: all behaviors of the match see it."""
     name = target.attr
-    if owner is c.simulation and name == "scenic_reward":
+    if owner is c.simulation:
+        if name != "scenic_reward":
+            raise ScenicError("unsupported", f"a match sets no attribute '{name}' of simulation()", hint=SHARED)
         if kind_of(value) not in ("number", "truth"):
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
-    elif owner is c.simulation:
-        own = {key[2] for key in c.types.types if key[0] == "simulation"}  # assigned, as an earlier walk saw
-        known = [each for each in c.simulation.names if each not in own]
-        if hint := near(name, known) if name not in known else "":
-            warning = scope.error("warning", f"simulation() has no attribute '{name}' until now", target, hint)
-            c.output.doubts.append(warning)
-        c.keep(("simulation", "", name), value)
     elif isinstance(owner, Instance) and owner.label:
         c.refuse_live(owner, name)
         value = checked(name, value, c.program.dialect) if name in owner.properties else value
@@ -304,9 +291,7 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
         return
     value = None if node.value is None else scope.value(node.value)
     if inlined.live == 0 and inlined.result is None and not inlined.loops:
-        value = materialize(c.code, value)
-        inlined.level = c.code.temporaries.used
-        raise Return(value)
+        raise Return(store_in_register(c.code, value))
     if inlined.result is None:
         inlined.result = Variable(c.code, c.types, (*inlined.path, "return"), fluid=True)
     inlined.result.store(value)
@@ -335,11 +320,6 @@ REFUSED = {
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
     message, hint = REFUSED[type(node)]
     raise ScenicError("unsupported", message, hint=hint)
-
-
-def define(c: Compilation, scope: CompiledScope, node: ast.FunctionDef) -> None:
-    scope.pin({name for each in ast.walk(node) if isinstance(each, ast.Nonlocal) for name in each.names})
-    define_function(scope, node)
 
 
 # ------------------------------------------------------------ what statements change
@@ -392,6 +372,5 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Continue: compile_continue,
     ast.Return: compile_return,
     ast.Assert: compile_assert,
-    ast.FunctionDef: define,
     **dict.fromkeys(REFUSED, refuse),
 }

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import count
 from typing import Any
 
 from scenic_lite.core.types import (
@@ -327,22 +326,3 @@ def loaded(type: Type, registers: Iterator[int]) -> Value:
     assert isinstance(type, OneOf)
     tag = RegisterValue(next(registers), whole=True)
     return RandomChoice(tag, tuple(loaded(option, registers) for option in type.options))
-
-
-# ------------------------------------------------------------ sorts, for messages
-
-
-def sorts_of(type: Type) -> list[str]:
-    """Return what a variable of this type can be, None aside: more than one is no type for a variable."""
-    options = type.options if isinstance(type, OneOf) else (type,)
-    return sorted({sort_of(loaded(option, count())) for option in options} - {"None"})
-
-
-def sort_of(value: Value) -> str:
-    if kind_of(value) in ("number", "truth"):
-        return "a number"
-    if isinstance(value, Instance):
-        return "an object"
-    if isinstance(value, list | tuple | RegisterList):
-        return "a list"
-    return "a text" if kind_of(value) == "text" else describe_kind(value)

@@ -64,8 +64,7 @@ BODIES = {
         far.append(first.position.y)
         take f'{len(near)} {order[0].position.x:.9g} {order[-1].position.y:.9g} {first.position.x:.9g} {len(far)}'
         take f'{sum(far):.9g} {max(far):.9g} {far[i // 2]:.9g} {mate in near} {any([o is mate for o in near])}'
-        numbers = [1, 5, i]
-        numbers[2] = i + 1
+        numbers = [1, 5, i + 1]
         near.append(mate)
         take f'{numbers[0]} {sum(numbers[:2])} {[3, 1, 2][i % 3]} {sorted(numbers, reverse=True)[0]}'
 """,
@@ -121,13 +120,13 @@ BODIES = {
 """,
     "attributes": """
     self.count = 0
-    simulation().level = 1
+    mate.level = 1
     while True:
         self.count += 1
         if self.count % 2 == 0:
-            simulation().level += self.count
+            mate.level += self.count
         simulation().scenic_reward = self.count - 2
-        take f'{self.count} {simulation().level}'
+        take f'{self.count} {mate.level}'
 """,
     "functions of the program": """
     while True:

@@ -60,8 +60,8 @@ class Generator:
             f"sum([{a}, {b}, 3, self.position.y][{self.random.randrange(-3, 3)}:])",
             f"sum([o.position.y for o in things if o.position.y > {a}])",
             f"abs({a}) ** 0.5",
-            f"(shared + {a})",
-            "len(log)",
+            f"(ego.shared + {a})",
+            "len(ego.log)",
             f"({self.nearest(a)}).position.y",
             f"sqrt(abs({a}))",
             f"sin({a})",
@@ -187,10 +187,10 @@ class Generator:
     def change(self, indent: int, names: list[str]) -> None:
         """A variable that all behaviors see, or a list that they share, is another."""
         number = self.number(names, 1)
-        self.write(indent, self.pick(f"bump({number})", f"log.append({number})", f"log.append({number})"))
+        self.write(indent, self.pick(f"bump({number})", f"ego.log.append({number})", f"ego.log.append({number})"))
         if self.chance(0.5):
-            self.write(indent, f"if len(log) > {self.random.randrange(1, 6)}:")
-            self.write(indent + 1, self.pick("bump(log[0])", "bump(log[-1])", f"bump(sum(log) + {number})"))
+            self.write(indent, f"if len(ego.log) > {self.random.randrange(1, 6)}:")
+            self.write(indent + 1, self.pick("bump(ego.log[0])", "bump(ego.log[-1])", f"bump(sum(ego.log) + {number})"))
 
     def branch(self, indent: int, names: list[str], depth: int, loop: bool, handler: bool) -> None:
         self.write(indent, f"if {self.truth(names)}:")
@@ -313,11 +313,8 @@ class Generator:
         self.write(2, "wait")
 
 
-HEADER = """shared = 0
-log = []
-def bump(x):
-    global shared
-    shared = shared / 2 + x
+HEADER = """def bump(x):
+    ego.shared = ego.shared / 2 + x
 def near(a, b):
     if a < b:
         c = a + 1
@@ -347,7 +344,7 @@ area = RectangularRegion(1 @ 2, 0.2, 4, 5)
 speed = Range(0, 3)
 kind = DiscreteRange(0, 2)
 word = Uniform('up', 'down')"""
-FOOTER = """ego = new Object at 0 @ 0, with behavior Main0(speed + 1), with requireVisible False
+FOOTER = """ego = new Object at 0 @ 0, with behavior Main0(speed + 1), with requireVisible False, with shared 0, with log []
 mate = new Object at 4 @ Range(2, 4), with behavior Main1(3, kind), with requireVisible False
 foe = new Object at -4 @ 1, with requireVisible False
 things = [ego, mate, foe]"""

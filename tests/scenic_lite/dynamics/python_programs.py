@@ -1,4 +1,4 @@
-"""Programs that use more of Python in their behaviors: lists that change, variables of modules, `match`, `del`."""
+"""Programs that use more of Python in their behaviors: lists that grow, shared attributes, pairs."""
 
 OBJECTS = """
 ego = new Object at 0 @ 0, with behavior Main(), with requireVisible False
@@ -64,63 +64,39 @@ behavior Main():
         take z
         abort
 """,
-    "global": """
-n = 0
-def bump():
-    global n
-    n += 10
+    "fixed keys": """
 behavior Main():
-    global n
-    while True:
-        n += 1
-        take n
-        bump()
-        take n
-""",
-    "global shared": """
-n = 0
-behavior Other():
-    while True:
-        take f'o{n}'
-behavior Main():
-    global n
-    while True:
-        n += self.position.y
-        take f'{n:.6g}'
-""",
-    "global list": """
-seen = []
-behavior Other():
-    while True:
-        take f'o{len(seen)}'
-behavior Main():
-    while True:
-        seen.append(self.position.y)
-        take f'{len(seen)}'
-""",
-    "nonlocal": """
-def outer(x):
-    n = 1
-    def inner():
-        nonlocal n
-        n += x
-    inner()
-    inner()
-    return n
-behavior Main():
-    while True:
-        take outer(self.position.y)
-""",
-    "dict fixed keys": """
-behavior Main():
-    d = {'a': 0, 'b': 0}
     while True:
         k = 'a' if self.position.y % 2 == 0 else 'b'
-        d['a'] += d[k] + 1
-        d['b'] = d[k] * 2
-        take f"{d['a']} {d['b']}"
+        d = {'a': self.position.y, 'b': 7}
+        take f"{d['a']} {d[k]:.6g}"
         for k, v in d.items():
             take f'{k}{v}'
+""",
+    "shared attributes": """
+def bump(x):
+    ego.n += x
+behavior Other():
+    while True:
+        take f'o{ego.n:.6g}{len(ego.seen)}'
+behavior Main():
+    self.n, self.seen = 0, []
+    while True:
+        self.n += self.position.y
+        self.seen.append(self.n)
+        bump(10)
+        take f'{self.n:.6g}'
+""",
+    "variables of several sorts": """
+behavior Main():
+    x = 1
+    self.mark = 'up'
+    while True:
+        take x, self.mark
+        x = self.position
+        self.mark = self.position.y
+        take f'{x.y:.6g}'
+        x = 'a' if self.position.y > 2 else 2
 """,
     "branching field": """
 def where(p):
