@@ -266,7 +266,7 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
     left = code.variables.take(len(calls))
     for i in range(len(calls)):
         register_of(code, 1, left + i)
-    with code.rounds(code.constant(len(calls)), at_least_one=True):
+    with code.rounds(code.constant(len(calls))):
         chosen = pick(c, calls, node, left)
         code.row(op.STORE, left, chosen, code.constant(0))
         run_one_of(c, [call for call, _ in calls], node, chosen)

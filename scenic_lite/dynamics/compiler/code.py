@@ -159,17 +159,19 @@ class Assembler:
         self.put(end)
 
     @contextmanager
-    def rounds(self, count: int, at_least_one: bool = False) -> Iterator[tuple[RegisterValue, Label]]:
-        """Rows written inside are executed for 0, 1, ... below the value of a register; the label begins the next."""
+    def rounds(self, stop: int, start: int | None = None, step: int = 1) -> Iterator[tuple[RegisterValue, Label]]:
+        """Rows written inside are executed for the numbers from one register up or down to another; the label begins
+        the next. Without `start` they are the places of a list, which are never too many.
+        """
         counter, again, following, over = RegisterValue(self.variables.take(), whole=True), Label(), Label(), Label()
-        self.row(op.COPY, counter.register, self.constant(0))
-        if not at_least_one:
-            self.row(op.JUMP_NOT_LESS, counter.register, count, over)
+        now = counter.register
+        self.row(op.COPY, now, self.constant(0) if start is None else start)
         self.put_loop(again)
+        self.row(op.JUMP_NOT_LESS, *((now, stop) if step > 0 else (stop, now)), over)
         yield counter, following
         self.put(following)
-        self.row(op.ADD, counter.register, counter.register, self.constant(1))
-        self.row(op.JUMP_LESS, counter.register, count, again)
+        self.row(op.ADD, now, now, self.constant(step))
+        self.row(op.JUMP if start is None else op.LOOP_BACK, c=again)
         self.put(over)
 
     @contextmanager

@@ -92,7 +92,7 @@ def many(items: Value) -> bool:
 def loop(code: Assembler, items: RegisterList | list | tuple) -> Iterator[tuple[Value, RegisterValue, Label]]:
     """Rows written inside are executed for each element; its place, and the label that begins the next round."""
     count = items.registers[0] if isinstance(items, RegisterList) else code.constant(len(items))
-    with code.rounds(count, at_least_one=not isinstance(items, RegisterList)) as (counter, following):
+    with code.rounds(count) as (counter, following):
         yield element_at(code, items, counter), counter, following
 
 
@@ -115,10 +115,12 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
     """Return a list: fixed if its sources and tests are, else in registers."""
     with c.code.captured() as rows:
         fixed = fixed_elements(c, scope, node.generators, node.elt)
-    if fixed is None:
-        return Filter(c, node.elt).result(scope, node.generators)
-    c.code.rows.extend(rows)
-    return fixed
+    if fixed is not None:
+        c.code.rows.extend(rows)
+        return fixed
+    if len(node.generators) > 1:
+        raise refused("a comprehension over several lists, of which the match decides the length", "write a loop")
+    return filtered(c, scope, node.generators[0], node.elt)
 
 
 def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
@@ -153,42 +155,25 @@ def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Val
     return inner
 
 
-class Filter:
-    """A comprehension of which the match decides which elements it has: loops around one row of `put`s."""
-
-    def __init__(self, c: Compilation, element: ast.expr) -> None:
-        self.c, self.element = c, element
-        self.count = c.code.variables.take()
-        self.items: RegisterList | list = []  # of what is never come to
-
-    def result(self, scope: Scope, generators: list) -> Value:
-        register_of(self.c.code, 0, self.count)
-        self._loop(scope, generators, 1)
-        return self.items
-
-    def _loop(self, scope: Scope, generators: list, most: int) -> None:
-        """Write the loop of the first generator, in it those of the others; `most`: rounds of those around it."""
-        (first, *rest), code = generators, self.c.code
-        items = one_list(self.c, scope.value(first.iter))
-        if not isinstance(items, RegisterList):
-            items = elements(self.c, scope, items, first.iter)
-            if not items:
-                return
-            items = items if are_objects(items) else in_registers(code, items)
-        most *= items.type.capacity if isinstance(items, RegisterList) else len(items)
-        with loop(code, items) as (item, _, following):
-            inner = tested(self.c, scope, first, item, following)
-            if code.reachable and rest:
-                self._loop(inner, rest, most)
-            elif code.reachable:
-                self._add(inner.value(self.element), most)
-
-    def _add(self, value: Value, most: int) -> None:
-        code = self.c.code
-        type = ListType(type_of(value), min(most, LONGEST))
-        start = code.variables.take(type.size - 1)
-        self.items = RegisterList(type, (self.count, *range(start, start + type.size - 1)))
-        put_item(code, self.items, value, checked=most > LONGEST)
+def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element: ast.expr) -> Value:
+    """Return the list of a comprehension of which the match decides which elements it has."""
+    code, items = c.code, one_list(c, scope.value(generator.iter))
+    if not isinstance(items, RegisterList):
+        items = elements(c, scope, items, generator.iter)
+        items = items if are_objects(items) else in_registers(code, items)
+    most = items.type.capacity if isinstance(items, RegisterList) else len(items)
+    place = None
+    with code.captured() as rows, loop(code, items) as (item, _, following):
+        inner = tested(c, scope, generator, item, following)
+        if code.reachable:
+            value = inner.value(element)
+            place = Place(code, ListType(type_of(value), min(most, LONGEST)), code.variables)
+            put_item(code, place.load(), value, checked=most > LONGEST)
+    if place is None:
+        return []
+    register_of(code, 0, place.registers[0])
+    code.rows.extend(rows)
+    return place.load()
 
 
 # ------------------------------------------------------------ elements

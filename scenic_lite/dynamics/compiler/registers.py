@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.code import Area, Assembler
+from scenic_lite.dynamics.compiler.code import TEMPORARIES, Area, Assembler
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.types import (
     ListType,
@@ -25,8 +25,8 @@ from scenic_lite.dynamics.compiler.types import (
     loaded,
     option_for,
     type_of,
-    unflatten,
     varies,
+    with_parts,
     with_registers,
 )
 from scenic_lite.dynamics.machine import opcodes as op
@@ -34,7 +34,6 @@ from scenic_lite.dynamics.machine.register_values import RegisterValue, leaves
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import Value
 
-FEW = 4  # registers: more are copied by one row
 Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
 
 
@@ -113,11 +112,8 @@ def store(code: Assembler, moves: list[Move]) -> None:
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
     if len(moves) == 1 or not any(targets & registers_in(value) for _, value in moves):
-        for to, value, count in runs(moves):
-            if count < FEW:
-                register_of(code, value, to)
-            else:
-                code.row(op.COPY_MANY, to, value.register, count)
+        for to, value in moves:
+            register_of(code, value, to)
         return
     sources = [register_of(code, value) for _, value in moves]
     for i, register in enumerate(sources):
@@ -126,27 +122,6 @@ def store(code: Assembler, moves: list[Move]) -> None:
             register_of(code, RegisterValue(register), sources[i])
     for (to, _), register in zip(moves, sources, strict=True):
         register_of(code, RegisterValue(register), to)
-
-
-def runs(moves: list[Move]) -> Iterator[tuple[int, Value, int]]:
-    """Yield the moves, those of many neighbours to neighbours as one: target, value, how many."""
-    at = 0
-    while at < len(moves):
-        (to, value), count = moves[at], 1
-        while at + count < len(moves) and follows(moves[at], moves[at + count], count):
-            count += 1
-        if count >= FEW:
-            yield to, value, count
-        else:
-            yield from ((*move, 1) for move in moves[at : at + count])
-        at += count
-
-
-def follows(first: Move, other: Move, distance: int) -> bool:
-    (to, value), (after, following) = first, other
-    if not isinstance(value, RegisterValue) or not isinstance(following, RegisterValue):
-        return False
-    return after == to + distance and following.register == value.register + distance
 
 
 def registers_in(value: Value) -> set[int]:
@@ -169,7 +144,10 @@ class Place:
         return loaded(self.type, iter(self.registers))
 
     def store(self, value: Value) -> None:
-        store(self.code, list(moves_to(self.type, iter(self.registers), value)))
+        if isinstance(value, RegisterList) and value.type == self.type:
+            self.code.row(op.COPY_MANY, self.registers[0], value.registers[0], self.type.size)
+        else:
+            store(self.code, list(moves_to(self.type, iter(self.registers), value)))
 
 
 def place_for(code: Assembler, values: list[Value]) -> Place:
@@ -197,18 +175,20 @@ def copied_to(code: Assembler, value: Value, area: Area) -> Value:
     return place.load()
 
 
-def materialize(code: Assembler, value: Value) -> Value:
-    """Return a value with everything in it computed now, so that it is not computed again wherever it is read."""
-    if isinstance(value, RegisterValue | RegisterList) or not varies(value):
+def materialize(code: Assembler, value: Value, area: Area | None = None) -> Value:
+    """Return a value with everything in it computed now, so that it is not computed again wherever it is read.
+
+    What is computed stands there until the statement ends, with an `area` as long as that lasts.
+    """
+    if isinstance(value, RegisterValue | RegisterList):
+        passing = area is not None and max(registers_in(value)) >= TEMPORARIES
+        return copied_to(code, value, area) if area is not None and passing else value
+    if not varies(value):
         return value
-    if isinstance(value, RandomChoice):
-        return RandomChoice(
-            materialize(code, value.index), tuple(materialize(code, option) for option in value.options)
-        )
-    apart = flatten(value)
-    if apart is not None:
-        return unflatten(apart[0], [materialize(code, part) for part in apart[1]])
-    return RegisterValue(register_of(code, value), value.kind, is_whole(value), lasting=False)
+    if isinstance(value, RandomChoice) or flatten(value) is not None:
+        return with_parts(value, lambda part: materialize(code, part, area))
+    register = register_of(code, value, None if area is None else area.take())
+    return RegisterValue(register, value.kind, is_whole(value), lasting=False)
 
 
 # ------------------------------------------------------------ variables

@@ -25,10 +25,9 @@ from scenic_lite.dynamics.compiler.lists import (
     loop,
     many,
     one_list,
-    put_item,
 )
 from scenic_lite.dynamics.compiler.registers import Variable, materialize, snapshot, store_in_register
-from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, type_of
+from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -108,16 +107,10 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
     items = scope.value(target) if isinstance(target, ast.Name | ast.Attribute) else None
     if not isinstance(items, list | RegisterList):
         return False
-    item = scope.value(node.args[0])
-    variable = scope.variables.get(target.id) if isinstance(target, ast.Name) else None
     if isinstance(target, ast.Name) and target.id not in scope.locals:
         message = f"a match cannot append to '{target.id}', which is not of this {OWN}"
         raise ScenicError("unsupported", message, hint=SHARED)
-    if variable is not None and isinstance(items, RegisterList):
-        variable.declare(RegisterList(ListType(type_of(item), LONGEST), ()))
-        put_item(c.code, variable.load(), item)
-    else:
-        bind(c, scope, target, appended(c, items, item))
+    bind(c, scope, target, appended(c, items, scope.value(node.args[0])))
     return True
 
 
@@ -235,18 +228,9 @@ def needs_one_object(node: ast.For) -> bool:
 @contextmanager
 def numbers(code: Assembler, numbers: LiveRange) -> Iterator[tuple[Value, RegisterValue, Label]]:
     """Rows written inside are executed for each number; the label begins the next round."""
-    counter, stop = code.variables.take(), code.variables.take()
-    register_of(code, numbers.start, counter)
-    register_of(code, numbers.stop, stop)
-    again, following, over = Label(), Label(), Label()
-    code.put_loop(again)
-    code.row(op.JUMP_NOT_LESS, *((counter, stop) if numbers.step > 0 else (stop, counter)), over)
-    value = RegisterValue(counter, whole=True)
-    yield value, value, following
-    code.put(following)
-    code.row(op.ADD, counter, counter, code.constant(numbers.step))
-    code.row(op.LOOP_BACK, c=again)
-    code.put(over)
+    stop = register_of(code, numbers.stop, code.variables.take())
+    with code.rounds(stop, register_of(code, numbers.start), numbers.step) as (counter, following):
+        yield counter, counter, following
 
 
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
@@ -291,7 +275,7 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
         return
     value = None if node.value is None else scope.value(node.value)
     if inlined.live == 0 and inlined.result is None and not inlined.loops:
-        raise Return(store_in_register(c.code, value))
+        raise Return(materialize(c.code, value, c.code.variables))
     if inlined.result is None:
         inlined.result = Variable(c.code, c.types, (*inlined.path, "return"), fluid=True)
     inlined.result.store(value)

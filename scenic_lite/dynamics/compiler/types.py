@@ -8,7 +8,7 @@ which stores values by their types.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -178,6 +178,14 @@ def unflatten(head: tuple, parts: list[Value]) -> Value:
     region = object.__new__(kind)
     vars(region).update(zip(rest[0], parts, strict=True))
     return region
+
+
+def with_parts(value: Value, change: Callable[[Value], Value]) -> Value:
+    """Return a choice or structure with other parts; what is neither as it is."""
+    if isinstance(value, RandomChoice):
+        return RandomChoice(change(value.index), tuple(map(change, value.options)))
+    apart = flatten(value)
+    return value if apart is None else unflatten(apart[0], list(map(change, apart[1])))
 
 
 def builds_text(value: Value) -> bool:

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import partial
 from itertools import product
 
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import RandomChoice
 from scenic_lite.dynamics.compiler.choices import branch, needs_number
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import (
@@ -24,7 +24,7 @@ from scenic_lite.dynamics.compiler.compilation import (
 )
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
-from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
+from scenic_lite.dynamics.compiler.types import RegisterList, builds_text, with_parts
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import TERMINATED
 from scenic_lite.dynamics.machine.compiled import Record
@@ -131,14 +131,9 @@ def in_registers(c: Compilation, value: Value) -> Value:
     if isinstance(value, RegisterList):
         capacity = 0 if value.type.element is None else value.type.capacity
         return Listed(value.length, [in_registers(c, value.at(i)) for i in range(capacity)])
-    if isinstance(value, RandomChoice):
-        return RandomChoice(in_registers(c, value.index), tuple(in_registers(c, each) for each in value.options))
-    apart = flatten(value)
-    if apart is not None:
-        return unflatten(apart[0], [in_registers(c, each) for each in apart[1]])
-    if isinstance(value, RandomExpr) and not isinstance(value, RegisterValue):
+    if isinstance(value, RandomExpr) and not isinstance(value, RegisterValue) and not builds_text(value):
         return RegisterValue(register_of(c.code, value), value.kind, is_whole(value))
-    return value
+    return with_parts(value, partial(in_registers, c))
 
 
 # ------------------------------------------------------------ temporal requirements

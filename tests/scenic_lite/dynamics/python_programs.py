@@ -182,7 +182,8 @@ behavior Main():
 behavior Main():
     while True:
         take sum([i for i, o in enumerate(things) if o.position.y > 2])
-        take sum([a.position.y - b.position.x for a in things for b in things if a.position.y > b.position.y + 0.5])
+        take sum([a.position.y - b.position.x for a in things for b in things])
+        take sum([b.position.x for b in [o for o in things if o.position.y > 2] if b.position.x < self.position.y])
         take sum([Range(0, 1) for o in things if o.position.y > 1 and Range(0, 1) < 0.5])
         take len([n for n in [] if self.position.y > n])
 """,

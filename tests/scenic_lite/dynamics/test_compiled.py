@@ -269,6 +269,10 @@ REFUSED = {
         "seen = []\nbehavior Main():\n    seen.append(self.position.y)\n    take len(seen)\n",
         "a match cannot append to 'seen'",
     ),
+    "a filter of pairs": (
+        "behavior Main():\n    take len([a for a in things for b in things if a.position.y > b.position.y])\n",
+        "a comprehension over several lists",
+    ),
     "an element": ("behavior Main():\n    n = [1, 2]\n    n[0] = 3\n    take n[0]\n", "elements cannot be assigned"),
     "an attribute of the simulation": (
         "behavior Main():\n    simulation().level = 1\n    take 1\n",
