@@ -344,7 +344,8 @@ area = RectangularRegion(1 @ 2, 0.2, 4, 5)
 speed = Range(0, 3)
 kind = DiscreteRange(0, 2)
 word = Uniform('up', 'down')"""
-FOOTER = """ego = new Object at 0 @ 0, with behavior Main0(speed + 1), with requireVisible False, with shared 0, with log []
+FOOTER = """ego = new Object at 0 @ 0, with behavior Main0(speed + 1), with requireVisible False,
+    with shared 0, with log []
 mate = new Object at 4 @ Range(2, 4), with behavior Main1(3, kind), with requireVisible False
 foe = new Object at -4 @ 1, with requireVisible False
 things = [ego, mate, foe]"""
