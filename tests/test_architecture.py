@@ -34,6 +34,7 @@ EXCEPTIONS = {
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},
     "ued/recorder/scene_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/scenes.py": {"ued", "numpy", "rerun"},
+    "ued/recorder/side_by_side.py": {"ued", "numpy", "rerun"},
     "ued/recorder/theta_log.py": {"ued", "numpy", "rerun"},
 }
 
@@ -91,7 +92,7 @@ def test_packages_import_only_what_the_design_allows(package):
 
 def test_only_the_recorder_imports_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
-    assert users == ["layout.py", "recorder.py", "scene_log.py", "scenes.py", "theta_log.py"]
+    assert users == ["layout.py", "recorder.py", "scene_log.py", "scenes.py", "side_by_side.py", "theta_log.py"]
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
     regista benchmark --suite sim
     regista benchmark --suite language
     regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
+    regista benchmark --suite grf --measure                 # the same keys in drawn scenes, in both engines
     regista benchmark --json > today.json
 
 Read next: `envs.football.batch`, the loop that is measured.
@@ -13,6 +14,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -26,9 +28,11 @@ from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmarks.language import language_suite, render_language
 from experiments.benchmarks.observations import observation_rows
 from experiments.benchmarks.timing import STRETCHES, Measurement, rate
-from experiments.grf.report import FAMILIES, compare, draw, render_family
+from experiments.grf.drawn_scenes import draw_scene
+from experiments.grf.report import FAMILIES, compare, draw, render_family, render_rows
 from experiments.run import arguments, build
-from experiments.run.config import TrainConfig
+from experiments.run.arguments import group
+from experiments.run.config import EngineConfig, TrainConfig
 from experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -56,19 +60,27 @@ class BenchmarkConfig(Checked):
     family: tuple[str, ...] = setting((), f"of suite grf, among {', '.join(FAMILIES)}; none given: all")
     figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
     effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0")
+    measure: bool = setting(
+        False, "of suite grf: play drawn scenes in both engines instead; the real one must be there"
+    )
+    seed: int = setting(0, "of the drawn scenes", ">=0")
+    scenes: tuple[str, ...] = setting((), "drawn scenes by name, such as 0:17; none given: 200 of the seed")
+    playing: EngineConfig = group(EngineConfig, "engine beside ours for --measure; without, grf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in self.family:
             if name not in FAMILIES:
                 raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")
+        for name in self.scenes:
+            draw_scene(name)  # a name that is none is refused now
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
     if config.suite == "grf":
-        return likeness(config)
+        return differ(config) if config.measure else likeness(config)
     build.find_minigame(config.minigame)
     suites: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
@@ -98,6 +110,27 @@ def likeness(config: BenchmarkConfig) -> int:
             print(render_family(family, rows), end="\n\n", flush=True)
     if config.json:
         print(json.dumps({"machine": machine(), "results": results}, indent=2))
+    return 0
+
+
+def differ(config: BenchmarkConfig) -> int:
+    """Play drawn scenes in both engines; print how far apart they are, and the worst, by name."""
+    from experiments.grf import differential as drawn
+    from experiments.run.progress import Progress
+
+    count = max(round(drawn.SCENES * config.effort), 1)
+    names = config.scenes or tuple(f"{config.seed}:{number}" for number in range(count))
+    other = config.playing.instead_of(replace(drawn.OURS, engine="grf"))
+    progress = Progress(len(names), stream=sys.stderr)
+    pairs = list(drawn.play_scenes(names, other, told=progress.show))
+    rows = drawn.compare(pairs)
+    if config.json:
+        results = {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}
+        print(json.dumps({"machine": machine(), "results": results}, indent=2))
+    else:
+        print(f"{render_rows(drawn.TITLE, rows, drawn.REQUIRED)}\n\n{align(drawn.worst_table(pairs))}")
+    if config.figures is not None:
+        drawn.show(config.figures, pairs)
     return 0
 
 

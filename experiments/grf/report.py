@@ -44,12 +44,17 @@ def draw(name: str, folder: Path, effort: float = 1.0) -> None:
 def render_family(name: str, rows: Sequence[Row]) -> str:
     """Return a family as a table."""
     module = family_module(name)
-    lines = [[module.TITLE, "     ours", "      GRF", "unit", "difference", "tolerance", "verdict"]]
+    return render_rows(module.TITLE, rows, module.REQUIRED)
+
+
+def render_rows(title: str, rows: Sequence[Row], required: float) -> str:
+    """Return comparisons as a table, of which a share is required to be within tolerance."""
+    lines = [[title, "     ours", "      GRF", "unit", "difference", "tolerance", "verdict"]]
     for row in rows:
         numbers = [_spell(each).rjust(9) for each in (row.ours, row.grf)]
         differences = [_spell(each).rjust(9) for each in (row.difference, row.tolerance)]
         lines.append([row.name, *numbers, row.unit, *differences, "ok" if row.ok else "MISSES"])
-    wanted = math.ceil(module.REQUIRED * len(rows) - 1e-9)
+    wanted = math.ceil(required * len(rows) - 1e-9)
     return f"{align(lines)}\n{sum(row.ok for row in rows)} of {len(rows)} within tolerance (wanted {wanted})"
 
 

@@ -1,0 +1,173 @@
+"""Episodes of a program played by keys or by a policy, on our simulator or on the real engine, and what was seen.
+
+Read next: `grf.differential` and `grf.transfer`, which play the same on both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING, STEP
+from envs.football.replay import after_step
+from envs.football.vector_env import FootballVectorEnv
+
+if TYPE_CHECKING:
+    from ued.recorder.layout import ScenePainter
+    from ued.recorder.side_by_side import SideBySide
+
+Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N]
+ENGINES = ("ours", "grf")
+NO_ACTION = -1
+WORDS = {RUNNING: "running", OUT_OF_PLAY: "out of play", POSSESSION: "possession", DURATION: "time"}
+ENDINGS = ("scored", "conceded", *(WORDS[end] for end in (OUT_OF_PLAY, POSSESSION, DURATION)), "program", "running")
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """E episodes of P players, T steps of the longest; row 0 is the start, what has ended stays as it was.
+
+    Places are in m, y upwards. `observations` are those on which actions were chosen; empty unless they were kept.
+    """
+
+    ball: np.ndarray  # [E, T + 1, 3]
+    places: np.ndarray  # [E, T + 1, P, 2]
+    owner: np.ndarray  # [E, T + 1], player as in `state.MATCH_FIELDS`, -1 none
+    actions: np.ndarray  # [E, T], NO_ACTION after the end
+    observations: np.ndarray  # [E, T, F]
+    lengths: np.ndarray  # [E], steps
+    ended: np.ndarray  # [E], as in `constants.RUNNING` ..
+    score: np.ndarray  # [E, 2]
+    returns: np.ndarray  # [E]
+
+    def __len__(self) -> int:
+        return len(self.lengths)
+
+    @property
+    def scored(self) -> np.ndarray:
+        """Whether the left team has scored, `[E]`."""
+        return self.score[:, 0] > 0
+
+    def endings(self) -> np.ndarray:
+        """How each episode ended, `[E]` of ENDINGS."""
+        words = np.array([WORDS.get(int(end), "program") for end in self.ended], dtype=object)
+        goals = np.where(self.scored, "scored", "conceded")
+        return np.where(self.ended == GOAL, goals, words)
+
+    def points(self) -> np.ndarray:
+        """Return the places of all players, then of the ball, `[E, T + 1, P + 1, 2]` m, as painters have them."""
+        return np.concatenate([self.places, self.ball[:, :, None, :2]], axis=2)
+
+
+def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes, row: int) -> SideBySide:
+    """Return episode number `row` of both engines, each up to its end, for a recording."""
+    from ued.recorder.side_by_side import SideBySide
+
+    both = ours, grf
+    points = [each.points()[row, : each.lengths[row] + 1] for each in both]
+    ends = [str(each.endings()[row]) for each in both]
+    keys = max(both, key=lambda each: each.lengths[row]).actions[row]
+    return SideBySide(name, painter, ENGINES, (points[0], points[1]), keys[keys != NO_ACTION], (ends[0], ends[1]))
+
+
+def play(
+    env: FootballVectorEnv, choose: Choose, levels: np.ndarray, steps: int | None = None, observed: bool = False
+) -> Episodes:
+    """Play one episode on each of these levels `[E]`, to its end or for so many steps; `observed` keeps observations.
+
+    `env` is reset; it has one agent.
+    """
+    env.keep_endings()
+    parts = [
+        _play_batch(env, choose, levels[at : at + env.num_envs], steps, observed)
+        for at in range(0, len(levels), env.num_envs)
+    ]
+    return join(parts)
+
+
+def play_keys(env: FootballVectorEnv, keys: np.ndarray, levels: np.ndarray) -> Episodes:
+    """Play the same keys `[T]`, or keys of its own for each `[E, T]`, on each of these levels `[E]`."""
+    keys = np.broadcast_to(keys, (len(levels), np.shape(keys)[-1]))
+    parts = []
+    for at in range(0, len(levels), env.num_envs):
+        own = np.resize(keys[at : at + env.num_envs], (env.num_envs, keys.shape[1]))
+        parts.append(
+            play(env, lambda _, step, own=own: own[:, step], levels[at : at + env.num_envs], own.shape[1])  # type: ignore[misc]
+        )
+    return join(parts)
+
+
+def join(parts: list[Episodes]) -> Episodes:
+    """Return all episodes in one, the shorter ones held where they ended."""
+    longest = max(part.actions.shape[1] for part in parts)
+    joined = {}
+    for field in fields(Episodes):
+        arrays = [getattr(part, field.name) for part in parts]
+        if field.name in ("actions", "observations"):
+            arrays = [_longer(array, longest, NO_ACTION if field.name == "actions" else np.nan) for array in arrays]
+        elif arrays[0].ndim > 1 and field.name != "score":
+            arrays = [np.concatenate([a, np.repeat(a[:, -1:], longest + 1 - a.shape[1], 1)], 1) for a in arrays]
+        joined[field.name] = np.concatenate(arrays)
+    return Episodes(**joined)
+
+
+def _longer(array: np.ndarray, steps: int, filling: float) -> np.ndarray:
+    """Fill an array `[E, T, ...]` up to so many steps."""
+    shape = (len(array), steps - array.shape[1], *array.shape[2:])
+    return np.concatenate([array, np.full(shape, filling, array.dtype)], 1)
+
+
+def _play_batch(
+    env: FootballVectorEnv, choose: Choose, levels: np.ndarray, steps: int | None, observed: bool
+) -> Episodes:
+    """Play at most N episodes side by side; environments that have none, or are through, are idle."""
+    count, n = len(levels), env.num_envs
+    observation, _ = env.reset_to_levels(np.resize(levels, n))
+    running = np.arange(n) < count
+    returns, ended, lengths = np.zeros(n), np.full(n, RUNNING), np.zeros(n, np.int64)
+    frames = [_frame(env.matches)]
+    actions: list[np.ndarray] = []
+    seen: list[np.ndarray] = []
+    while running.any() and (steps is None or len(actions) < steps):
+        env.idle[:] = ~running
+        chosen = choose(observation, len(actions))
+        actions.append(np.where(running, chosen, NO_ACTION))
+        if observed:
+            seen.append(np.where(running[:, None], observation, np.nan).astype(np.float32))
+        observation, rewards, terminated, truncated, info = env.step(chosen)
+        over = (terminated | truncated) & running
+        now = _frame(after_step(env, over))
+        frames.append([_held(running, new, old) for new, old in zip(now, frames[-1], strict=True)])
+        returns[running] += rewards[running]
+        lengths += running
+        ended[over] = info["ended"][over]
+        running &= ~over
+    env.idle[:] = False
+    ball, places, owner, score = (np.stack(each, 1)[:count] for each in zip(*frames, strict=True))
+    keys = np.stack(actions, 1)[:count]
+    watched = np.stack(seen, 1)[:count] if observed else np.zeros((*keys.shape, 0), np.float32)
+    places = places[:, :, : env.num_players]
+    return Episodes(ball, places, owner, keys, watched, lengths[:count], ended[:count], score[:, -1], returns[:count])
+
+
+def _held(running: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarray:
+    return np.where(running.reshape(-1, *(1,) * (new.ndim - 1)), new, old)
+
+
+def _frame(matches: np.ndarray) -> list[np.ndarray]:
+    """Return ball `[N, 3]`, places `[N, 22, 2]`, owner `[N]` and score `[N, 2]` of matches."""
+    ball, players = matches["ball"], matches["players"]
+    return [
+        np.stack([ball[axis] for axis in "xyz"], -1),
+        np.stack([players[axis] for axis in "xy"], -1),
+        matches["reported_owner"].copy(),
+        matches["score"].copy(),
+    ]
+
+
+def seconds(step: int) -> str:
+    """Return the time of a step in words."""
+    return f"{step * STEP:g} s"

@@ -1,0 +1,147 @@
+"""One episode in two worlds under the same actions, side by side in a Rerun recording, and the step at which they part.
+
+    /scene/<n>/ground                lines that never change; below /scene metres are y-up
+    /scene/<n>/<side>/now            where everybody is, on timeline `step`
+    /scene/<n>/<side>/path           the whole way of the painter's last point
+    /gap/<n>/last, others            how far apart both are, in m
+    /card/<n>                        what was done, how both ended, where they part
+
+Read next: `recorder.scene_log`, whose conventions these are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rerun
+import rerun.blueprint as rrb
+
+from ued.recorder.layout import ScenePainter
+
+PARTED = 1.5  # m between the balls, or between two places of one player
+
+
+@dataclass(frozen=True)
+class SideBySide:
+    """One episode in two worlds.
+
+    `sides` are their names; `points` of each `[T + 1, K, 2]` m, in the painter's order; `actions` `[T]`; `ends`, how it
+    ended in each, in a word.
+    """
+
+    name: str
+    painter: ScenePainter
+    sides: tuple[str, str]
+    points: tuple[np.ndarray, np.ndarray]
+    actions: np.ndarray
+    ends: tuple[str, str]
+
+    def gaps(self) -> np.ndarray:
+        """Return how far apart each point is in both, as long as both go on: `[T + 1, P + 1]` m."""
+        steps = min(map(len, self.points))
+        one, other = (points[:steps] for points in self.points)
+        return np.linalg.norm(one - other, axis=-1)
+
+    def parted(self) -> int | None:
+        """Return the first step at which a point is farther apart than PARTED; None: they never part."""
+        apart = np.flatnonzero((self.gaps() > PARTED).any(1))
+        return int(apart[0]) if len(apart) else None
+
+    def card(self) -> str:
+        """Return what is to be said, in Markdown."""
+        step, gaps, kinds = self.parted(), self.gaps(), self.painter.classes
+        if step is None:
+            parting = f"No point is ever farther apart than {PARTED} m."
+        else:
+            first = int(gaps[step].argmax())
+            who = f"{self.painter.markers[kinds[first]][0]} (point {first})"
+            parting = f"They part at **step {step}**: {who} is {gaps[step, first]:.1f} m apart."
+        actions = " ".join(map(str, self.actions))
+        ends = "".join(
+            f"| {side} | {end} | {len(points) - 1} |\n"
+            for side, end, points in zip(self.sides, self.ends, self.points, strict=True)
+        )
+        return f"### {self.name}\n\n{parting}\n\n| | ended | steps |\n|---|---|---|\n{ends}\n`{actions}`\n"
+
+
+def record_side_by_side(path: Path, name: str, pairs: Sequence[SideBySide]) -> None:
+    """Write a recording, one tab for each pair. Raises OSError if the file cannot be written."""
+    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
+        pass
+    stream = rerun.RecordingStream("regista_side_by_side", recording_id=name)
+    stream.set_log_time_enabled(False)
+    stream.save(path, default_blueprint=_layout(pairs))
+    stream.send_recording_name(name)
+    # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
+    stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
+    for number, pair in enumerate(pairs):
+        _log(stream, number, pair)
+    stream.disconnect()
+
+
+def _log(stream: rerun.RecordingStream, number: int, pair: SideBySide) -> None:
+    painter = pair.painter
+    root = f"scene/{number}"
+    infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
+    stream.log(root, rerun.AnnotationContext(infos), static=True)
+    ground = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
+    stream.log(f"{root}/ground", ground, static=True)
+    for side, points in zip(pair.sides, pair.points, strict=True):
+        way = rerun.LineStrips2D([points[:, -1]], colors=painter.line_colour, radii=0.15, draw_order=-4)
+        stream.log(f"{root}/{side}/path", way, static=True)
+        _log_points(stream, f"{root}/{side}/now", painter, points)
+    gaps = pair.gaps()
+    times = [rerun.TimeColumn("step", sequence=np.arange(len(gaps)))]
+    for what, values in (("last", gaps[:, -1]), ("others", gaps[:, :-1].mean(1))):
+        stream.send_columns(f"gap/{number}/{what}", times, rerun.Scalars.columns(scalars=values))
+    stream.log(f"card/{number}", rerun.TextDocument(pair.card(), media_type="text/markdown"), static=True)
+
+
+def _log_points(stream: rerun.RecordingStream, path: str, painter: ScenePainter, points: np.ndarray) -> None:
+    """Write everybody at every step; beyond the last one he stays."""
+    steps, count = points.shape[:2]
+    lengths = np.full(steps, count)
+    radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]
+    stream.send_columns(
+        path,
+        [rerun.TimeColumn("step", sequence=np.arange(steps))],
+        [
+            *rerun.Points2D.columns(positions=points.reshape(-1, 2)).partition(lengths),
+            *rerun.Points2D.columns(class_ids=np.tile(painter.classes, steps)).partition(lengths),
+            *rerun.Points2D.columns(radii=np.tile(radii, steps)).partition(lengths),
+            *rerun.Points2D.columns(show_labels=[False] * steps),
+        ],
+    )
+
+
+def _layout(pairs: Sequence[SideBySide]) -> Any:
+    tabs = []
+    for number, pair in enumerate(pairs):
+        views = [_view(number, pair, side) for side in pair.sides]
+        gap = rrb.TimeSeriesView(origin=f"/gap/{number}", name="How far apart (m)")
+        card = rrb.TextDocumentView(origin=f"/card/{number}", name="Card")
+        below = rrb.Horizontal(gap, card, column_shares=[2, 1])
+        tabs.append(rrb.Vertical(rrb.Horizontal(*views), below, row_shares=[2, 1], name=pair.name))
+    return rrb.Blueprint(
+        rrb.Tabs(*tabs, active_tab=0),
+        rrb.BlueprintPanel(state="collapsed"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.TimePanel(state="collapsed", timeline="step", fps=10, play_state="Paused"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _view(number: int, pair: SideBySide, side: str) -> Any:
+    x_low, x_high, y_low, y_high = pair.painter.bounds
+    return rrb.Spatial2DView(
+        origin="/",
+        contents=[f"/scene/{number}/ground", f"/scene/{number}/{side}/**"],
+        name=side.capitalize(),
+        background=pair.painter.background,
+        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
+    )
