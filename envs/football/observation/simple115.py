@@ -33,6 +33,20 @@ def simple115_unit() -> np.ndarray:
     return unit
 
 
+def simple115_names() -> tuple[str, ...]:
+    """Return the names of the entries `[115]`, in order."""
+    teams = [
+        f"{team}{i}.{what}{axis}"
+        for team in ("our", "their")
+        for what in ("", "d")
+        for i in range(TEAM)
+        for axis in "xy"
+    ]
+    ball = [f"ball.{what}{axis}" for what in ("", "d") for axis in "xyz"]
+    owner = [f"owned.{who}" for who in ("nobody", "ours", "theirs")]
+    return (*teams, *ball, *owner, *(f"active.{i}" for i in range(TEAM)), *(f"mode.{i}" for i in range(7)))
+
+
 @kernel
 def write_simple115(match, agent, row):
     """Write the observation of an agent into `row` `[115]` float32; zeros if it has no player."""

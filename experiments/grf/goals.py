@@ -1,0 +1,94 @@
+"""Where goals come from: how far out the last kick was, and where the keeper stood, so that exploits can be seen.
+
+A goal of which nine in ten are shot from 35 m past a keeper who has run out is none of football's. Read next:
+`grf.transfer`, which compares both engines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from envs.football.constants import GK, HALF_LENGTH, LEFT, RIGHT
+from envs.football.kick_off import Roster
+from experiments.grf.episodes import Episodes
+
+FAR = (11.0, 20.0, 30.0)  # m from the middle of the goal: penalty spot, edge of the box, beyond
+OUT = (2.0, 5.5, 16.5)  # m of the keeper off his line: on it, in the goal area, in the box, beyond
+
+
+@dataclass(frozen=True)
+class Goals:
+    """The left team's goals, G of them, at the moment when one of it had the ball last.
+
+    `keeper_out` and `keeper_wide` are the right keeper's place, in m off his goal line and off the middle; nan where
+    there is none.
+    """
+
+    distance: np.ndarray  # [G] m of the ball from the middle of the goal
+    keeper_out: np.ndarray  # [G]
+    keeper_wide: np.ndarray  # [G]
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+    def summary(self) -> dict[str, Any]:
+        """Return medians, and shares by distance and by the keeper's place; of no goal nothing."""
+        if not len(self):
+            return {"goals": 0}
+        return {
+            "goals": len(self),
+            "median_distance": float(np.median(self.distance)),
+            "distance_shares": shares(self.distance, FAR),
+            "median_keeper_out": _median(self.keeper_out),
+            "keeper_shares": shares(self.keeper_out, OUT),
+            "median_keeper_wide": _median(self.keeper_wide),
+        }
+
+    def line(self) -> str:
+        """Return the same in a line."""
+        if not len(self):
+            return "no goal"
+        found = self.summary()
+        far = f"{found['median_distance']:.0f} m ({_spelled(found['distance_shares'])})"
+        if found["median_keeper_out"] is None:
+            return f"{len(self)} goals from {far}, no keeper"
+        keeper = f"{found['median_keeper_out']:.1f} m ({_spelled(found['keeper_shares'])})"
+        return f"{len(self)} goals from {far}, keeper off his line by {keeper}"
+
+
+def goals_of(episodes: Episodes, roster: Roster) -> Goals:
+    """Find the left team's goals, the last of each episode, and what they came from."""
+    teams, roles = np.asarray(roster.teams), np.asarray(roster.roles)
+    keepers = np.flatnonzero((teams == RIGHT) & (roles == GK))
+    moments = []
+    for row in np.flatnonzero(episodes.scored):
+        owner = episodes.owner[row]
+        owned = np.flatnonzero((owner >= 0) & (teams[np.maximum(owner, 0)] == LEFT))
+        moments.append((row, int(owned[-1]) if len(owned) else 0))
+    rows, steps = np.array(moments, int).reshape(-1, 2).T
+    ball = episodes.ball[rows, steps]
+    keeper = np.full((len(rows), 2), np.nan)
+    if len(keepers):
+        keeper = episodes.places[rows, steps, keepers[0]]
+    return Goals(np.hypot(HALF_LENGTH - ball[:, 0], ball[:, 1]), HALF_LENGTH - keeper[:, 0], np.abs(keeper[:, 1]))
+
+
+def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:
+    """Return which share of the values lies up to each limit, and beyond the last; nan counts nowhere."""
+    edges = (-np.inf, *limits, np.inf)
+    words = [f"<{limit:g}" for limit in limits] + [f">{limits[-1]:g}"]
+    found = zip(words, edges, edges[1:], strict=False)
+    return {word: float(((values > low) & (values <= high)).mean()) for word, low, high in found}
+
+
+def _median(values: np.ndarray) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else None
+
+
+def _spelled(found: dict[str, float]) -> str:
+    return ", ".join(f"{share:.0%} {word}" for word, share in found.items() if share)
