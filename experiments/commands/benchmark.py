@@ -28,11 +28,11 @@ from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmarks.language import language_suite, render_language
 from experiments.benchmarks.observations import observation_rows
 from experiments.benchmarks.timing import STRETCHES, Measurement, rate
-from experiments.grf.drawn_scenes import draw_scene
 from experiments.grf.report import FAMILIES, compare, draw, render_family, render_rows
 from experiments.run import arguments, build
 from experiments.run.arguments import group
 from experiments.run.config import EngineConfig, TrainConfig
+from experiments.run.errors import UsageError
 from experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -72,8 +72,6 @@ class BenchmarkConfig(Checked):
         for name in self.family:
             if name not in FAMILIES:
                 raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")
-        for name in self.scenes:
-            draw_scene(name)  # a name that is none is refused now
 
 
 def main(argv: Sequence[str]) -> int:
@@ -116,13 +114,18 @@ def likeness(config: BenchmarkConfig) -> int:
 def differ(config: BenchmarkConfig) -> int:
     """Play drawn scenes in both engines; print how far apart they are, and the worst, by name."""
     from experiments.grf import differential as drawn
+    from experiments.grf.drawn_scenes import draw_scene
     from experiments.run.progress import Progress
 
     count = max(round(drawn.SCENES * config.effort), 1)
     names = config.scenes or tuple(f"{config.seed}:{number}" for number in range(count))
     other = config.playing.instead_of(replace(drawn.OURS, engine="grf"))
     progress = Progress(len(names), stream=sys.stderr)
-    pairs = list(drawn.play_scenes(names, other, told=progress.show))
+    try:
+        scenes = [draw_scene(name) for name in names]
+    except ValueError as error:
+        raise UsageError(f"--scenes: {error}") from error
+    pairs = list(drawn.play_scenes(scenes, other, told=progress.show))
     rows = drawn.compare(pairs)
     if config.json:
         results = {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}

@@ -21,7 +21,7 @@ from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.vector_env import FootballVectorEnv
 from envs.football.view.render import FootballPainter
-from experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene, program_text
+from experiments.grf.drawn_scenes import STEPS, DrawnScene, program_text
 from experiments.grf.episodes import Episodes, play_keys, seconds, side_by_side
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.rows import Row, by_distance, by_factor
@@ -93,14 +93,16 @@ class Pair:
 
 
 def play_scenes(
-    names: Sequence[str], other: FootballConfig, seeds: int = SEEDS, told: Callable[[int], None] = lambda _: None
+    scenes: Sequence[DrawnScene],
+    other: FootballConfig,
+    seeds: int = SEEDS,
+    told: Callable[[int], None] = lambda _: None,
 ) -> Iterator[Pair]:
     """Play drawn scenes in our simulator and in the engine of another configuration.
 
     Raises `envs.grf.workers.GrfError` for the real engine where it is not installed.
     """
-    for number, name in enumerate(names):
-        drawn = draw_scene(name)
+    for number, drawn in enumerate(scenes):
         program = program_text(drawn.scene)
         ours, grf = (_play(program, drawn.keys, config, seeds, first) for first, config in ((1, OURS), (2, other)))
         yield Pair(drawn, ours, grf)
