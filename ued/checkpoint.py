@@ -131,28 +131,14 @@ def _encode_array(array: np.ndarray, where: str) -> dict[str, Any]:
     if array.dtype.hasobject:
         raise CheckpointError(f"{where} is an array of Python objects, which a checkpoint cannot hold")
     data = np.frombuffer(array.tobytes(), np.uint8).copy() if array.size else np.zeros(0, np.uint8)
-    return {ARRAY: torch.from_numpy(data), "dtype": repr(_describe(array.dtype)), "shape": list(array.shape)}
+    described = repr(np.lib.format.dtype_to_descr(array.dtype))
+    return {ARRAY: torch.from_numpy(data), "dtype": described, "shape": list(array.shape)}
 
 
 def _decode_array(value: dict[str, Any]) -> np.ndarray:
-    dtype = np.dtype(ast.literal_eval(value["dtype"]))
+    described = ast.literal_eval(value["dtype"])  # in older checkpoints a dictionary
+    dtype = np.dtype(described) if "names" in described else np.lib.format.descr_to_dtype(described)
     return np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy()
-
-
-def _describe(dtype: np.dtype) -> Any:
-    """Return what `np.dtype` makes the same type of, padding and nested records included."""
-    if dtype.names is None:
-        if dtype.subdtype is not None:
-            base, shape = dtype.subdtype
-            return (_describe(base), shape)
-        return dtype.str
-    assert dtype.fields is not None
-    return {
-        "names": list(dtype.names),
-        "formats": [_describe(dtype.fields[name][0]) for name in dtype.names],
-        "offsets": [dtype.fields[name][1] for name in dtype.names],
-        "itemsize": dtype.itemsize,
-    }
 
 
 def _sync_folder(folder: Path) -> None:

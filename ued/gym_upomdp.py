@@ -164,7 +164,7 @@ class GymUPOMDP(UPOMDP):
     ) -> None:
         if vectorization not in ("sync", "async"):
             raise ValueError(f"vectorization must be sync or async, got {vectorization!r}")
-        self.make_env, self.apply, self.theta_map = make_env, apply, ThetaMap(theta)
+        self.make_env, self.apply, self.theta, self.theta_map = make_env, apply, theta, ThetaMap(theta)
         self.vectorization: Literal["sync", "async"] = vectorization
         self.vector = self._vectorize(num_envs)
         space = self.vector.single_observation_space
@@ -230,17 +230,13 @@ class GymUPOMDP(UPOMDP):
 
     def copy(self) -> GymUPOMDP:
         """Return a second one; one in other processes begins the same levels anew."""
-        theta = self.theta_map.program or self._ranges()
-        twin = GymUPOMDP(self.make_env, self.apply, theta, self.num_envs, self.vectorization)
+        twin = GymUPOMDP(self.make_env, self.apply, self.theta, self.num_envs, self.vectorization)
         if self.vectorization == "sync":
             twin.set_state(self.get_state())
         else:
             twin.np_random.bit_generator.state = self.np_random.bit_generator.state
             twin.reset_to_levels(self.levels)
         return twin
-
-    def _ranges(self) -> dict[str, Range]:
-        return {parameter.name: (parameter.low, parameter.high) for parameter in self.draws}
 
     def close_extras(self, **kwargs: Any) -> None:
         self.vector.close(**kwargs)

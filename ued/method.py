@@ -32,33 +32,30 @@ from ued.upomdp import UPOMDP
 
 @dataclass(frozen=True)
 class LevelBatch:
-    """The L levels on which an update was based.
+    """The L levels on which an update was based: level records `[L]`, and the students that have played them."""
 
-    Attributes:
-        theta: `[L, D]`.
-        returns: for each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none.
-        episodes: for each student, number of these episodes `[L]`.
-        score: `[L]` what the teacher makes of the level (PAIRED: regret); nan where there is no teacher.
-        records: `[L]` the level records, where the rest is from; see `levels.record.level_record_dtype`.
-    """
-
-    theta: np.ndarray
-    returns: dict[str, np.ndarray]
-    episodes: dict[str, np.ndarray]
-    score: np.ndarray
     records: np.ndarray
+    students: Sequence[str]
 
-    @classmethod
-    def of(cls, levels: np.ndarray, students: Sequence[str]) -> LevelBatch:
-        """Return what there is to tell of level records `[L]` that these students have played."""
-        means = mean_returns(levels)  # [L, S]
-        return cls(
-            theta=levels["level"]["theta"],
-            returns={name: means[:, s] for s, name in enumerate(students)},
-            episodes={name: levels["num_played"][:, s].astype(np.int64) for s, name in enumerate(students)},
-            score=levels["score"],
-            records=levels,
-        )
+    @property
+    def theta(self) -> np.ndarray:
+        """Where the levels lie: `[L, D]`."""
+        return self.records["level"]["theta"]
+
+    @property
+    def score(self) -> np.ndarray:
+        """What the teacher makes of each level (PAIRED: regret), `[L]`; nan where there is no teacher."""
+        return self.records["score"]
+
+    @property
+    def returns(self) -> dict[str, np.ndarray]:
+        """For each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none."""
+        return dict(zip(self.students, mean_returns(self.records).T, strict=True))
+
+    @property
+    def episodes(self) -> dict[str, np.ndarray]:
+        """For each student, number of these episodes `[L]`."""
+        return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
 
 class Method:
@@ -126,7 +123,7 @@ class Method:
         by_learner = [learner.pop_seconds() for learner in self.learners]
         seconds = {f"time/{name}": sum(spent[name] for spent in by_learner) for name in by_learner[0]}
         seconds["time/curriculum"] = perf_counter() - self._played - seconds["time/learn"]
-        self.last = LevelBatch.of(levels, [learner.name for learner in self.learners])
+        self.last = LevelBatch(levels, [learner.name for learner in self.learners])
         self.updates += 1
         counters = {"env_steps": float(self.env_steps), "updates": float(self.updates)}
         return counters | metrics | level_metrics(levels) | seconds

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, flatdim
 
 from ued.gym_upomdp import LinearParameter
 from ued.upomdp import UPOMDP, check_theta, level_dtype
@@ -36,7 +36,7 @@ class Mixture(UPOMDP):
         _check(members, names)
         self.members, self.names = tuple(members), tuple(names)
         first = members[0]
-        self.sizes = [_size(member) for member in members]
+        self.sizes = [flatdim(member.single_observation_space) for member in members]
         self.width = max(self.sizes)
         widest = max(member.theta_dim for member in members)
         draws = [LinearParameter("program", 0.0, float(len(members)))]
@@ -162,9 +162,3 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
         if len(member.single_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.single_observation_space}; a mixture needs flat ones")
-
-
-def _size(member: UPOMDP) -> int:
-    shape = member.single_observation_space.shape
-    assert shape is not None
-    return int(shape[0])

@@ -54,6 +54,7 @@ class Frontier(UPOMDP):
         super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
         self.place = np.zeros(num_envs, np.int64)
         self.lost = np.zeros(num_envs, bool)
+        self.knowing = False  # whether all turns are known, whatever the actions
 
     def length(self, theta: np.ndarray) -> np.ndarray:
         """Return the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
@@ -83,7 +84,8 @@ class Frontier(UPOMDP):
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         theta = self.levels["theta"]
-        self.lost |= np.asarray(actions) != self.turns[self.place]
+        if not self.knowing:
+            self.lost |= np.asarray(actions) != self.turns[self.place]
         self.place += 1
         ended = self.place >= self.length(theta)
         reward = (ended & ~self.lost & ~self.blocked(theta)).astype(float)
@@ -93,9 +95,8 @@ class Frontier(UPOMDP):
 
     def with_scripted_policy(self) -> Frontier:
         """Return a copy that knows all turns: the scripted antagonist."""
-        twin = _KnowingFrontier(self.num_envs, self.longest, self.theta_dim, self.blocked_above)
-        twin.turns = self.turns
-        twin.set_state(self.get_state())
+        twin = self.copy()
+        twin.knowing = True
         return twin
 
     def get_state(self) -> dict[str, Any]:
@@ -110,8 +111,3 @@ class Frontier(UPOMDP):
 
     def copy(self) -> Frontier:
         return copy.deepcopy(self)
-
-
-class _KnowingFrontier(Frontier):
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        return super()._step(self.turns[self.place])

@@ -147,13 +147,12 @@ class Batch:
     @classmethod
     def of(cls, rollout: Rollout, advantage: Tensor, target: Tensor) -> Batch:
         """Flatten `[T, N, ...]` to `[T * N, ...]`."""
-        fields = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
-        return cls(*(field.flatten(0, 1) for field in fields))
+        columns = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
+        return cls(*(column.flatten(0, 1) for column in columns))
 
     def rows(self, rows: Tensor) -> Batch:
         """Return some of the rows."""
-        fields = self.observation, self.action, self.log_prob, self.value, self.advantage, self.target
-        return Batch(*(field[rows] for field in fields))
+        return Batch(*(column[rows] for column in vars(self).values()))
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:

@@ -141,10 +141,10 @@ class LevelBuffer(Resumable):
         best[replayed[kept]] = np.fmax(best[replayed[kept]], self.slots["best"][rows[kept]])
         return best
 
-    def store(self, records: np.ndarray) -> int:
+    def store(self, records: np.ndarray) -> dict[str, float]:
         """Take in scored level records `[L]`: replayed levels get their new scores, the others are offered.
 
-        Returns how many of the others are kept; see `insert`.
+        Returns metrics: how full the buffer is, how many of the others are kept, and what it holds; see `insert`.
         """
         best = self.best_returns(records)
         replayed = records["origin"] == Origin.REPLAYED
@@ -153,7 +153,13 @@ class LevelBuffer(Resumable):
         self.update_scores(rows[kept], records["score"][replayed][kept], best[replayed][kept])
         new = records[~replayed]
         parents = np.where(new["origin"] == Origin.EDITED, new["slot"], NONE)
-        return self.insert(new["level"], new["score"], best[~replayed], parents)
+        inserted = self.insert(new["level"], new["score"], best[~replayed], parents)
+        metrics = {"buffer/fill_ratio": self.fill_ratio, "buffer/inserted": float(inserted)}
+        if self._count:
+            metrics["buffer/score"] = float(self.slots["score"].mean())
+            metrics["buffer/age"] = float((self.now - self.slots["last_played"]).mean())
+            metrics["buffer/generation"] = float(self.slots["generation"].mean())
+        return metrics
 
     def update_scores(self, rows: np.ndarray, score: np.ndarray, best: np.ndarray) -> None:
         """Write the new scores `[k]` and best returns `[k]` of levels that were replayed."""

@@ -102,12 +102,10 @@ def student_names(config: PairedConfig) -> tuple[str, ...]:
 
 def add_students(method: Method, config: PairedConfig) -> None:
     """Add the students to a method; a scripted antagonist is what the environment itself does in its place."""
-    first, second, *others = student_names(config)
+    first, *others = student_names(config)
     method.add_learner(first, method.upomdp)
     if config.antagonist == "scripted":
-        method.add_learner(second, method.upomdp.with_scripted_policy(), scripted=True)
-    else:
-        method.add_learner(second, method.upomdp.copy())
+        method.add_learner(others.pop(), method.upomdp.with_scripted_policy(), scripted=True)
     for name in others:
         method.add_learner(name, method.upomdp.copy())
 

@@ -17,14 +17,12 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ued.config import PairedLiteralConfig
-from ued.curriculum import LevelSpace
+from ued.config import PairedConfig, PairedLiteralConfig
 from ued.learning.rollout import Rollout
-from ued.levels import scores
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
-from ued.levels.teacher import Teacher
 from ued.method import Method
+from ued.methods.paired import PairedLevels, paired_regret
 
 
 class PairedLiteral(Method):
@@ -34,8 +32,8 @@ class PairedLiteral(Method):
     """
 
     def begin(self, config: PairedLiteralConfig | None, seed: int) -> None:
-        config = config or PairedLiteralConfig()
-        self.curriculum = self.teacher = PairedLiteralLevels(self.upomdp, config, seed)
+        self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="fixed")
+        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
         self.protagonist = self.add_learner("protagonist", self.upomdp)
         self.antagonist = self.add_learner("antagonist", self.upomdp.copy())
@@ -48,7 +46,7 @@ class PairedLiteral(Method):
         self.roll_out()
         finished = torch.as_tensor(self.queue.finished())  # [N] environments whose level both have finished
         levels = self.queue.pop_finished()  # [L]
-        regret = self.teacher.regret(levels)  # [L]
+        regret = paired_regret(levels, self.config)  # [L]
         metrics = self.teacher.learn(levels, regret) | regret_split(levels, has_antagonist=True)
         for learner, reward in ((self.protagonist, -regret), (self.antagonist, regret)):
             rollout = regret_as_reward(learner.rollout.columns(finished), reward)
@@ -62,22 +60,3 @@ def regret_as_reward(rollout: Rollout, reward: np.ndarray) -> Rollout:
     rollout.reward = torch.where(ended, torch.tensor(reward.tolist()), 0.0)  # [T, L]
     rollout.terminated, rollout.truncated = ended, torch.zeros_like(ended)
     return rollout
-
-
-class PairedLiteralLevels(Teacher):
-    """Proposes levels that cause regret. A `Curriculum` for two students; see `Teacher` for the arguments."""
-
-    config: PairedLiteralConfig
-
-    def __init__(self, space: LevelSpace, config: PairedLiteralConfig, seed: int = 0) -> None:
-        super().__init__(space, config, 2, config.episodes_per_level, seed)
-
-    def regret(self, records: np.ndarray) -> np.ndarray:
-        """Return the regret `[L]` of the protagonist against the antagonist."""
-        protagonist, antagonist = records["returns"].transpose(1, 0, 2)  # [L, n] each
-        regret = scores.regret(protagonist, antagonist, self.config.regret)
-        return np.maximum(regret, 0.0) if self.config.clip_regret else regret
-
-    def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the regret that its levels caused."""
-        return self.learn(records, self.regret(records))

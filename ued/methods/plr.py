@@ -87,14 +87,7 @@ class PLRLevels(Resumable):
     def store(self, records: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Offer new levels to the buffer with their scores `[L]`; give replayed ones their new scores."""
         records["score"] = score
-        inserted = self.buffer.store(records)
-        slots = self.buffer.slots
-        metrics = {"buffer/fill_ratio": self.buffer.fill_ratio, "buffer/inserted": float(inserted)}
-        if len(slots):
-            metrics["buffer/score"] = float(slots["score"].mean())
-            metrics["buffer/age"] = float((self.buffer.now - slots["last_played"]).mean())
-            metrics["buffer/generation"] = float(slots["generation"].mean())
-        return metrics
+        return self.buffer.store(records)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score the levels and store them."""

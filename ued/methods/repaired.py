@@ -41,7 +41,7 @@ class Repaired(Method):
         regret = paired_regret(levels, self.config)  # [L]
         metrics = self.teacher.learn(levels, regret)  # the adversary, from its own
         metrics |= regret_split(levels, has_antagonist(self.config))
-        metrics |= self.teacher.store(levels)
+        metrics |= self.teacher.buffer.store(levels)
         for learner in self.learners:  # from replayed levels: the others are not marked to be trained on
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
         return self.report(levels, metrics)
@@ -50,28 +50,23 @@ class Repaired(Method):
 class RepairedLevels(PairedLevels):
     """Proposes levels that cause regret, and replays those that caused most. A `Curriculum`."""
 
+    config: RepairedConfig
     state_fields = (*PairedLevels.state_fields, "buffer", "rng")
 
     def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0) -> None:
         super().__init__(space, config, seed)
-        self.replay_prob, self.min_fill = config.replay_prob, config.min_fill
         self.buffer = LevelBuffer(level_dtype(space.theta_dim), config.buffer)
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:
         """Return levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
-        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.min_fill
-        replays = self.rng.binomial(count, self.replay_prob) if ready else 0
+        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.config.min_fill
+        replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
         replayed = self.buffer.replay(self.dtype, replays, self.rng)
         new = super().propose(count - replays)
         new["train"] = False
         return np.concatenate([replayed, new])[self.rng.permutation(count)]
 
-    def store(self, records: np.ndarray) -> dict[str, float]:
-        """Offer scored new levels to the buffer; give the replayed ones their new scores."""
-        inserted = self.buffer.store(records)
-        return {"buffer/fill_ratio": self.buffer.fill_ratio, "buffer/inserted": float(inserted)}
-
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Pay the adversary for its own levels; store all of them with their regret."""
-        return super().update(records) | self.store(records)
+        return super().update(records) | self.buffer.store(records)

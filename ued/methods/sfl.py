@@ -75,7 +75,6 @@ class SFLLevels(Resumable):
         chosen = self.rng.binomial(count - candidates, self.config.chosen_share) if len(self.chosen) else 0
         levels = self.pool.take(count - chosen)
         again = self.chosen[self.rng.integers(0, len(self.chosen), chosen)] if chosen else self.chosen[:0]
-        again = again.copy()
         again["seed"] = self.rng.integers(0, 2**63, chosen, dtype=np.uint64)
         records = make_records(self.dtype, np.concatenate([levels, again]))
         records["origin"][len(levels) :] = Origin.REPLAYED

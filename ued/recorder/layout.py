@@ -44,13 +44,30 @@ def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str])
     tabs = rrb.Tabs(
         _overview(painter, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
+    return blueprint(tabs, "update", fps=10)
+
+
+def blueprint(views: Any, timeline: str, fps: float) -> Any:
+    """Return a blueprint of these views alone, with all panels folded and a timeline that waits to be played."""
     return rrb.Blueprint(
-        tabs,
+        views,
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline="update", fps=10, play_state="Paused"),
+        rrb.TimePanel(state="collapsed", timeline=timeline, fps=fps, play_state="Paused"),
         auto_views=False,
         auto_layout=False,
+    )
+
+
+def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: str) -> Any:
+    """Return a view of what these paths hold within bounds: x low, x high, y low, y high."""
+    x_low, x_high, y_low, y_high = bounds
+    return rrb.Spatial2DView(
+        origin="/",
+        contents=paths,
+        name=name,
+        background=background,
+        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
     )
 
 
@@ -99,14 +116,7 @@ def _theta(names: Sequence[str]) -> Any:
 
 
 def _scene(painter: ScenePainter, name: str, *paths: str) -> Any:
-    x_low, x_high, y_low, y_high = painter.bounds
-    return rrb.Spatial2DView(
-        origin="/",
-        contents=["/scene/ground", *paths],
-        name=name,
-        background=painter.background,
-        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
-    )
+    return plane_view(painter.bounds, painter.background, name, "/scene/ground", *paths)
 
 
 def _curves(name: str, paths: str, corner: Corner) -> Any:

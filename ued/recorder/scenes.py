@@ -14,6 +14,8 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
+from ued.recorder.layout import blueprint, plane_view
+
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
 LABELLED = 12  # objects at most: more labels than that would hide the scene
@@ -97,23 +99,9 @@ def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneReco
 
 def scenes_layout(stage: SceneStage) -> Any:
     """Return the blueprint: the scene large, its card beside it."""
-    x_low, x_high, y_low, y_high = stage.bounds
-    view = rrb.Spatial2DView(
-        origin="/",
-        contents=["/scene/**"],
-        name="Scene",
-        background=BACKGROUND,
-        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
-    )
+    view = plane_view(stage.bounds, BACKGROUND, "Scene", "/scene/**")
     card = rrb.TextDocumentView(origin="/card", name="What θ means")
-    return rrb.Blueprint(
-        rrb.Horizontal(view, card, column_shares=[2.2, 1]),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline="scene", fps=2, play_state="Paused"),
-        auto_views=False,
-        auto_layout=False,
-    )
+    return blueprint(rrb.Horizontal(view, card, column_shares=[2.2, 1]), "scene", fps=2)
 
 
 def card_of(title: str, rows: Sequence[tuple[str, str, str]], notes: Sequence[str]) -> str:

@@ -49,13 +49,7 @@ class ThetaLog:
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
             quantiles = rerun.SeriesLines(colors=shades, names=["10 %", name, "90 %"], widths=[1, 2.5, 1])
             self.stream.log(["theta", name, "quantiles"], quantiles, static=True)
-            edges = np.linspace(*self._range(name), BINS + 1)
-            prior = rerun.BarChart(
-                np.full(BINS, 1 / BINS),
-                abscissa=(edges[1:] + edges[:-1]) / 2,
-                widths=np.diff(edges).astype(np.float32),
-                color=(120, 120, 120, 60),
-            )
+            prior = self._bars(name, np.full(BINS, 1 / BINS), 1.0, (120, 120, 120, 60))
             self.stream.log(["theta", name, "uniform"], prior, static=True)
 
     def note(self, update: int, theta: np.ndarray) -> None:
@@ -72,22 +66,19 @@ class ThetaLog:
         for d, name in enumerate(self.names):
             self.stream.log(["theta", name, "quantiles"], rerun.Scalars(np.quantile(values[:, d], [0.1, 0.5, 0.9])))
             if update % HISTOGRAM_EVERY == 0 or update == 1:
-                self._histogram(name, values[:, d])
+                counts, _ = np.histogram(values[:, d], bins=BINS, range=self._range(name))
+                chart = self._bars(name, counts / len(values), 0.92, (130, 200, 255))
+                self.stream.log(["theta", name, "histogram"], chart)
         x = (update + 0.5) / self._horizon * MAP_WIDTH
         cursor = rerun.LineStrips2D([[[x, -2.0], [x, MAP_HEIGHT]]], colors=(255, 255, 255), radii=-0.8)
         self.stream.log("theta/over_time/cursor", cursor)
         if update >= MAP_GROWTH * self._mapped:
             self.record_densities(update)
 
-    def _histogram(self, name: str, values: np.ndarray) -> None:
-        counts, edges = np.histogram(values, bins=BINS, range=self._range(name))
-        chart = rerun.BarChart(
-            counts / len(values),
-            abscissa=(edges[1:] + edges[:-1]) / 2,
-            widths=(np.diff(edges) * 0.92).astype(np.float32),
-            color=(130, 200, 255),
-        )
-        self.stream.log(["theta", name, "histogram"], chart)
+    def _bars(self, name: str, heights: np.ndarray, width: float, colour: tuple[int, ...]) -> rerun.BarChart:
+        edges = np.linspace(*self._range(name), BINS + 1)
+        widths = (np.diff(edges) * width).astype(np.float32)
+        return rerun.BarChart(heights, abscissa=(edges[1:] + edges[:-1]) / 2, widths=widths, color=colour)
 
     def record_densities(self, update: int) -> None:
         """Write the densities of all columns of θ over updates, stacked in one view."""
