@@ -69,11 +69,10 @@ class Mixture(UPOMDP):
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         theta = check_theta(theta, self.theta_dim)
-        values = []
-        for row, k in zip(theta, self.program_of(theta), strict=True):
-            member = self.members[k]
-            values.append({"program": self.names[k], **member.describe(row[1 : 1 + member.theta_dim])[0]})
-        return values
+        return [
+            {"program": self.names[k]} | self.members[k].describe(row[1 : 1 + self.members[k].theta_dim])[0]
+            for row, k in zip(theta, self.program_of(theta), strict=True)
+        ]
 
     def make_levels(self, theta: Any) -> np.ndarray:
         levels = super().make_levels(theta)

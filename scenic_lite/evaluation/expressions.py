@@ -416,15 +416,13 @@ def assign_inside(scope: Scope, node: ast.NamedExpr) -> Value:
 def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
     operation = OPERATORS.get(node.name)
     if operation is None:
-        hint = "temporal requirements belong to a later version" if node.name in TEMPORAL else ""
-        raise ScenicError("unsupported", f"`{node.name}` is not yet supported", hint=hint)
+        raise ScenicError("unsupported", f"`{node.name}` is not yet supported")
     operands = [None if operand is None else scope.value(operand) for operand in node.operands]
     if any(isinstance(operand, LazyValue) for operand in operands) and node.name not in ("relative to", "offset by"):
         raise ScenicError("unsupported", f"`{node.name}` of a value that depends on the object being made")
     return operation(scope, *operands)
 
 
-TEMPORAL = ("always", "eventually", "next", "until", "implies")
 EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.Constant: constant,
     ast.Name: name_value,

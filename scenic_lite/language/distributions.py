@@ -18,7 +18,17 @@ from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector, is_scalar
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, is_number
-from scenic_lite.values.operations import CLIP, LESS_EQUAL, NORMAL_CDF, NORMAL_QUANTILE, Operation
+from scenic_lite.values.operations import (
+    CEILING,
+    CLIP,
+    FLOOR,
+    INTEGER,
+    LESS_EQUAL,
+    MAXIMUM,
+    MINIMUM,
+    NORMAL_CDF,
+    NORMAL_QUANTILE,
+)
 from scenic_lite.values.regions import Filtered, Region
 
 
@@ -91,26 +101,24 @@ class Cut:
 
 
 def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
-    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight."""
+    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight.
+
+    With random ends, a scene whose range is empty is rejected.
+    """
     check_numbers("DiscreteRange", low, high)
-    if not (is_number(low) and is_number(high)):
-        return integers_between(scope, node, low, high)
-    first, last = math.ceil(low), math.floor(high)
-    if last < first:
+    first, last = apply(CEILING, low), apply(FLOOR, high)
+    fixed = is_number(first) and is_number(last)
+    if fixed and last < first:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
-    if weights is not None:
+    if fixed and weights is not None:
         return weighted_integers(scope, node, range(first, last + 1), weights)
     column = scope.draw("integers", scope.place(node))
-    return column.show(RandomExpr(Integers(first, last - first + 1), (column,)), float(first), float(last))
-
-
-def integers_between(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
-    """Draw as `draw_integers` does, with random ends; a scene whose range is empty is rejected."""
-    column = scope.draw("integers", scope.place(node))
-    first, last = apply(CEILING, low), apply(FLOOR, high)
-    filled = apply(LESS_EQUAL, first, last)
-    scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
-    return column.show(RandomExpr(integer_between, (column, first, last)), math.nan, math.nan)
+    if not fixed:
+        filled = apply(LESS_EQUAL, first, last)
+        scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
+    count = apply(MAXIMUM, last - first + 1, 1)
+    value = apply(MINIMUM, apply(INTEGER, column * count), count - 1) + first
+    return column.show(value, *((float(first), float(last)) if fixed else (math.nan, math.nan)))
 
 
 def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Value) -> Value:
@@ -119,25 +127,6 @@ def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Val
         what = f"one weight for each of its {len(integers)} integers"
         raise ScenicError("value", f"DiscreteRange takes {what}, not {describe_kind(weights)}")
     return draw_discrete(scope, node, dict(zip(integers, weights, strict=True)))
-
-
-def integer_between(uniform: Any, first: Any, last: Any) -> Any:
-    """Map a uniform number [N] to one of the integers from `first` to `last`; `first` if there is none."""
-    count = np.maximum(last - first + 1, 1)
-    return (first + np.minimum(np.floor(uniform * count), count - 1)).astype(np.int64)
-
-
-CEILING, FLOOR = Operation(math.ceil, np.ceil), Operation(math.floor, np.floor)
-
-
-class Integers:
-    """Map a uniform number [N] to one of `count` integers from `first`."""
-
-    def __init__(self, first: int, count: int) -> None:
-        self.first, self.count = first, count
-
-    def __call__(self, uniform: Any) -> Any:
-        return self.first + np.minimum((uniform * self.count).astype(np.int64), self.count - 1)
 
 
 def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Value:

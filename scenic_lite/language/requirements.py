@@ -30,12 +30,12 @@ from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describ
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
 from scenic_lite.syntax import nodes
+from scenic_lite.syntax.nodes import is_temporal
 from scenic_lite.values.formulas import normal_quantile
 from scenic_lite.values.geometry import Vector, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, is_number
 from scenic_lite.values.operations import AND, NOT, OR
 
-TEMPORAL = frozenset({"always", "eventually", "next", "until", "implies"})
 Step = Callable[[ast.expr], bool]  # the truth of an expression in the present step
 
 
@@ -282,11 +282,6 @@ def parts_of(formula: Formula) -> list[Formula]:
 
 def disjunction(left: Formula, right: Formula) -> Formula:
     return negation(conjunction(negation(left), negation(right)))
-
-
-def is_temporal(node: ast.AST) -> bool:
-    """Return whether an expression contains a temporal operator."""
-    return any(isinstance(part, nodes.Operator) and part.name in TEMPORAL for part in ast.walk(node))
 
 
 def formula_of(node: ast.expr) -> Formula:

@@ -15,7 +15,7 @@ import numpy as np
 from scenic_lite.core.state import DrawnPoint, LoadState
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.distributions import Integers, show_coordinates, span_between
+from scenic_lite.language.distributions import show_coordinates, span_between
 from scenic_lite.scene.constraints import containers
 from scenic_lite.values import shapes
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
@@ -137,16 +137,9 @@ def bounds_of(tape: Tape, columns: list[ThetaColumn]) -> list[Interval]:
         row = row_of(operation)
         if row is not None and row.interval is not None:
             bounds[out] = row.interval(*(bounds[operand] for operand in inputs))
-        elif isinstance(operation, Table | Integers):
-            bounds[out] = of_choice(operation)
+        elif isinstance(operation, Table) and operation.options.dtype.kind in "if":
+            bounds[out] = float(operation.options.min()), float(operation.options.max())
     return bounds
-
-
-def of_choice(choice: Table | Integers) -> Interval:
-    if isinstance(choice, Integers):
-        return float(choice.first), float(choice.first + choice.count - 1)
-    options = choice.options
-    return (float(options.min()), float(options.max())) if options.dtype.kind in "if" else UNBOUNDED
 
 
 def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicError:

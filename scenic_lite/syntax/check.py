@@ -20,7 +20,6 @@ from scenic_lite.syntax.lexer import Source
 
 DYNAMIC = ("behavior", "monitor", "compose")
 SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do)
-TEMPORAL = frozenset({"always", "eventually", "next", "until", "implies"})
 BUILT_IN = frozenset(
     {
         *("position", "heading", "yaw", "width", "length", "speed", "velocity", "angularSpeed", "behavior"),
@@ -199,15 +198,13 @@ class _Checker:
             name = condition.func.id
             if name in self.monitors:
                 self.report(condition, f'"{name}" is a monitor', f'write "require monitor {name}(...)"')
-        if not any(isinstance(each, nodes.Operator) and each.name in TEMPORAL for each in ast.walk(condition)):
-            return
-        if node.probability is not None:
+        if node.probability is not None and nodes.is_temporal(condition):
             self.report(condition, "a temporal requirement cannot have a probability")
         pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether only logic is around it
         while pending:
             part, logical = pending.pop()
             logic = isinstance(part, ast.BoolOp) or (isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not))
-            if isinstance(part, nodes.Operator) and part.name in TEMPORAL:
+            if isinstance(part, nodes.Operator) and part.name in nodes.TEMPORAL:
                 logic = True
                 if not logical:
                     hint = "only of and, or, not, implies, until"

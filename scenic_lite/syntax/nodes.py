@@ -198,6 +198,14 @@ class Override(Statement):  # override obj spec, ...
     specifiers: list[Specifier]
 
 
+TEMPORAL = frozenset({"always", "eventually", "next", "until", "implies"})
+
+
+def is_temporal(node: ast.AST) -> bool:
+    """Return whether an expression contains a temporal operator."""
+    return any(isinstance(part, Operator) and part.name in TEMPORAL for part in ast.walk(node))
+
+
 INNER_SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
 
 

@@ -50,7 +50,9 @@ class PolylineRegion(Region):
         """Return x and y of the point at a share of the length."""
         which = self._segment(u)
         left = u - (self.ends[which] - self.lengths[which] / self.length)
-        share = np.clip(left * self.length / np.maximum(self.lengths[which], 1e-300), 0.0, 1.0)
+        return self._point_of(which, np.clip(left * self.length / np.maximum(self.lengths[which], 1e-300), 0.0, 1.0))
+
+    def _point_of(self, which: Any, share: Any) -> Any:
         return tuple(self.starts[which, axis] + share * self.steps[which, axis] for axis in (0, 1))
 
     def _heading(self, u: Any) -> Any:
@@ -97,12 +99,7 @@ class PolylineRegion(Region):
 
     def projected(self, point: Vector) -> Vector:
         """Return the nearest point of the polyline."""
-
-        def project(x: Any, y: Any) -> Any:
-            which, along, _ = self.nearest(x, y)
-            return tuple(self.starts[which, axis] + along * self.steps[which, axis] for axis in (0, 1))
-
-        return vector_by(project, point.x, point.y)
+        return vector_by(lambda x, y: self._point_of(*self.nearest(x, y)[:2]), point.x, point.y)
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
         """Return the point so far along the polyline from its start (or that share of its length)."""

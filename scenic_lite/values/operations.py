@@ -84,6 +84,10 @@ def clipped(x: float, low: float, high: float) -> float:
     return min(max(x, low), high)
 
 
+def truncated(x: float) -> float:
+    return math.trunc(x) if math.isfinite(x) else x
+
+
 # ------------------------------------------------------------ where they fail
 
 
@@ -189,7 +193,7 @@ SELECT = Operation(
     interval=lambda _, *options: (min(low for low, _ in options), max(high for _, high in options)))
 CLIP = Operation(clipped, np.clip, "clip", 3, interval=increasing(clipped))
 # ------------------------------------------------------------ kinds of numbers
-INTEGER = Operation(int, to_integers, "int", 1, "TRUNCATE", ALWAYS)
+INTEGER = Operation(int, to_integers, "int", 1, "TRUNCATE", ALWAYS, None, increasing(truncated))
 FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float), "float", 1, "COPY")
 ROUND = Operation(round, array_round, "round", 1, "ROUND", ALWAYS)
 FLOOR = Operation(math.floor, lambda x: to_integers(np.floor(x)), "floor", 1, "FLOOR", ALWAYS)
@@ -197,27 +201,17 @@ CEILING = Operation(math.ceil, lambda x: to_integers(np.ceil(x)), "ceil", 1, "CE
 TEXT = Operation(str, array_text, "str", 1, kind="text")
 # ------------------------------------------------------------ functions of one number
 SQUARE_ROOT = Operation(math.sqrt, np.sqrt, "sqrt", 1, "SQUARE_ROOT", "", not_finite)
-CUBE_ROOT = Operation(math.cbrt, np.cbrt, "cbrt", 1)
 FLOAT_ABSOLUTE = Operation(math.fabs, np.fabs, "fabs", 1, "ABSOLUTE")
 EXPONENTIAL = Operation(math.exp, np.exp, "exp", 1, "EXPONENTIAL", "", not_finite)
-EXPONENTIAL_2 = Operation(math.exp2, np.exp2, "exp2", 1, "", "", not_finite)
-EXPONENTIAL_LESS_1 = Operation(math.expm1, np.expm1, "expm1", 1, "", "", not_finite)
 LOGARITHM = Operation(math.log, np.log, "log", 1, "LOGARITHM", "", not_finite)
 LOGARITHM_2 = Operation(math.log2, np.log2, "log2", 1, "LOGARITHM_2", "", not_finite)
 LOGARITHM_10 = Operation(math.log10, np.log10, "log10", 1, "LOGARITHM_10", "", not_finite)
-LOGARITHM_OF_1_MORE = Operation(math.log1p, np.log1p, "log1p", 1, "", "", not_finite)
 SINE = Operation(math.sin, np.sin, "sin", 1, "SINE")
 COSINE = Operation(math.cos, np.cos, "cos", 1, "COSINE")
 TANGENT = Operation(math.tan, np.tan, "tan", 1, "TANGENT")
 ARC_SINE = Operation(math.asin, np.arcsin, "asin", 1, "ARC_SINE", "", not_finite)
 ARC_COSINE = Operation(math.acos, np.arccos, "acos", 1, "ARC_COSINE", "", not_finite)
 ARC_TANGENT = Operation(math.atan, np.arctan, "atan", 1, "ARC_TANGENT")
-HYPERBOLIC_SINE = Operation(math.sinh, np.sinh, "sinh", 1, "", "", not_finite)
-HYPERBOLIC_COSINE = Operation(math.cosh, np.cosh, "cosh", 1, "", "", not_finite)
-HYPERBOLIC_TANGENT = Operation(math.tanh, np.tanh, "tanh", 1)
-AREA_SINE = Operation(math.asinh, np.arcsinh, "asinh", 1)
-AREA_COSINE = Operation(math.acosh, np.arccosh, "acosh", 1, "", "", not_finite)
-AREA_TANGENT = Operation(math.atanh, np.arctanh, "atanh", 1, "", "", not_finite)
 RADIANS = Operation(math.radians, np.radians, "radians", 1, interval=increasing(math.radians))
 DEGREES = Operation(math.degrees, np.degrees, "degrees", 1)
 NORMALISE = Operation(
@@ -245,7 +239,12 @@ SECTOR_MEETS = Operation(
     "SECTOR_MEETS", kind="truth")
 # fmt: on
 
-OPERATIONS = tuple(constant for constant in list(globals().values()) if isinstance(constant, Operation))
+# Functions of one number that nobody asks for but programs; those that are always finite do not mind being asked.
+RARER = ["cbrt", "exp2", "expm1", "log1p", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh"]
+OPERATIONS = (
+    *(constant for constant in list(globals().values()) if isinstance(constant, Operation)),
+    *(Operation(vars(math)[name], vars(np)[name], name, 1, fails=not_finite) for name in RARER),
+)
 _ROWS: dict[Any, Operation] = {operation.array: operation for operation in OPERATIONS}
 
 

@@ -22,12 +22,10 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language import distributions
 from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, apply
 from scenic_lite.values.operations import (
-    ADD,
     ALWAYS,
     AND,
     CLIP,
     DEGREES,
-    INTEGER,
     KEPT,
     MAXIMUM,
     MINIMUM,
@@ -206,13 +204,6 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
     code.row(op.IN_RINGS, out, 0, Operands(registers))
 
 
-def integers(code: Assembler, node: RandomExpr, out: int) -> None:
-    assert isinstance(node.operation, distributions.Integers)
-    first, count = node.operation.first, node.operation.count
-    place = apply(MINIMUM, apply(INTEGER, apply(MULTIPLY, *node.inputs, count)), count - 1)
-    register_of(code, apply(ADD, place, first), out)
-
-
 def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int], object]:
     """Return what writes the rows of an operation that other operations can do."""
     return lambda code, node, out: register_of(code, expression(*node.inputs), out)
@@ -222,7 +213,6 @@ SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] 
     (Table, select),
     (SELECT.array, select),
     (distributions.Cut, bucketize),
-    (distributions.Integers, integers),
     (Holds, in_shape),
     (CLIP.array, by(lambda x, low, high: apply(MINIMUM, apply(MAXIMUM, x, low), high))),
     (WHERE.array, by(lambda test, yes, no: RandomExpr(SELECT.array, (test, no, yes)))),
@@ -245,7 +235,7 @@ def is_whole(value: Value) -> bool:
         return operation.options.dtype.kind == "i"
     if operation is SELECT.array:
         return all(map(is_whole, value.inputs[1:]))
-    if isinstance(operation, distributions.Cut | distributions.Integers):
+    if isinstance(operation, distributions.Cut):
         return True
     row = table_row(operation)
     if row is None or row.integers != KEPT:
