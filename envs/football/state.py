@@ -103,6 +103,8 @@ PLAYER_FIELDS = (
     ("has_left", "?", (), "", "has left the pitch: stands far beside it, does nothing and is in nobody's way"),
     # What the built-in AI remembers of him: `ai.formation`, `ai.positions`, `ai.marking`, every few steps
     ("post", "i8", (), "", "player of his team whose slot he has for now"),
+    ("slot_place_x", "f8", (), "m", "where the slot of his number is now"),
+    ("slot_place_y", "f8", (), "m", ""),
     ("place_x", "f8", (), "m", "where he wants to be without the ball, from one decision to the next"),
     ("place_y", "f8", (), "m", ""),
     ("mean_speed", "f8", (), "m/s", "averaged over the last seconds: who has run for long runs less"),

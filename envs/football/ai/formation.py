@@ -230,6 +230,9 @@ def close_up_strength(attacking, ball_u):
 @kernel
 def exchange_posts(match, on_ball):
     """Let every two mates exchange their slots if that shortens their ways (their squares, so that no way is long)."""
+    for i in range(match.num_players):
+        player = match.players[i]
+        player.slot_place_x, player.slot_place_y = post_place(match, player, i, on_ball)
     for i in range(1, match.num_players):
         a = match.players[i]
         if a.role == GK or a.has_left:
@@ -237,22 +240,22 @@ def exchange_posts(match, on_ball):
         for j in range(i):
             b = match.players[j]
             if b.team == a.team and b.role != GK and not b.has_left:
-                exchange(match, a, b, on_ball)
+                exchange(match, a, b)
 
 
 @kernel
-def exchange(match, a, b, on_ball):
+def exchange(match, a, b):
     """Exchange two mates' slots if that shortens their ways."""
-    ax, ay = post_place(match, a, a.post, on_ball)
-    bx, by = post_place(match, b, b.post, on_ball)
-    stay = squared_ahead(a, ax, ay) + squared_ahead(b, bx, by)
-    change = squared_ahead(a, bx, by) + squared_ahead(b, ax, ay)
+    here, there = match.players[a.post], match.players[b.post]
+    stay = squared_way(a, here) + squared_way(b, there)
+    change = squared_way(a, there) + squared_way(b, here)
     if change < EXCHANGE * stay:
         a.post, b.post = b.post, a.post
 
 
 @kernel
-def squared_ahead(player, x, y):
-    """Return the square of the distance in m from where a player will be to (x, y)."""
-    dx, dy = player.x + LOOK_AHEAD * player.vx - x, player.y + LOOK_AHEAD * player.vy - y
+def squared_way(player, owner):
+    """Return the square of the distance in m from where a player will be to the slot of `owner`."""
+    dx = player.x + LOOK_AHEAD * player.vx - owner.slot_place_x
+    dy = player.y + LOOK_AHEAD * player.vy - owner.slot_place_y
     return dx * dx + dy * dy

@@ -28,7 +28,7 @@ class Own(NamedTuple):
 
 # Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
 OWN = Own()
-CHOSEN_EVERY = 2  # steps; who chooses when is staggered by shirts
+CHOSEN_EVERY = 4  # steps; who chooses when is staggered by shirts
 
 
 @kernel
