@@ -204,8 +204,8 @@ SQUARE_ROOT = Operation(math.sqrt, np.sqrt, "sqrt", 1, "SQUARE_ROOT", "", not_fi
 FLOAT_ABSOLUTE = Operation(math.fabs, np.fabs, "fabs", 1, "ABSOLUTE")
 EXPONENTIAL = Operation(math.exp, np.exp, "exp", 1, "EXPONENTIAL", "", not_finite)
 LOGARITHM = Operation(math.log, np.log, "log", 1, "LOGARITHM", "", not_finite)
-LOGARITHM_2 = Operation(math.log2, np.log2, "log2", 1, "LOGARITHM_2", "", not_finite)
-LOGARITHM_10 = Operation(math.log10, np.log10, "log10", 1, "LOGARITHM_10", "", not_finite)
+LOGARITHM_2 = Operation(math.log2, np.log2, "log2", 1, "", "", not_finite)
+LOGARITHM_10 = Operation(math.log10, np.log10, "log10", 1, "", "", not_finite)
 SINE = Operation(math.sin, np.sin, "sin", 1, "SINE")
 COSINE = Operation(math.cos, np.cos, "cos", 1, "COSINE")
 TANGENT = Operation(math.tan, np.tan, "tan", 1, "TANGENT")
@@ -223,8 +223,8 @@ NORMAL_QUANTILE = Operation(
 # ------------------------------------------------------------ functions of two numbers
 HYPOTENUSE = Operation(math.hypot, np.hypot, "hypot", 2, "HYPOTENUSE")
 ARC_TANGENT_2 = Operation(math.atan2, np.arctan2, "atan2", 2, "ARC_TANGENT_2")
-COPY_SIGN = Operation(math.copysign, np.copysign, "copysign", 2, "COPY_SIGN")
-FLOAT_MODULO = Operation(math.fmod, np.fmod, "fmod", 2, "REMAINDER", "", not_finite)
+COPY_SIGN = Operation(math.copysign, np.copysign, "copysign", 2)
+FLOAT_MODULO = Operation(math.fmod, np.fmod, "fmod", 2, "", "", not_finite)
 FLOAT_POWER = Operation(math.pow, np.float_power, "pow", 2, "POWER", "", not_finite)
 REMAINDER = Operation(math.remainder, lambda x, y: x - y * np.rint(x / y), "remainder", 2, "", "", not_finite)
 # ------------------------------------------------------------ the plane

@@ -19,7 +19,7 @@ from scenic_lite.core.types import Instance, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import jump_on, over_options, truth
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
-from scenic_lite.dynamics.compiler.emit import is_live, is_whole, jump, register_of
+from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
 from scenic_lite.dynamics.compiler.registers import Place, materialize, moves_to, place_for, store
 from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, common_type, join, loaded, type_of
 from scenic_lite.dynamics.machine import opcodes as op
@@ -372,15 +372,6 @@ def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
     return ordered
 
 
-def rounded(c: Compilation, scope: Scope, node: ast.AST, number: Value, ndigits: Value = None) -> Value:
-    """Return `round(x, digits)`."""
-    if not isinstance(ndigits, int) or not is_live(number):
-        return NotImplemented
-    register = c.code.temporaries.take()
-    c.code.row(op.ROUND_DIGITS, register, register_of(c.code, number), c.code.constant(ndigits))
-    return RegisterValue(register, lasting=False)
-
-
 # With the arguments of the evaluator's functions of these names, which go on where one of these gives NotImplemented.
 FUNCTIONS: dict[str, Callable[..., Value]] = {
     "len": length,
@@ -394,5 +385,4 @@ FUNCTIONS: dict[str, Callable[..., Value]] = {
     "min": partial(extreme, True),
     "max": partial(extreme, False),
     "sorted": in_order,
-    "round": rounded,
 }

@@ -205,9 +205,9 @@ def run_thread(code, registers, commands, thread, rng):
                 registers[a + i] = registers[b + i]
         elif opcode == op.SORT:
             sort_order(registers, a, b, int(registers[c]))
-        elif opcode in (op.FLOOR_DIVIDE, op.MODULO, op.REMAINDER):
+        elif opcode in (op.FLOOR_DIVIDE, op.MODULO):
             if registers[c] == 0:
-                stop(registers, DIVISION_BY_ZERO if opcode != op.REMAINDER else DOMAIN_ERROR, pc - 1)
+                stop(registers, DIVISION_BY_ZERO, pc - 1)
                 return
             registers[a] = divided(opcode, registers[b], registers[c])
         else:
@@ -222,8 +222,6 @@ def run_thread(code, registers, commands, thread, rng):
 @kernel
 def divided(opcode, x, y):
     """Return the quotient or rest of the divisions that round, of which none is by 0."""
-    if opcode == op.REMAINDER:
-        return np.fmod(x, y)
     rest = np.fmod(x, y)
     if rest != 0 and (rest < 0) != (y < 0):
         rest += y
@@ -252,9 +250,6 @@ def computed(code, registers, opcode, b, c):
         return np.trunc(x) + 0.0, np.isfinite(x)
     if opcode == op.ROUND:
         return np.rint(x) + 0.0, np.isfinite(x)
-    if opcode == op.ROUND_DIGITS:
-        scale = 10.0 ** registers[c]
-        return np.rint(x * scale) / scale, True
     if opcode == op.TANGENT:
         return math.tan(x), True
     if opcode == op.ARC_SINE:
@@ -267,12 +262,6 @@ def computed(code, registers, opcode, b, c):
         return math.exp(min(x, 709.0)), x <= 709.0
     if opcode == op.LOGARITHM:
         return math.log(max(x, 1e-300)), x > 0
-    if opcode == op.LOGARITHM_2:
-        return math.log2(max(x, 1e-300)), x > 0
-    if opcode == op.LOGARITHM_10:
-        return math.log10(max(x, 1e-300)), x > 0
-    if opcode == op.COPY_SIGN:
-        return math.copysign(x, registers[c]), True
     if opcode == op.RECTANGLES_MEET:
         return (1.0 if rectangles_meet(registers, code.lists, c) else 0.0), True
     if opcode == op.SECTOR_MEETS:

@@ -269,6 +269,11 @@ REFUSED = {
         "seen = []\nbehavior Main():\n    seen.append(self.position.y)\n    take len(seen)\n",
         "a match cannot append to 'seen'",
     ),
+    "a rare function": (
+        "import math\nbehavior Main():\n    take math.log2(self.position.y + 1)\n",
+        "while a match runs",
+    ),
+    "rounding to digits": ("behavior Main():\n    take round(self.position.y, 2)\n", "while a match runs"),
     "a filter of pairs": (
         "behavior Main():\n    take len([a for a in things for b in things if a.position.y > b.position.y])\n",
         "a comprehension over several lists",
