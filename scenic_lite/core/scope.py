@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.core.checks import FAULTS, as_error
-from scenic_lite.core.state import LOAD, BranchPath, Mode
+from scenic_lite.core.state import LOAD, Mode
 from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
 from scenic_lite.syntax import nodes
@@ -58,10 +57,6 @@ class Scope(Environment):
     def requiring(self) -> Scope:
         """Return the same names, inside a requirement."""
         return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
-
-    def along(self, path: BranchPath) -> Scope:
-        """Return the same names, where branches on random values follow a path."""
-        return Scope.at(replace(self.mode.requiring(), path=path), self)
 
     def owning(self, instance: Instance, name: str) -> Scope:
         """Return the same names; values drawn inside belong to `instance.name`."""
@@ -110,8 +105,6 @@ class Scope(Environment):
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
-        if self.mode.path is not None and isinstance(value, RandomExpr):
-            return self.mode.path.branch(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
         return bool(value)
 
@@ -174,9 +167,7 @@ class Scope(Environment):
     def watch(self, result: Value) -> None:
         """Note a result that some scenes may be unable to compute."""
         if self.mode.row is None:
-            path = self.mode.path
-            branches = () if path is None else zip(path.conditions, path.decisions, strict=False)
-            self.state.watching.note(result, branches)
+            self.state.watching.note(result)
 
     def note_places(self, node: ast.AST) -> None:
         if "lineno" in vars(node):

@@ -6,7 +6,6 @@ own, which the scopes carry. Read next: `core.scope`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -19,12 +18,10 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance
 from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
-from scenic_lite.values.operations import WHERE
+from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 from scenic_lite.values.regions import Region
 
 LOAD, SAMPLE, EPISODE, COMPILE = "load", "sample", "episode", "compile"  # phases of a Mode
-MOST_BRANCHES, MOST_WALKS = 24, 64  # on random values, of one function; along different branches
 
 
 @dataclass
@@ -173,7 +170,6 @@ class Mode:
         draw: gives a new random value (kind, place, offset, span).
         symbolic: comparisons and `and`, `or`, `not` of random values are values, not errors.
         row: in one sample, what each random node is there.
-        path: where a function branches on random values, the branches that are taken.
         owner: the object and the property whose specifier is evaluated, which names the draws.
         in_model: a `model` statement is executed, whose params are only defaults.
     """
@@ -185,7 +181,6 @@ class Mode:
     draw: Callable[[str, SourceSpan, float, float], ThetaColumn]
     symbolic: bool = False
     row: dict[RandomExpr, Value] | None = None
-    path: BranchPath | None = None
     owner: tuple[Instance, str] | None = None
     in_model: bool = False
 
@@ -207,66 +202,3 @@ class Mode:
 def refuse_draw(*_: Any) -> ThetaColumn:
     hint = "draw it before the requirement and give it a name"
     raise ScenicError("type", "a requirement cannot draw a random value", hint=hint)
-
-
-# ------------------------------------------------------------ branches on random values
-
-
-class BranchPath:
-    """One way through a function: the decisions of its branches in order, then always True; what each was asked of."""
-
-    def __init__(self, decisions: list[bool]) -> None:
-        self.decisions = decisions
-        self.conditions: list[Value] = []
-
-    def branch(self, condition: Value) -> bool:
-        """Return which way to go at the next branch."""
-        at = len(self.conditions)
-        if at >= MOST_BRANCHES:
-            raise too_many_paths()
-        self.conditions.append(condition)
-        if at == len(self.decisions):
-            self.decisions.append(True)
-        return self.decisions[at]
-
-
-class PathEnumerator:
-    """All ways through a computation that gives a number, joined by the branches' conditions; nan where one fails.
-
-    What a function computes that branches on random values stays a node over arrays so.
-    """
-
-    def __init__(self, compute: Callable[[BranchPath], Value]) -> None:
-        self.compute = compute
-        self.count = 0
-        self.fault: ScenicError | None = None
-        self.arrived = False  # along some path
-
-    def result(self) -> Value:
-        """Raises ScenicError if every path fails, or there are too many of them."""
-        value = self._from([])
-        if not self.arrived and self.fault is not None:
-            raise self.fault
-        return value
-
-    def _from(self, decisions: list[bool]) -> Value:
-        """Return the value of all paths that begin with some decisions."""
-        self.count += 1
-        if self.count > MOST_WALKS:
-            raise too_many_paths()
-        path = BranchPath(list(decisions))
-        try:
-            value = self.compute(path)
-            self.arrived = True
-        except ScenicError as error:
-            if error.kind not in ("value", "type"):
-                raise
-            value, self.fault = math.nan, error
-        for at in reversed(range(len(decisions), len(path.conditions))):
-            other = self._from([*path.decisions[:at], False])
-            value = apply(WHERE, path.conditions[at], value, other)
-        return value
-
-
-def too_many_paths() -> ScenicError:
-    return ScenicError("random-control-flow", "the function has too many ways through its branches")

@@ -16,7 +16,6 @@ import numpy as np
 
 from scenic_lite.core.per_sample import PerSampleOperation, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
-from scenic_lite.core.state import PathEnumerator
 from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, is_scalar, vector_by
@@ -39,11 +38,6 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
             return heading(scope.call(function, [point], {}, node))
         except ScenicError as error:
             if point.fixed or error.kind not in ("random-control-flow", "type"):
-                raise
-        try:
-            return PathEnumerator(lambda path: heading(scope.along(path).call(function, [point], {}, node))).result()
-        except ScenicError as error:
-            if error.kind != "random-control-flow":
                 raise
         return heading_by_row(scope, node, function, point, heading)
 
