@@ -48,10 +48,7 @@ class Scope(Environment):
     def at(mode: Mode, environment: Environment) -> Scope:
         """Return the same names in a mode."""
         scope = Scope(mode, environment.source, environment.locals, environment.outer)
-        scope.globals, scope.nonlocals, scope.assigned = (
-            environment.globals, environment.nonlocals, environment.assigned,
-        )  # fmt: skip
-        scope.transparent = environment.transparent
+        scope.globals, scope.assigned = environment.globals, environment.assigned
         return scope
 
     def requiring(self) -> Scope:
@@ -153,7 +150,6 @@ class Scope(Environment):
         first, *rest = generators
         for element in self.elements(self.value(first.iter), first.iter):
             inner = self.inner({})
-            inner.transparent = True
             self.handlers.unpack(inner, first.target, element)
             self.mode.budget.step()
             if all(inner.truth(test) for test in first.ifs):

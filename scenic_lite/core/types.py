@@ -44,16 +44,14 @@ class Source:
 class Environment:
     """The variables of one module, function, comprehension or class body, inside those around it."""
 
-    __slots__ = ("assigned", "globals", "locals", "module_names", "nonlocals", "outer", "source", "transparent")
+    __slots__ = ("assigned", "globals", "locals", "module_names", "outer", "source")
 
     def __init__(self, source: Source, names: dict[str, Value], outer: Environment | None = None) -> None:
         self.source = source
         self.locals = names
         self.outer = outer
         self.globals: set[str] = set()  # declared `global` here
-        self.nonlocals: set[str] = set()
         self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
-        self.transparent = False  # of a comprehension, whose `:=` binds outside
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def outwards(self) -> Iterator[Environment]:
@@ -65,12 +63,7 @@ class Environment:
 
     def names_of(self, name: str) -> dict[str, Value]:
         """Return where an assignment to the name goes."""
-        if name in self.globals:
-            return self.module_names
-        if name in self.nonlocals and self.outer is not None:
-            owner = next((at for at in self.outer.outwards() if name in at.locals), None)
-            return self.locals if owner is None else owner.names_of(name)
-        return self.locals
+        return self.module_names if name in self.globals else self.locals
 
     def place(self, node: ast.AST) -> SourceSpan:
         if not isinstance(node, ast.expr | ast.stmt):
@@ -240,7 +233,7 @@ class LazyValue:
     compute: Callable[[Instance], Value]
 
 
-SPREAD = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
+SPREAD = Parameter.VAR_POSITIONAL
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,7 +260,7 @@ class Definition:
     def required(self) -> list[str]:
         """Return the parameters that must be given."""
         parameters = self.signature.parameters.values()
-        return [each.name for each in parameters if each.default is Parameter.empty and each.kind not in SPREAD]
+        return [each.name for each in parameters if each.default is Parameter.empty and each.kind is not SPREAD]
 
     def bind(self, arguments: list, keywords: dict[str, Value]) -> dict[str, Value]:
         """Return arguments by the names of the parameters. Raises ScenicError if they do not fit."""
@@ -280,7 +273,7 @@ class Definition:
 
     def _misfit(self, arguments: list, keywords: dict[str, Value]) -> ScenicError:
         """Return what is wrong with arguments that do not fit."""
-        names = [each.name for each in self.signature.parameters.values() if each.kind not in SPREAD]
+        names = [each.name for each in self.signature.parameters.values() if each.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
         twice = [name for name in names[: len(arguments)] if name in keywords]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]

@@ -6,7 +6,7 @@ Read next: `evaluation.builtins`, the methods of containers; `language.regions`,
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -31,7 +31,7 @@ from scenic_lite.core.types import (
     randoms_in,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.builtins import CLASS_METHODS, DICTIONARIES, LISTS, TUPLES, no_method
+from scenic_lite.evaluation.builtins import DICTIONARIES, LISTS, TUPLES, no_method
 from scenic_lite.language import regions
 from scenic_lite.language.classes import ORIENTATION, SIDES, checked, is_object, is_oriented, side_of, vector_of
 from scenic_lite.values.geometry import Vector, angle_between, distance_between, is_scalar
@@ -61,8 +61,8 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
         raise no_method(name)
     if isinstance(value, ScenicClass):
         known, member = value.members, value.member(name)
-    elif isinstance(value, Builtin) and value.types:  # `dict.fromkeys`, `PolygonalRegion.unionAll`
-        known = CLASS_METHODS.get(value.name, {}) | regions.CLASS_FUNCTIONS.get(value.name, {})
+    elif isinstance(value, Builtin) and value.types:  # `PolygonalRegion.unionAll`
+        known = regions.CLASS_FUNCTIONS.get(value.name, {})
         member = known.get(name)
     else:
         fields, methods = of_kind(FIELDS, value), of_kind(METHODS, value)
@@ -227,7 +227,7 @@ def write(scope: Scope, target: ast.expr, owner: Value, key: Value, value: Value
             TRACKED[key](scope, target, value)
         scope.assign(key, value)
     elif isinstance(target, ast.Subscript):
-        check_container(scope, target, owner, key, "assigned here")
+        check_container(scope, target, owner, key)
         ranged = isinstance(key, slice) and isinstance(owner, list)
         owner[key] = scope.elements(value, target) if ranged else value
         scope.mode.budget.container(len(owner)) if ranged else scope.mode.budget.spend(1)
@@ -238,32 +238,10 @@ def write(scope: Scope, target: ast.expr, owner: Value, key: Value, value: Value
             raise scope.placed(error, target) from None
 
 
-def delete(scope: Scope, node: ast.Delete) -> None:
-    """`del name, items[i], object.attribute`."""
-    for target in flat(node.targets):
-        owner, key = located(scope, target)
-        if isinstance(target, ast.Subscript):
-            check_container(scope, target, owner, key, "deleted")
-            del owner[key]
-            continue
-        named = isinstance(target, ast.Name)
-        names = scope.names_of(key) if named else owner.attributes if isinstance(owner, Instance) else {}
-        if key not in names or key in TRACKED:
-            what = f"name '{key}' is not defined" if named else f"'{key}' of {describe_kind(owner)} cannot be deleted"
-            raise scope.error("name", what, target)
-        del names[key]
-
-
-def flat(targets: Iterable[ast.expr]) -> list[ast.expr]:
-    """Return targets without the tuples and lists around them."""
-    several = (ast.Tuple, ast.List)
-    return [part for each in targets for part in (flat(each.elts) if isinstance(each, several) else [each])]
-
-
-def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value, done: str) -> None:
-    """Raise ScenicError for elements that cannot be assigned or deleted."""
+def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value) -> None:
+    """Raise ScenicError for elements that cannot be assigned."""
     if not isinstance(owner, list | dict):
-        raise scope.error("type", f"elements of {describe_kind(owner)} cannot be {done}", target)
+        raise scope.error("type", f"elements of {describe_kind(owner)} cannot be assigned here", target)
     if isinstance(owner, list):
         scope.refuse_random(key, target, "the index of a list must not be random")
     scope.mode.budget.whole(key)

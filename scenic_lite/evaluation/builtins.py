@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
@@ -17,7 +18,7 @@ import numpy as np
 
 from scenic_lite.core.budget import exceeded
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LOAD, LoadState
+from scenic_lite.core.state import LOAD
 from scenic_lite.core.types import (
     Builtin,
     Instance,
@@ -27,11 +28,12 @@ from scenic_lite.core.types import (
     choose,
     describe_kind,
     needs_context,
+    randoms_in,
 )
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TEXT, TRUTH, Operation
+from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH, Operation
 
 MOST_PRINTED = 1000  # lines that are kept
 MOST_SUBLISTS = 256  # of a list that is filtered by random tests
@@ -149,68 +151,31 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
     self.extend(items)
 
 
-def list_insert(scope: Scope, node: ast.AST, self: list, index: int, item: Value) -> None:
-    scope.mode.budget.grow(self, 1)
-    self.insert(index, item)
-
-
-def list_sort(scope: Scope, node: ast.AST, self: list, key: Value = None, reverse: Value = False) -> None:
-    self[:] = sorted_list(scope, node, self, key, reverse)
-
-
-def dictionary_update(scope: Scope, node: ast.AST, self: dict, other: Value = (), **more: Value) -> None:
-    pairs = make_dictionary(scope, node, other, **more)
-    scope.mode.budget.grow(self, len(pairs))
-    self.update(pairs)
-
-
-def keys_of(scope: Scope, node: ast.AST, keys: Value, value: Value = None) -> dict:
-    """`dict.fromkeys(keys, value)`."""
-    return make_dictionary(scope, node, [(key, value) for key in scope.elements(keys, node)])
-
-
 # ------------------------------------------------------------ texts
 
 
-def represent(state: LoadState, value: Value, depth: int = 0) -> Value:
-    """Return a value as it is written inside a container, a text in quotes; row by row if it is random."""
+class Written(str):
+    """A text that Python writes inside a container as it is."""
+
+    __repr__ = str.__str__
+
+
+def written(dialect: int, value: Value, depth: int = 0) -> Value:
+    """Return what Python writes as this value is written, for all that is not random."""
     if depth > DEEPEST:
         raise exceeded("a text of collections that are nested too deeply")
-    if isinstance(value, dict):
-        pairs = [represent(state, k, depth + 1) + ": " + represent(state, v, depth + 1) for k, v in value.items()]
-        return "{" + separated(state, pairs) + "}"
     if isinstance(value, list | tuple):
-        inside = separated(state, [represent(state, element, depth + 1) for element in value])
-        return "[" + inside + "]" if isinstance(value, list) else "(" + inside + "," * (len(value) == 1) + ")"
+        return type(value)(written(dialect, element, depth + 1) for element in value)
+    if isinstance(value, dict):
+        return {written(dialect, key, depth + 1): written(dialect, part, depth + 1) for key, part in value.items()}
     if isinstance(value, Vector):
-        x, y = represent(state, value.x), represent(state, value.y)
-        return "(" + x + " @ " + y + ")" if state.dialect == 2 else "Vector(" + x + ", " + y + ", 0)"
-    if isinstance(value, RandomExpr):
-        return RandomExpr(array_represented, (value,), "text")
-    if isinstance(value, RandomChoice):
-        return value.each(lambda option: represent(state, option, depth))
+        return Written(f"({value.x} @ {value.y})" if dialect == 2 else f"Vector({value.x}, {value.y}, 0)")
     if isinstance(value, Instance):
-        return value.title()
+        return Written(value.title())
     if isinstance(value, int | float | str | range | type(None)):
-        return repr(value)
-    if isinstance(value, ScenicClass) or (isinstance(value, Builtin) and value.types):
-        return f"<class '{value.name}'>"
-    return describe_kind(value)
-
-
-def array_represented(values: Any) -> Any:
-    """Return each element [N] as it is written inside a container."""
-    texts = [repr(element.item() if hasattr(element, "item") else element) for element in values]
-    return np.array(texts + [None], dtype=object)[:-1]
-
-
-def separated(state: LoadState, parts: list[Value]) -> Value:
-    """Return texts with commas between them."""
-    if not all(isinstance(part, str) for part in parts):
-        return reduce(lambda before, part: before + ", " + part, parts)
-    inside = ", ".join(parts)
-    state.budget.text(len(inside))
-    return inside
+        return value
+    named = isinstance(value, ScenicClass) or (isinstance(value, Builtin) and value.types)
+    return Written(f"<class '{value.name}'>" if named else describe_kind(value))
 
 
 @broadcasts_over_choices(1)
@@ -221,20 +186,25 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
     if isinstance(value, RandomExpr):
         if spec:
             format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
-        return RandomExpr(TEXT.array if not spec else FormatEach(spec), (value,), "text")
+        return RandomExpr(FormatEach(spec), (value,), "text")
     if spec and not isinstance(value, int | float | str):
         raise ScenicError("type", f"{describe_kind(value)} takes no format")
     if spec or isinstance(value, str):
         return format(value, spec)
+    if any(True for _ in randoms_in(value)) and not isinstance(value, Instance):
+        message = "there is no text of random values in a collection or vector"
+        raise ScenicError("unsupported", message, hint="write them one by one")
     scope.mode.budget.whole(value)  # a part that is shared is written each time
-    return represent(scope.state, value)
+    text = str(written(scope.state.dialect, value))
+    scope.mode.budget.text(len(text))
+    return text
 
 
+@dataclass(frozen=True)
 class FormatEach:
-    """Write each element of an array [N] with one format."""
+    """Write each element of an array [N] with one format; "" is that of `str`."""
 
-    def __init__(self, spec: str) -> None:
-        self.spec = spec
+    spec: str
 
     def __call__(self, values: Any) -> Any:
         texts = [format(value.item() if hasattr(value, "item") else value, self.spec) for value in values]
@@ -248,9 +218,9 @@ def no_method(name: str) -> ScenicError:
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
     """`print`: what a program says while it is loaded is kept in `Program.printed`; in a match nobody listens."""
-    texts = [text_of(scope, value) for value in values]
     if scope.mode.phase == LOAD and len(scope.state.printed) < MOST_PRINTED:
-        words = [text if isinstance(text, str) else "(random)" for text in texts]
+        fixed = [isinstance(value, Instance) or next(randoms_in(value), None) is None for value in values]
+        words = [text_of(scope, value) if known else "(random)" for value, known in zip(values, fixed, strict=True)]
         scope.state.printed.append((sep if isinstance(sep, str) else " ").join(words))
 
 
@@ -343,14 +313,18 @@ PYTHON: dict[str, Value] = {
         }
     ),
 }
-LISTS = plain(list, "pop", "remove", "index", "count", "reverse", "copy", "clear") | needs_context(
-    append=list_append, extend=list_extend, insert=list_insert, sort=list_sort
+LISTS = (
+    plain(list, "pop", "remove", "index", "count", "reverse", "copy", "clear")
+    | needs_context(append=list_append, extend=list_extend)
+    | left_out({"write items = sorted(items)": "sort", "write items[i:i] = [x]": "insert"})
 )
 TUPLES = plain(tuple, "index", "count")
-DICTIONARIES = plain(dict, "get", "pop", "setdefault", "copy", "clear") | needs_context(
-    update=dictionary_update,
-    keys=lambda scope, node, self: list(self),
-    values=lambda scope, node, self: list(self.values()),
-    items=lambda scope, node, self: list(self.items()),
+DICTIONARIES = (
+    plain(dict, "get", "pop", "setdefault", "copy", "clear")
+    | needs_context(
+        keys=lambda scope, node, self: list(self),
+        values=lambda scope, node, self: list(self.values()),
+        items=lambda scope, node, self: list(self.items()),
+    )
+    | left_out({"write d[key] = value for each": "update"})
 )
-CLASS_METHODS: dict[str, dict[str, Builtin]] = {"dict": needs_context(fromkeys=keys_of)}

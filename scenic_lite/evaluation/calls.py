@@ -80,20 +80,9 @@ def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Va
             arguments.append(scope.value(argument))
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
-        value = scope.value(keyword.value)
-        for name, spread in mapping(scope, keyword, value).items() if keyword.arg is None else [(keyword.arg, value)]:
-            if name in keywords:
-                raise scope.error("type", f"the argument '{name}' is given twice", keyword.value)
-            keywords[name] = spread
+        assert keyword.arg is not None, "the parser refuses `**`"
+        keywords[keyword.arg] = scope.value(keyword.value)
     return arguments, keywords
-
-
-def mapping(scope: Scope, keyword: ast.keyword, value: Value) -> dict[str, Value]:
-    """Return what `**` spreads in a call."""
-    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
-        message = f"`**` needs a dictionary with names as keys, not {describe_kind(value)}"
-        raise scope.error("type", message, keyword.value)
-    return value
 
 
 def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]:
@@ -222,11 +211,6 @@ def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
     parameters = [Parameter(a.arg, POSITIONAL, default=d) for a, d in zip(arguments.args, defaults, strict=True)]
     if arguments.vararg is not None:
         parameters.append(Parameter(arguments.vararg.arg, Parameter.VAR_POSITIONAL))
-    for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
-        value = Parameter.empty if default is None else scope.value(default)
-        parameters.append(Parameter(argument.arg, Parameter.KEYWORD_ONLY, default=value))
-    if arguments.kwarg is not None:
-        parameters.append(Parameter(arguments.kwarg.arg, Parameter.VAR_KEYWORD))
     return Signature(parameters)
 
 
@@ -240,7 +224,7 @@ def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
         node = pending.pop()
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             names.add(node.id)
-        elif isinstance(node, ast.Global | ast.Nonlocal):
+        elif isinstance(node, ast.Global):
             elsewhere.update(node.names)
         elif isinstance(node, NAMING) and node.name:
             names.add(node.name)

@@ -12,8 +12,6 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.types import LazyValue, RandomChoice, broadcasts_over_choices, choose, describe_kind
 from scenic_lite.errors import ScenicError
@@ -49,11 +47,6 @@ BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
     ast.FloorDiv: ("//", operator.floordiv),
     ast.Mod: ("%", operator.mod),
     ast.Pow: ("**", real_power),
-    ast.LShift: ("<<", operator.lshift),
-    ast.RShift: (">>", operator.rshift),
-    ast.BitAnd: ("&", operator.and_),
-    ast.BitOr: ("|", operator.or_),
-    ast.BitXor: ("^", operator.xor),
 }
 OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
 PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # what a list may hold that Python's own `==` does not compare
@@ -142,8 +135,6 @@ def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> N
     if isinstance(left, int) and isinstance(right, int):
         if isinstance(sign, ast.Pow) and right > 0:
             budget.integer(left.bit_length() * right)
-        elif isinstance(sign, ast.LShift) and right > 0:
-            budget.integer(left.bit_length() + right)
     elif isinstance(sign, ast.Mult):
         for sequence, count in ((left, right), (right, left)):
             if isinstance(sequence, str | list | tuple) and isinstance(count, int):
@@ -161,9 +152,7 @@ def unary(scope: Scope, node: ast.UnaryOp) -> Value:
 
 @broadcasts_over_choices(2)
 def apply_sign(scope: Scope, sign: ast.unaryop, value: Value) -> Value:
-    if isinstance(sign, ast.Invert) and isinstance(value, int):
-        return ~value
-    if isinstance(sign, ast.Invert) or not isinstance(value, int | float | Vector | RandomExpr):
+    if not isinstance(value, int | float | Vector | RandomExpr):
         raise ScenicError("type", f"{describe_kind(value)} has no sign")
     return -value if isinstance(sign, ast.USub) else +value
 
@@ -206,14 +195,6 @@ def either(test: RandomExpr, yes: Value, no: Value) -> Value:
 
 
 # ------------------------------------------------------------ comparisons
-
-
-def each_holds(parts: Any, texts: Any) -> Any:
-    """Return whether each text holds the part beside it; arrays [N] or single texts."""
-    return np.array([part in text for part, text in np.broadcast(parts, texts)], dtype=bool)
-
-
-HOLDS = Operation(lambda part, text: part in text, each_holds, kind="truth")
 
 
 def comparison(scope: Scope, node: ast.Compare) -> Value:
@@ -305,8 +286,8 @@ def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Va
     if kind_of(container) == "text":
         if kind_of(item) != "text":
             raise ScenicError("type", f"a text holds texts, not {describe_kind(item)}")
-        scope.refuse_comparison(node, item, container)
-        return apply(HOLDS, item, container)
+        scope.refuse_random_in((item, container), node, "a random text cannot be searched")
+        return item in container
     elements = scope.elements(container, node)
     scope.refuse_comparison(node, item, *elements)
     result: Value = False
@@ -364,13 +345,8 @@ def key_of(scope: Scope, node: ast.expr) -> Value:
 def dictionary(scope: Scope, node: ast.Dict) -> dict:
     result: dict = {}
     for key, value in zip(node.keys, node.values, strict=True):
-        if key is not None:
-            result[key_of(scope, key)] = scope.value(value)
-            continue
-        spread = scope.value(value)
-        if not isinstance(spread, dict):
-            raise scope.error("type", f"`**` needs a dictionary, not {describe_kind(spread)}", value)
-        result.update(spread)
+        assert key is not None, "the parser refuses `**`"
+        result[key_of(scope, key)] = scope.value(value)
     scope.mode.budget.container(len(result))
     return result
 
@@ -404,15 +380,6 @@ def dictionary_comprehension(scope: Scope, node: ast.DictComp) -> dict:
     return result
 
 
-def assign_inside(scope: Scope, node: ast.NamedExpr) -> Value:
-    value = scope.value(node.value)
-    at = scope
-    while at.transparent and isinstance(at.outer, Scope):
-        at = at.outer
-    at.assign(node.target.id, value)
-    return value
-
-
 def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
     operation = OPERATORS.get(node.name)
     if operation is None:
@@ -442,6 +409,5 @@ EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {
     ast.ListComp: comprehension,
     ast.GeneratorExp: comprehension,
     ast.DictComp: dictionary_comprehension,
-    ast.NamedExpr: assign_inside,
     nodes.Operator: scenic_operator,
 }

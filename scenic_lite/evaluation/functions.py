@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.budget import exceeded
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Builtin,
@@ -43,7 +42,6 @@ from scenic_lite.values.operations import (
     OPERATIONS,
     ROUND,
     Operation,
-    real_power,
 )
 
 # ------------------------------------------------------------ numbers
@@ -57,10 +55,10 @@ def numeric(operation: Operation, *operands: Value) -> Value:
     return apply(operation, *(as_number(operand) for operand in operands))
 
 
-def of_table(operation: Operation, name: str = "") -> Builtin:
+def of_table(operation: Operation, name: str = "", *types: type) -> Builtin:
     """Return the function that a row of the table of operations is."""
     if operation.arity == 1:
-        return Builtin(name or operation.name, lambda x: numeric(operation, x))
+        return Builtin(name or operation.name, lambda x: numeric(operation, x), types=types)
     return Builtin(name or operation.name, lambda x, y: numeric(operation, x, y))
 
 
@@ -70,27 +68,6 @@ def rounded(number: Value, ndigits: Value = None) -> Value:
     if not isinstance(ndigits, int) or abs(ndigits) > 300:
         raise ScenicError("type", f"the number of digits must be a fixed integer, not {describe_kind(ndigits)}")
     return numeric(Operation(lambda x: round(x, ndigits), lambda x: np.round(x, ndigits)), number)
-
-
-def power(scope: Scope, node: ast.AST, base: Value, exp: Value) -> Value:
-    """`pow(base, exp)`."""
-    if isinstance(base, int) and isinstance(exp, int) and exp > 0:
-        scope.mode.budget.integer(base.bit_length() * exp)
-    for operand in (base, exp):
-        numeric(ABSOLUTE, operand)  # refuses what is no number
-    return real_power(base, exp)
-
-
-def integer(value: Value = 0) -> Value:
-    """`int(value)`, of a number or of a text."""
-    if isinstance(value, str) and len(value) > 1000:
-        raise exceeded("a text of more than 1000 digits for one integer")
-    return int(value) if isinstance(value, str) else numeric(INTEGER, value)
-
-
-def decimal(value: Value = 0.0) -> Value:
-    """`float(value)`, of a number or of a text."""
-    return float(value) if isinstance(value, str) else numeric(FLOAT, value)
 
 
 @broadcasts_over_choices(2)
@@ -113,14 +90,6 @@ def hypotenuse(scope: Scope, node: ast.AST, *sides: Value) -> Value:
 def logarithm(x: Value, base: Value = None) -> Value:
     own = numeric(LOGARITHM, x)
     return own if base is None else own / numeric(LOGARITHM, base)
-
-
-def distance(scope: Scope, node: ast.AST, p: Value, q: Value) -> Value:
-    """`math.dist`."""
-    ends = scope.elements(p, node), scope.elements(q, node)
-    if len(ends[0]) != len(ends[1]):
-        raise ScenicError("value", "both points must have the same number of coordinates")
-    return hypotenuse(scope, node, *(a - b for a, b in zip(*ends, strict=True)))
 
 
 # ------------------------------------------------------------ the least, the greatest
@@ -188,9 +157,9 @@ def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
 NUMBERS: dict[str, Value] = {
     "abs": of_table(ABSOLUTE),
     "round": Builtin("round", rounded),
-    "pow": Builtin("pow", power, needs_context=True),
-    "int": Builtin("int", integer, types=(int,)),
-    "float": Builtin("float", decimal, types=(float,)),
+    "int": of_table(INTEGER, "int", int),
+    "float": of_table(FLOAT, "float", float),
+    **left_out({"write a ** b": "pow"}),
     **needs_context(min=Extreme(MINIMUM), max=Extreme(MAXIMUM), sum=total),
 }
 MATH: dict[str, Value] = {
@@ -198,7 +167,6 @@ MATH: dict[str, Value] = {
     "trunc": of_table(INTEGER, "trunc"),
     "log": Builtin("log", logarithm),
     "hypot": Builtin("hypot", hypotenuse, needs_context=True),
-    "dist": Builtin("dist", distance, needs_context=True),
     "pi": math.pi,
     "tau": TURN,
     "e": math.e,
@@ -210,6 +178,7 @@ MATH: dict[str, Value] = {
             "write math.floor(math.sqrt(x))": "isqrt",
             "write x - math.trunc(x) and math.trunc(x)": "modf",
             "write sum(...)": "fsum",
+            "write distance from a to b": "dist",
             "write a function with a loop": "prod factorial comb gcd lcm",
         }
     ),

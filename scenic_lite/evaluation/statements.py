@@ -23,7 +23,7 @@ from scenic_lite.core.types import (
     near,
 )
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.access import delete, located, read, unpack, write
+from scenic_lite.evaluation.access import located, read, unpack, write
 from scenic_lite.evaluation.builtins import text_of
 from scenic_lite.evaluation.calls import Return, function_of, names_of, signature_of
 from scenic_lite.evaluation.expressions import combine
@@ -137,14 +137,6 @@ def nothing(scope: Scope, node: ast.AST) -> None:
 
 def declare_global(scope: Scope, node: ast.Global) -> None:
     scope.globals.update(node.names)
-
-
-def declare_nonlocal(scope: Scope, node: ast.Nonlocal) -> None:
-    around = [] if scope.outer is None else [at for at in scope.outer.outwards() if at.locals is not at.module_names]
-    for name in node.names:
-        if not any(name in at.locals or name in at.assigned for at in around):
-            raise ScenicError("syntax", f"no function around this one has a variable '{name}'")
-    scope.nonlocals.update(node.names)
 
 
 def check_assertion(scope: Scope, node: ast.Assert) -> None:
@@ -292,9 +284,7 @@ STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.Assign: assign,
     ast.AnnAssign: annotated,
     ast.AugAssign: augmented,
-    ast.Delete: delete,
     ast.Assert: check_assertion,
-    ast.Nonlocal: declare_nonlocal,
     ast.Expr: expression,
     ast.If: branch,
     ast.For: repeat,

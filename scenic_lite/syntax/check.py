@@ -276,7 +276,7 @@ def endless_loop(loop: ast.While) -> bool:
         return False
     if isinstance(loop.test, ast.Constant):
         return bool(loop.test.value)
-    if any(isinstance(node, ast.Call | ast.NamedExpr) for node in [*body, *ast.walk(loop.test)]):
+    if any(isinstance(node, ast.Call) for node in [*body, *ast.walk(loop.test)]):
         return False
     read = {node.id for node in ast.walk(loop.test) if isinstance(node, ast.Name)}
     return not read & set(_changed(body))

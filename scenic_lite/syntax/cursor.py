@@ -17,7 +17,7 @@ from scenic_lite.syntax.lexer import Place, Source, Token, lex
 
 Node = TypeVar("Node", bound=ast.AST)
 
-LOAD, STORE, DELETE = ast.Load(), ast.Store(), ast.Del()
+LOAD, STORE = ast.Load(), ast.Store()
 
 VALUES = frozenset({"True", "False", "None", "not", "lambda"})
 LAYOUT = {
@@ -153,19 +153,15 @@ class Cursor:
         _, _, _, _, node.end_lineno, node.end_col_offset = last  # type: ignore[attr-defined]
         return node
 
-    def stored(self, target: ast.expr, context: ast.expr_context = STORE) -> ast.expr:
+    def stored(self, target: ast.expr) -> ast.expr:
         """Turn what was read as a value into what is assigned to."""
-        if isinstance(target, ast.Name | ast.Attribute | ast.Subscript):
-            target.ctx = context
-        elif isinstance(target, ast.Starred) and context is not DELETE:
-            target.ctx = context
-            self.stored(target.value, context)
-        elif isinstance(target, ast.Tuple | ast.List):
-            target.ctx = context
-            for element in target.elts:
-                self.stored(element, context)
-        else:
-            self.fail(f"cannot {'delete' if context is DELETE else 'assign to'} {kind_of(target)}", at=target)
+        if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Starred | ast.Tuple | ast.List):
+            self.fail(f"cannot assign to {kind_of(target)}", at=target)
+        target.ctx = STORE
+        for part in target.elts if isinstance(target, ast.Tuple | ast.List) else ():
+            self.stored(part)
+        if isinstance(target, ast.Starred):
+            self.stored(target.value)
         return target
 
     def deeper(self) -> None:

@@ -12,7 +12,7 @@ from itertools import groupby
 from typing import TypeVar
 
 from scenic_lite.syntax import grammar
-from scenic_lite.syntax.cursor import LOAD, STORE, Cursor
+from scenic_lite.syntax.cursor import LOAD, Cursor
 from scenic_lite.syntax.grammar import COMPARES, INFIX, PYTHON_KEYWORDS, SCENIC_KEYWORDS, SPECIFIER_WORDS, Level
 from scenic_lite.syntax.lexer import Token, lex_field
 
@@ -227,22 +227,22 @@ def display(c: Cursor, start: Token) -> ast.expr:
 
 
 def dictionary(c: Cursor, start: Token) -> ast.expr:
-    """Read `{key: value, **more}` or a comprehension of one."""
+    """Read `{key: value, ...}` or a comprehension of one."""
     opened(c)
     pairs = listed(c, entry, "}")
     keys, values = [key for key, _ in pairs], [value for _, value in pairs]
-    node: ast.expr = ast.Dict(keys, values)
-    if len(pairs) == 1 and keys[0] is not None and begins_comprehension(c):
+    node: ast.expr = ast.Dict([*keys], values)
+    if len(pairs) == 1 and begins_comprehension(c):
         node = ast.DictComp(keys[0], values[0], comprehensions(c))
     close(c, "}")
     return c.at(start, node)
 
 
-def entry(c: Cursor) -> tuple[ast.expr | None, ast.expr]:
-    """Read `key: value` or `**more` of a dictionary."""
+def entry(c: Cursor) -> tuple[ast.expr, ast.expr]:
+    """Read `key: value` of a dictionary."""
     first = c.previous
-    if c.accept("**"):
-        return None, c.operation(Level.SEE)
+    if c.token.text == "**":
+        c.refuse("**")
     key = element(c)
     if first.text == "{" and c.token.text != ":":
         if c.token.text in (",", "}") or begins_comprehension(c):
@@ -253,17 +253,15 @@ def entry(c: Cursor) -> tuple[ast.expr | None, ast.expr]:
 
 
 def element(c: Cursor) -> ast.expr:
-    """Read `*operation` or `[name :=] expression`."""
+    """Read `*operation` or an expression."""
     start = c.token
     if start.text == "*":
         c.advance()
         return c.at(start, ast.Starred(c.operation(Level.SEE), LOAD))
-    if start.kind == "name" and c.tokens[c.index + 1].text == ":=":
-        c.name("what is assigned to")
-        target = c.at(start, ast.Name(start.text, STORE))
-        c.advance()
-        return c.at(start, ast.NamedExpr(target, c.expression()))
-    return c.expression()
+    value = c.expression()
+    if c.token.text == ":=":
+        c.refuse(":=")
+    return value
 
 
 def item(c: Cursor) -> ast.expr:
@@ -309,8 +307,8 @@ def comprehensions(c: Cursor) -> list[ast.comprehension]:
         c.expect("in", "after the variable of the comprehension")
         values = c.operation(Level.OR)
         conditions = []
-        while c.accept("if"):  # no `if else`, but perhaps a `:=`
-            conditions.append(element(c) if c.peek().text == ":=" else c.operation(Level.OR))
+        while c.accept("if"):  # no `if else`
+            conditions.append(c.operation(Level.OR))
         found.append(ast.comprehension(target, values, conditions, 0))
         c.check_chain(len(found), '"for"')
     return found
@@ -322,7 +320,7 @@ def targets(c: Cursor) -> ast.expr:
 
 
 def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
-    """Read `(value, *values, name=value, **more)`."""
+    """Read `(value, *values, name=value)`."""
     opening = c.token
     opened(c)
     values: list[ast.expr] = []
@@ -330,15 +328,15 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
     generator: ast.expr | None = None
     while c.token.text != ")":
         start = c.token
-        if c.accept("**"):
-            keywords.append(c.at(start, ast.keyword(None, c.expression())))
-        elif start.kind == "name" and c.tokens[c.index + 1].text == "=":
+        if start.text == "**":
+            c.refuse("**")
+        if start.kind == "name" and c.tokens[c.index + 1].text == "=":
             if start.text in PYTHON_KEYWORDS:
                 c.fail(f'"{start.text}" is a word of the language and cannot be the name of an argument')
             c.go_to(c.index + 2)
             keywords.append(c.at(start, ast.keyword(start.text, c.expression())))
         else:
-            if keywords and (start.text != "*" or any(keyword.arg is None for keyword in keywords)):
+            if keywords and start.text != "*":
                 c.fail("an argument without a name follows one with a name")
             if c.accept("*"):
                 values.append(c.at(start, ast.Starred(c.expression(), LOAD)))
@@ -405,35 +403,21 @@ def condition(c: Cursor) -> ast.expr:
 
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:
-    """Read `a, b=1, *rest, d, **more`, up to but without the closing sign; in brackets with `: annotation`."""
+    """Read `a, b=1, *rest`, up to but without the closing sign; in brackets with `: annotation`."""
     found = ast.arguments([], [], None, [], [], None, [])
-    star = False
     names: set[str] = set()
     while c.token.text != closing:
-        start = c.token
-        if c.accept("**"):
-            found.kwarg = parameter(c, closing, names)
-            c.accept(",")
-            break
+        if c.token.text == "**" or found.vararg is not None:
+            c.refuse("**" if c.token.text == "**" else "* parameter")
         if c.accept("*"):
-            if star:
-                c.fail('a second "*" among the parameters', at=start)
-            star = True
-            if c.token.text != ",":
-                found.vararg = parameter(c, closing, names)
-            elif c.peek().text in (closing, "**"):
-                c.fail('names must follow a bare "*"', at=start)
+            found.vararg = parameter(c, closing, names)
         else:
             name = parameter(c, closing, names)
             default = c.expression() if c.accept("=") else None
-            if star:
-                found.kwonlyargs.append(name)
-                found.kw_defaults.append(default)
-            else:
-                if default is None and found.defaults:
-                    c.fail("a parameter without a default follows one with a default", at=name)
-                found.args.append(name)
-                found.defaults += [default] if default else []
+            if default is None and found.defaults:
+                c.fail("a parameter without a default follows one with a default", at=name)
+            found.args.append(name)
+            found.defaults += [default] if default else []
         if not c.accept(","):
             break
     return found

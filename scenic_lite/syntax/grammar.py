@@ -155,24 +155,31 @@ OPERATOR_WORDS = frozenset({"at", "in", "offset", "visible", "not"})
 
 # ---------------------------------------------------------------- hints
 
+BITS = frozenset({"&", "|", "^", "<<", ">>", "~"})
 # Forms of Python that the language leaves out: the message, and what to write instead.
 REFUSED = {
     "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
     "!": ("`!` in an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
     "{": ("a value in the format of an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
+    "**": ("`**` before a value or parameter is not supported", "write each name"),
+    "* parameter": ("a parameter behind `*` is not supported", "write it before"),
+    ":=": ("`:=` is not supported", "assign on a line of its own"),
     "async": ("`async` is not supported", 'functions are written "def name(...):"'),
     "await": ("`await` is not supported", '"wait" lets a step pass, and "do" runs a behavior'),
     "bytes": ("bytes are not supported", 'write a text, without the "b"'),
     "@": ("decorators are not supported", 'call the function: "name = decorator(name)"'),
+    "del": ("`del` is not supported", "make a list or dictionary without it"),
     "else": ("`else` after `try` is not supported", "write its statements at the end of the block above"),
     "except": ("`except` is not supported", 'ask with "if" before what may fail'),
     "finally": ("`finally` is not supported", 'write its statements behind the "try"'),
     "match": ("`match` is not supported", 'write "if", "elif" and "else"'),
+    "nonlocal": ("`nonlocal` is not supported", "return the new value"),
     "raise": ("`raise` is not supported", 'write "assert condition, message"'),
     "set": ("sets are not supported", 'write a tuple, "(a, b)", or a list, "[a, b]"'),
     "set comprehension": ("sets are not supported", 'write a list, "[... for ...]"'),
     "with": ("`with` blocks are not supported", "a program opens no files"),
     "yield": ("`yield` is not supported", 'an action is taken with "take", and a function returns a list'),
+    **dict.fromkeys(BITS, ("bit operators are not supported", 'truth values are joined by "and", "or" and "not"')),
 }
 
 # What other languages, or other spellings, would write.
@@ -243,7 +250,6 @@ _KINDS: dict[type[ast.expr], str] = {
     ast.Dict: "a dictionary",
     **dict.fromkeys((ast.GeneratorExp, ast.ListComp), "a comprehension"),
     ast.Starred: "a starred expression",
-    ast.NamedExpr: "an assignment",
 }
 
 

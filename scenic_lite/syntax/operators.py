@@ -17,7 +17,17 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import grammar
 from scenic_lite.syntax.cursor import LOAD, Cursor
 from scenic_lite.syntax.expressions import arguments, atom, index, parameters
-from scenic_lite.syntax.grammar import INFIX, MEASURES, OPERATOR_WORDS, SIGNS, SPECIFIER_WORDS, SPECIFIERS, Form, Level
+from scenic_lite.syntax.grammar import (
+    BITS,
+    INFIX,
+    MEASURES,
+    OPERATOR_WORDS,
+    SIGNS,
+    SPECIFIER_WORDS,
+    SPECIFIERS,
+    Form,
+    Level,
+)
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import New, Operator, Specifier
 
@@ -72,10 +82,16 @@ def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
     return left
 
 
+def refuse_bits(c: Cursor, sign: str) -> None:
+    if sign in BITS and c.peek().text != sign:  # `&&` is another slip
+        c.refuse(sign)
+
+
 def joined(c: Cursor, left: ast.expr, infix: Form) -> ast.expr:
     """Read an operator and what follows it; `left and right and ...`, `left < middle < ...` are one node."""
     node, sign = infix.node, c.token
     if isinstance(node, ast.operator):
+        refuse_bits(c, sign.text)
         c.advance()
         if sign.text == "%" and isinstance(left.value if isinstance(left, ast.Constant) else left, str | ast.JoinedStr):
             c.refuse("%", sign)
@@ -131,6 +147,7 @@ def operand(c: Cursor, level: int) -> ast.expr:
 
 def signed(c: Cursor, token: Token, level: int) -> ast.expr:
     """Read `-value` and its like."""
+    refuse_bits(c, token.text)
     c.advance()
     return c.at(token, ast.UnaryOp(SIGNS[token.text](), operand(c, Level.UNARY)))
 

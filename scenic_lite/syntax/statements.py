@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple, NoReturn
 
 from scenic_lite.syntax import expressions, grammar
-from scenic_lite.syntax.cursor import DELETE, Cursor, describe
+from scenic_lite.syntax.cursor import Cursor, describe
 from scenic_lite.syntax.expressions import condition, listed
-from scenic_lite.syntax.grammar import AUGMENTED, COMPARES, INFIX, SPECIFIER_WORDS, Level
+from scenic_lite.syntax.grammar import AUGMENTED, COMPARES, INFIX, SPECIFIER_WORDS
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
 
@@ -123,6 +123,8 @@ def expression_statement(c: Cursor) -> ast.stmt:
     text = c.token.text
     if text == "=":
         return assignment(c, start, value)
+    if text[:-1] in grammar.BITS:
+        c.refuse(text[:-1])
     if text in AUGMENTED:
         if not isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
             c.fail(f'cannot use "{text}" here', at=value)
@@ -348,16 +350,10 @@ SIMPLE = {
     "continue": Rule(lambda c, start: ast.Continue()),
     "return": Rule(lambda c, start: ast.Return(None if c.ends_statement() else expressions.row(c))),
     "assert": Rule(lambda c, start: ast.Assert(condition(c), c.expression() if c.accept(",") else None)),
-    "del": Rule(
-        lambda c, start: ast.Delete(
-            [c.stored(value, DELETE) for value in listed(c, lambda c: c.operation(Level.UNTIL))]
-        )
-    ),
     "global": Rule(lambda c, start: ast.Global(variables(c))),
-    "nonlocal": Rule(lambda c, start: ast.Nonlocal(variables(c))),
     "import": Rule(import_statement),
     "from": Rule(import_from_statement),
-    **dict.fromkeys(("raise", "yield", "async"), Rule(refused)),
+    **dict.fromkeys(("raise", "yield", "async", "del", "nonlocal"), Rule(refused)),
     **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Rule(misplaced)),
 }
 BLOCKS = {

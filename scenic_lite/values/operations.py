@@ -136,12 +136,6 @@ def to_integers(value: Any) -> Any:
     return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
 
 
-def array_text(value: Any) -> Any:
-    """Return `str` of each element, as Python writes it."""
-    texts = [str(element.item() if hasattr(element, "item") else element) for element in value]
-    return np.array(texts + [None], dtype=object)[:-1]
-
-
 def array_select(index: Any, *options: Any) -> Any:
     """Return options[index] row by row; index [N], each option a scalar or [N]."""
     stacked = np.stack([np.broadcast_to(option, index.shape) for option in options])  # [K, N]
@@ -198,7 +192,6 @@ FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float), "float", 
 ROUND = Operation(round, array_round, "round", 1, "ROUND", ALWAYS)
 FLOOR = Operation(math.floor, lambda x: to_integers(np.floor(x)), "floor", 1, "FLOOR", ALWAYS)
 CEILING = Operation(math.ceil, lambda x: to_integers(np.ceil(x)), "ceil", 1, "CEILING", ALWAYS)
-TEXT = Operation(str, array_text, "str", 1, kind="text")
 # ------------------------------------------------------------ functions of one number
 SQUARE_ROOT = Operation(math.sqrt, np.sqrt, "sqrt", 1, "SQUARE_ROOT", "", not_finite)
 FLOAT_ABSOLUTE = Operation(math.fabs, np.fabs, "fabs", 1, "ABSOLUTE")

@@ -11,7 +11,6 @@ from scenic_lite.values import graph
 START = "ego = Object at 0 @ 0\n"
 TOO_MUCH = [
     ("x = 2**10**10", "an integer of more than 4,096 bits"),
-    ("x = 1 << 10**9", "an integer of more than 4,096 bits"),
     ("x = 7\nfor i in range(40):\n    x = x * x", "an integer of more than 4,096 bits"),
     ("x = 'a' * 10**10", "a text of 10,000,000,000 characters"),
     ("x = 10**10 * 'a'", "a text of 10,000,000,000 characters"),
@@ -25,7 +24,6 @@ TOO_MUCH = [
     ("d = {'a': 1}\nfor i in range(45):\n    d = {'a': d, 'b': d}\nx = f'{d}'", "more than 100,000 elements in all"),
     ("x = [list(range(10**5)) for i in range(10**5)]", "more than 10,000,000 elements and characters"),
     ("x = f'{3:1000000000}'", "a text format wider than 999"),
-    ("x = int('9' * 10**5)", "a text of more than 1000 digits"),
     ("while True:\n    pass", "more than 200,000 steps"),
     ("x = sum([i for i in range(10**4) for j in range(10**4)])", "more than 200,000 steps"),
     ("def f(n):\n    return f(n + 1)\nf(0)", "functions call each other more than 40 deep"),

@@ -65,14 +65,3 @@ def test_instantiate_only_says_that_such_scenes_are_not_valid():
 def test_a_requirement_that_cannot_be_computed_is_broken_even_if_it_is_negated():
     program = load(EGO + "require not 1 / x > 5", dialect=3)
     assert program.valid(np.array([[-1.0], [1.0]])).tolist() == [False, True]
-
-
-@pytest.mark.parametrize("text", ["nonlocal y", "y = 1\ndef f():\n    nonlocal y\n    y = 2\nf()"])
-def test_nonlocal_needs_a_function_around(text):
-    with pytest.raises(ScenicError, match="no function around"):
-        load(EGO + text, dialect=3)
-
-
-def test_nonlocal_reaches_the_function_around():
-    text = "def f():\n    a = 1\n    def g():\n        nonlocal a\n        a = 2\n    g()\n    return a\nparam y = f()"
-    assert load(EGO + text, dialect=3).params["y"] == 2

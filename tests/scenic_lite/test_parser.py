@@ -63,7 +63,6 @@ PRECEDENCE = [
     ("a if distance to b < 3 else c", "(if (< (distance - b) 3) a c)"),
     ("f(1 @ 2, b=3 deg)", "(f 1 @ 2 b=(deg 3))"),
     ("(field relative to 30 deg) relative to g", "(relative to (relative to field (deg 30)) g)"),
-    ("a & b | c ^ d << 2", "a & b | c ^ d << 2"),
     ("initial scenario", "(initial scenario)"),
 ]
 

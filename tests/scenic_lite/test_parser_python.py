@@ -26,7 +26,8 @@ WORDS = ("to", "at", "on", "of", "by", "new", "do", "until", "require")
 # Python's forms that the language leaves out.
 LEFT_OUT = (
     *(ast.Match, ast.Try, ast.TryStar, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await, ast.With, ast.Set, ast.SetComp),
-    *(ast.AsyncFunctionDef, ast.AsyncFor, ast.AsyncWith),
+    *(ast.AsyncFunctionDef, ast.AsyncFor, ast.AsyncWith, ast.Delete, ast.Nonlocal, ast.NamedExpr),
+    *(ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift, ast.Invert),
 )
 
 
@@ -39,7 +40,11 @@ def is_left_out(node):
     if isinstance(node, ast.FormattedValue):
         return node.conversion >= 0 or (node.format_spec is not None and any(map(is_field, ast.walk(node.format_spec))))
     if isinstance(node, ast.arguments):
-        return bool(node.posonlyargs)
+        return bool(node.posonlyargs or node.kwonlyargs or node.kwarg)
+    if isinstance(node, ast.keyword):
+        return node.arg is None
+    if isinstance(node, ast.Dict):
+        return None in node.keys
     return isinstance(node, LEFT_OUT) or bool(getattr(node, "decorator_list", None))
 
 
@@ -122,26 +127,26 @@ def decoded(line, column):
 
 SNIPPETS = [
     "match = 3; case = match\nmatch(x)\nmatch[0] = 1\n",
-    "def f(a, b: int, c=1, *d: int, e, f=2, **g) -> x: return\n",
-    "lambda: 0; lambda *a, **k: (a, k); lambda x, y=1, *, z: x\n",
+    "def f(a, b: int, c=1, *d: int) -> x: return\n",
+    "lambda: 0; lambda *a: a; lambda x, y=1: x\n",
     "x = f'{a}{b, 1}{c:>5.2f}{{}}{d[1:2]}{e:}' 'tail' rf'\\d{f}'\n",
     "x = f'{(lambda x: x)(1)} {a != b} {[c for c in d]:3} {\"x\"}'\n",
     "x = f''; y = f'a' 'b'; z = 'a' u'b'; w = u'a' 'b'\n",
     "x = f'''{\na +\nb}'''\n",
-    "f(x for x in y); f(*a, b, *c, d=1, **e, **g); f(a, (x for x in y)); f(a := 1)\n",
-    "a[1], a[1:2], a[::3], a[1:2, 3], a[:, 1], a[*b], a[b:=1]\n",
+    "f(x for x in y); f(*a, b, *c, d=1); f(a, (x for x in y))\n",
+    "a[1], a[1:2], a[::3], a[1:2, 3], a[:, 1], a[*b]\n",
     "x = y = z, = 1,\n*a, b = c\n(x) = 1\n(x): int = 3\nx.y: int\n",
-    "if (n := 10) > 5 and not m or 1 < 2 <= 3 != 4 is not 5 not in 6: pass\nelif a: b\nelif c: d\nelse: e\n",
+    "if n > 5 and not m or 1 < 2 <= 3 != 4 is not 5 not in 6: pass\nelif a: b\nelif c: d\nelse: e\n",
     "for i, *j in a, *b: break\nelse: continue\n",
     "while 1: pass\nelse: pass\n",
-    "del a, b[0], (c.d, e)\nglobal x, y\nassert a, b\n",
+    "global x, y\nassert a, b\n",
     "from . import a\nfrom ..b.c import (d as e, f,)\nimport a.b as c, d\nfrom a import *\n",
-    "class E(F, *g, metaclass=H, **i):\n  'doc'\n  x: int = 1\n",
-    "{}; {1: 2, **a, 3: 4,}; {i: j for i, j in k if l if m}; [*a, b]; (a,); ()\n",
-    "-x ** -y ** z; not -a; ~b; a @ b @ c; a if b else c if d else e; a | b ^ c & d << e >> f\n",
+    "class E(F, *g, metaclass=H):\n  'doc'\n  x: int = 1\n",
+    "{}; {1: 2, 3: 4,}; {i: j for i, j in k if l if m}; [*a, b]; (a,); ()\n",
+    "-x ** -y ** z; not -a; a @ b @ c; a if b else c if d else e\n",
     "x = 0xFF, 0o17, 0b101, 1_000.5e-3, 10 ** 400, 1e400, 00\n",
     "x = '\\n\\t\\x41\\u00e9\\U0001F600\\N{BULLET}\\101\\\n', r'\\n', '\\''\n",
-    "x += yield_ if a else b; y //= 1; z @= m; w **= 2; v >>= 1\n",
+    "x += yield_ if a else b; y //= 1; z @= m; w **= 2\n",
     "def f(): pass; x = 1;\n",
     "print(not x, -1 if y else z, *(a or b))\n",
     "a.b.c[d](e)(f).g = h\n",
@@ -207,7 +212,6 @@ lambda: x = 1
 f() = 1
 x + 1 += 2
 (a, b): int
-del f()
 *a
 x = *a
 for 1 in x: pass

@@ -148,7 +148,6 @@ def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.
 def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Value, following: Label) -> Scope:
     """Return the scope of one round; rows that follow are come to if the tests hold."""
     inner = scope.inner({})
-    inner.transparent = True
     unpack(inner, generator.target, item)
     for test in generator.ifs:
         jump_on(c, inner, test, following, when=False)

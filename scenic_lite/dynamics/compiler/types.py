@@ -24,7 +24,6 @@ from scenic_lite.core.types import (
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.builtins import FormatEach
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Table, Value, kind_of
 from scenic_lite.values.operations import SELECT
@@ -152,8 +151,7 @@ def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
     if isinstance(value, Instance) and not value.label:  # an oriented point of an operator
         return (Instance, value.cls, value.place, tuple(value.properties)), list(value.properties.values())
     if builds_text(value):
-        operation = (FormatEach, value.operation.spec) if isinstance(value.operation, FormatEach) else value.operation
-        return (RandomExpr, operation, len(value.inputs)), list(value.inputs)
+        return (RandomExpr, value.operation, len(value.inputs)), list(value.inputs)
     return None
 
 
@@ -173,8 +171,7 @@ def unflatten(head: tuple, parts: list[Value]) -> Value:
     if kind is Instance:
         return Instance(rest[0], rest[1], properties=dict(zip(rest[2], parts, strict=True)))
     if kind is RandomExpr:
-        operation = FormatEach(rest[0][1]) if isinstance(rest[0], tuple) else rest[0]
-        return RandomExpr(operation, tuple(parts), "text")
+        return RandomExpr(rest[0], tuple(parts), "text")
     region = object.__new__(kind)
     vars(region).update(zip(rest[0], parts, strict=True))
     return region

@@ -287,7 +287,6 @@ REFUSED = {
         "behavior Main():\n    for a, b in zip(things, [o for o in things if o.position.y > 2]):\n        take 1\n",
         r"zip\(\) of a list whose length the match decides",
     ),
-    "del": ("behavior Main():\n    x = 3\n    del x\n    take 1\n", "`del` cannot be compiled"),
     "the target after a break": (
         "behavior Main():\n    for o in things:\n        if o.position.y > 2:\n            break\n    take o.y\n",
         "what 'o' is after a loop with `break`",
