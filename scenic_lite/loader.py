@@ -20,7 +20,7 @@ from scenic_lite.evaluation.functions import BUILTINS
 from scenic_lite.evaluation.modules import IMPORTS, read, run_file, source_of
 from scenic_lite.evaluation.statements import STATEMENTS
 from scenic_lite.language.requirements import apply_mutations
-from scenic_lite.scene.program import Program, build_program
+from scenic_lite.scene.program import Program
 from scenic_lite.scene.pruning import prune
 from scenic_lite.syntax.parser import dialect_of
 
@@ -58,7 +58,7 @@ def load(
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
-    return build_program(mode, own, text, warnings_of(state))
+    return Program(mode, own, text, warnings_of(state))
 
 
 def set_up_main(mode: Mode, source: Source, name: str | None) -> None:

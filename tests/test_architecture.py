@@ -47,7 +47,6 @@ KNOWN_LONG_FILES: set[str] = set()
 # Functions that may be longer than forty lines: tables, recipes that name their stages, the machine's dispatch.
 LONG_FUNCTIONS = {
     "scenic_lite/dynamics/machine/vm.py: run_thread",  # the machine's dispatch, flat for the branch predictor
-    "scenic_lite/scene/program.py: build_program",  # a recipe, most of it the fields of its result
 }
 
 

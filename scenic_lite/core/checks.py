@@ -1,7 +1,7 @@
 """Faults of arithmetic that arrays pass over in silence: where a program may divide by zero, and in which scenes.
 
 The walk notes every random value whose operation can fail (`note`), with its place and the conditions under which the
-program gets there; `SceneChecks` finds the scenes of a batch in which one does. Read next: `scene.program`.
+program gets there; `Faults` finds the scenes of a batch in which one does. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -146,67 +146,50 @@ class RuntimeChecks:
         self.unplaced.clear()
 
 
-class SceneChecks:
-    """The checks of one program that its scenes depend on, over the registers of its tape."""
+class TapeCheck(NamedTuple):
+    """A check that the scenes of a program depend on; `rule`: the one that fails with it, None for none."""
 
-    def __init__(self, checks: Iterable[Check], tape: Tape, rules: list[int | None]) -> None:
-        """`rules` gives the rule of each requirement, None for one that always holds."""
-        self.of_program = [check for check in checks if check.place is not None and reaches(tape, check)]
-        for check in self.of_program:
-            tape.keep(check.node, *check.node.inputs, *(condition for condition, _ in check.guards))
-        self._tape = tape
-        self._rules = rules
+    check: Check
+    operation: FallibleOperation
+    rule: int | None
 
-    def results(self, registers: list[Any], failed: np.ndarray) -> CheckResults:
-        """Return what fails in the scenes of a batch; a rule [R, N] whose condition does counts as failed there."""
-        masks = []
-        for check in self.of_program:
-            mask = np.broadcast_to(self._mask(check, registers), failed.shape[1:])
-            rule = self.rule(check)
-            if rule is not None and mask.any():
-                failed[rule] |= mask
-            masks.append(mask)
-        return CheckResults(self, registers, masks)
 
-    def rule(self, check: Check) -> int | None:
-        return None if check.requirement is None else self._rules[check.requirement]
-
-    def _inputs(self, check: Check, registers: list[Any]) -> list[Any]:
-        return [self._of(operand, registers) for operand in check.node.inputs]
-
-    def _of(self, value: Value, registers: list[Any]) -> Any:
-        slot = self._tape.find(value) if isinstance(value, RandomExpr) else None
-        return value if slot is None else registers[slot]
-
-    def _mask(self, check: Check, registers: list[Any]) -> Any:
+def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> list[TapeCheck]:
+    """Return the checks of values on a tape; `rules` gives the rule of each requirement, None if it always holds."""
+    found = []
+    for check in checks:
         operation = fallible(check.node.operation)
-        assert operation is not None
-        mask = operation.fails(self._of(check.node, registers), *self._inputs(check, registers))
+        if check.place is not None and operation is not None and reaches(tape, check):
+            tape.keep(check.node, *check.node.inputs, *(condition for condition, _ in check.guards))
+            found.append(TapeCheck(check, operation, None if check.requirement is None else rules[check.requirement]))
+    return found
+
+
+class Faults:
+    """What fails in one batch of scenes; a rule [R, N] whose condition does counts as failed there."""
+
+    def __init__(self, checks: list[TapeCheck], tape: Tape, registers: list[Any], failed: np.ndarray) -> None:
+        self._tape, self._registers = tape, registers
+        self._masks = [(each, np.broadcast_to(self._mask(*each[:2]), failed.shape[1:])) for each in checks]
+        self.any = any(mask.any() for _, mask in self._masks)
+        for each, mask in self._masks if self.any else ():
+            if each.rule is not None:
+                failed[each.rule] |= mask
+
+    def _mask(self, check: Check, operation: FallibleOperation) -> Any:
+        mask = operation.fails(self._of(check.node), *map(self._of, check.node.inputs))
         for condition, truth in check.guards if np.any(mask) else ():
-            mask = mask & (np.asarray(self._of(condition, registers), dtype=bool) == truth)
+            mask = mask & (np.asarray(self._of(condition), dtype=bool) == truth)
         return mask
 
-    def error(self, check: Check, registers: list[Any], row: int) -> ScenicError:
-        operation = fallible(check.node.operation)
-        assert operation is not None
-        error = operation.error(row, *self._inputs(check, registers))
-        if error.place is None:
-            error.place, error.source_line = check.place, check.line
-        return error
-
-
-class CheckResults:
-    """What fails in one batch of scenes."""
-
-    def __init__(self, checks: SceneChecks, registers: list[Any], masks: list[np.ndarray]) -> None:
-        self.checks, self.registers, self.masks = checks, registers, masks
-        self.any = any(mask.any() for mask in masks)
+    def _of(self, value: Value) -> Any:
+        slot = self._tape.find(value) if isinstance(value, RandomExpr) else None
+        return value if slot is None else self._registers[slot]
 
     @property
     def in_values(self) -> np.ndarray | np.bool_:
         """[N]: the scenes with a value that cannot be computed."""
-        pairs = zip(self.checks.of_program, self.masks, strict=True)
-        own = [mask for check, mask in pairs if check.requirement is None]
+        own = [mask for each, mask in self._masks if each.check.requirement is None]
         return np.logical_or.reduce(own) if own else np.False_
 
     def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:
@@ -215,13 +198,15 @@ class CheckResults:
         `broken` [N, R] are the rules in force that the scenes break. As in Scenic, all values are computed first; a
         requirement is evaluated where every rule before it holds.
         """
-        for check, mask in zip(self.checks.of_program, self.masks, strict=True):
+        for (check, operation, rule), mask in self._masks:
             rows = mask & drawn
-            rule = self.checks.rule(check)
             if rule is not None:
                 rows &= broken[:, rule] & ~broken[:, :rule].any(axis=1)
             if rows.any():
-                raise self.checks.error(check, self.registers, int(rows.argmax()))
+                error = operation.error(int(rows.argmax()), *map(self._of, check.node.inputs))
+                if error.place is None:
+                    error.place, error.source_line = check.place, check.line
+                raise error
 
 
 def reaches(tape: Tape, check: Check) -> bool:

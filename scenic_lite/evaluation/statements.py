@@ -7,7 +7,7 @@ Behaviors, monitors and conditions that end an episode are kept as trees for who
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from scenic_lite.core.scope import Scope, name_draws
@@ -82,41 +82,43 @@ def branch(scope: Scope, node: ast.If) -> None:
     scope.run(node.body if scope.truth(node.test) else node.orelse)
 
 
-def repeat(scope: Scope, node: ast.For) -> None:
+def repeat(scope: Scope, node: ast.For | ast.While) -> None:
+    def at_once(body: list[ast.stmt]) -> tuple[()]:
+        scope.run(body)
+        return ()
+
+    for _ in loop(scope, node, at_once):
+        pass
+
+
+def loop(scope: Scope, node: ast.For | ast.While, run: Callable[[list[ast.stmt]], Iterable[Any]]) -> Iterator[Any]:
+    """Run a loop; yield what `run` gives, which runs a block: where time passes, the steps."""
+    for _ in rounds(scope, node):
+        try:
+            yield from run(node.body)
+        except Continue:
+            continue
+        except Break:
+            return
+    yield from run(node.orelse)
+
+
+def rounds(scope: Scope, node: ast.For | ast.While) -> Iterator[None]:
+    """Yield before each round, over the elements that there are when the loop begins; only a list's end for sure."""
+    budget = scope.mode.budget
+    if isinstance(node, ast.While):
+        while scope.truth(node.test):
+            yield
+            budget.round()
+        return
     items = scope.value(node.iter)
     for element in scope.elements(items, node.iter):
         unpack(scope, node.target, element)
-        if not one_round(scope, node.body):
-            return
-        went_round(scope, items)
-    scope.run(node.orelse)
-
-
-def went_round(scope: Scope, items: Value) -> None:
-    """Count a round of a `for`; only one over a range can be of any length."""
-    if isinstance(items, range):
-        scope.mode.budget.round()
-    else:
-        scope.mode.budget.step()
-
-
-def repeat_while(scope: Scope, node: ast.While) -> None:
-    while scope.truth(node.test):
-        if not one_round(scope, node.body):
-            return
-        scope.mode.budget.round()
-    scope.run(node.orelse)
-
-
-def one_round(scope: Scope, body: list[ast.stmt]) -> bool:
-    """Run the body of a loop; whether the loop goes on."""
-    try:
-        scope.run(body)
-    except Continue:
-        return True
-    except Break:
-        return False
-    return True
+        yield
+        if isinstance(items, range):
+            budget.round()
+        else:
+            budget.step()
 
 
 def break_loop(scope: Scope, node: ast.Break) -> None:
@@ -288,7 +290,7 @@ STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.Expr: expression,
     ast.If: branch,
     ast.For: repeat,
-    ast.While: repeat_while,
+    ast.While: repeat,
     ast.Break: break_loop,
     ast.Continue: continue_loop,
     ast.Return: return_value,

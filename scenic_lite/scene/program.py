@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import CheckResults, SceneChecks
+from scenic_lite.core.checks import Faults, checks_on
 from scenic_lite.core.per_sample import reached
-from scenic_lite.core.state import LoadState, Mode, Watched
-from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Instance, Source, randoms_in
+from scenic_lite.core.state import LoadState, Mode
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import (
     Constraint,
@@ -35,7 +35,7 @@ from scenic_lite.scene.naming import (
     title_of,
     title_of_option,
 )
-from scenic_lite.scene.scenes import Area, ObjectInfo, ScenePlan, Scenes, areas_of, info_of, refuse_huge
+from scenic_lite.scene.scenes import Area, ScenePlan, Scenes, areas_of, info_of, refuse_huge
 from scenic_lite.scene.theta import Inverse
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 
@@ -43,7 +43,6 @@ FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossi
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
 
 
-@dataclass(frozen=True, eq=False)
 class Program:
     """A compiled `.scenic` source. Made by `load`.
 
@@ -65,30 +64,31 @@ class Program:
     pickled: another process loads the same text, and maps the same θ to the same scenes.
     """
 
-    source: str
-    file: str
-    dialect: int
-    warnings: tuple[ScenicError, ...]
-    printed: tuple[str, ...]
-    objects: tuple[ObjectInfo, ...]
-    instances: list[Instance]
-    params: dict[str, Any]
-    param_places: dict[str, SourceSpan]
-    requirements: tuple[Constraint, ...]
-    behaviors: dict[str, Behavior]
-    monitors: tuple[BehaviorCall, ...]
-    terminations: tuple[Watched, ...]
-    records: tuple[Watched, ...]
-    temporal: tuple[Watched, ...]
-    main: BehaviorCall | None
-    main_frame: Environment | None
-    read_in_episodes: list[Value]
-    mode: Mode
-    layout: ThetaLayout
-    tape: Tape
-    constraints: Constraints
-    runtime_checks: SceneChecks
-    plan: ScenePlan
+    def __init__(self, mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
+        """Make the Program of a load whose statements have all run. Raises ScenicError if it can have no scene."""
+        state = mode.state
+        self.mode, self.source, self.file, self.dialect = mode, text, source.file, state.dialect
+        self.warnings, self.printed = warnings, tuple(state.printed)
+        self.behaviors, self.param_places = state.behaviors, dict(state.param_places)
+        self.main, self.main_frame = state.main, state.main_frame
+        self.monitors, self.terminations = tuple(state.monitors), tuple(state.terminations)
+        self.records, self.temporal = tuple(state.records), tuple(state.temporal)
+        objects = sorted(state.objects, key=lambda instance: instance is not state.ego)  # the ego first
+        self.instances = name_objects(objects)
+        self.objects = tuple(info_of(instance) for instance in objects)
+        self._constraints = constraints_of(state, objects)
+        self.requirements = self._constraints.all
+        self.read_in_episodes = values_read_in_episodes(state, objects)
+        refuse_huge_values(state, objects)
+        roots = list(random_roots(state, objects, self._constraints, self.read_in_episodes))
+        self.layout = lay_out_theta(state, objects, [node for node, _ in roots], self.file)
+        self.tape = tape_of(state, roots, self.layout.columns)
+        self._constraints.read_from(self.tape)
+        rules = constraint_of_requirement(state, self._constraints)
+        self._checks = checks_on(self.tape, state.watching.checks.values(), rules)
+        self._plan = ScenePlan(self.tape, objects, state.params)
+        self.params = self._plan.params
+        self._refuse_impossible()
 
     def __copy__(self) -> Program:
         return self
@@ -153,7 +153,7 @@ class Program:
         """Return the tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
-    def _evaluate(self, theta: np.ndarray) -> tuple[Scenes, CheckResults]:
+    def _evaluate(self, theta: np.ndarray) -> tuple[Scenes, Faults]:
         """Return the scenes of theta [N, D], and what could not be computed in them."""
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
@@ -162,14 +162,14 @@ class Program:
             scaled[:, ~known] = self.layout.offset
         with np.errstate(all="ignore"):
             registers = self.tape.run(scaled)
-            positions, headings, outlines = self.plan.arrangement.write(registers, count)
-            failed = self.constraints.failed(registers, outlines, count)  # [R, N]
-            results = self.runtime_checks.results(registers, failed)
-            violated = self.constraints.hard_of(failed).any(axis=0)
+            positions, headings, outlines = self._plan.arrangement.write(registers, count)
+            failed = self._constraints.failed(registers, outlines, count)  # [R, N]
+            faults = Faults(self._checks, self.tape, registers, failed)
+            violated = self._constraints.hard_of(failed).any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
-            ok = np.isfinite(placed) & ~violated & ~results.in_values & known  # [N]
-        properties, params, arguments = self.plan.read(registers, count)
-        return Scenes(positions, headings, properties, params, arguments, ok, failed.T), results
+            ok = np.isfinite(placed) & ~violated & ~faults.in_values & known  # [N]
+        properties, params, arguments = self._plan.read(registers, count)
+        return Scenes(positions, headings, properties, params, arguments, ok, failed.T), faults
 
     # ------------------------------------------------------------ sampling
 
@@ -194,14 +194,14 @@ class Program:
                 raise self._impossible(rng, n - len(pending), n, draws)
             tries = tries_for_each(len(pending), draws, accepted)  # K
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * tries, self.dim))  # [P * K, D]
-            scenes, results = self._evaluate(candidates)
+            scenes, faults = self._evaluate(candidates)
             violated = scenes.failed  # [P * K, R]
             if soft:
                 violated = violated & np.repeat(in_force[pending], tries, axis=0)
             valid = (scenes.ok & ~violated.any(axis=1)).reshape(len(pending), tries)  # [P, K]
-            if results.any:
+            if faults.any:
                 tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first that is valid
-                results.raise_first(violated, tried.ravel())
+                faults.raise_first(violated, tried.ravel())
             draws, accepted = draws + len(candidates), accepted + int(valid.sum())
             solved = valid.any(axis=1)  # [P]
             first_valid = np.arange(len(pending)) * tries + valid.argmax(axis=1)  # [P], rows of the candidates
@@ -251,58 +251,35 @@ class Program:
                 error.source_line = state.sources[error.place.file].line(error.place.line)
             raise
 
+    # ------------------------------------------------------------ three trial rows
+
+    def _refuse_impossible(self) -> None:
+        """Raise ScenicError for constraints that fixed objects violate, and for operations on mixed kinds."""
+        trial = np.linspace(-0.9, 0.9, 3)[:, None] * np.ones(self.dim)  # [3, D]
+        try:
+            scenes = self.instantiate(trial)
+        except ScenicError:
+            raise
+        except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
+            message = f"the random values of the program do not fit together: {fault}"
+            raise self.error("type", message, SourceSpan(self.file, 1, 0, 1, 1)) from None
+        fixed = [next(randoms_in(outline_parts(instance)), None) is None for instance in self.instances]
+        for number, (constraint, members) in enumerate(self._constraints.members()):
+            if all(fixed[i] for i in members) and scenes.failed[0, number]:
+                raise self._violated_always(constraint, [self.instances[i] for i in members])
+        for constraint, value in self._constraints.nodes:
+            if value is False and constraint.kind != "require":
+                raise self._violated_always(constraint, [])
+
+    def _violated_always(self, constraint: Constraint, members: list[Instance]) -> ScenicError:
+        where = ", ".join(f"{title_of(instance)} is at {instance.properties['position']!r}" for instance in members)
+        return self.error("value", f"{constraint.label} in every scene", constraint.place, where)
+
 
 def tries_for_each(pending: int, draws: int, accepted: int) -> int:
     """Return how many candidates each pending scene gets, so that most of them get a valid one."""
     likely = (draws + 1) // (accepted + 1) + 1 if draws else 1
     return max(1, min(likely, FIRST_DRAWS // pending))
-
-
-# ------------------------------------------------------------ from a load to its Program
-
-
-def build_program(mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> Program:
-    """Make the Program of a load whose statements have all run. Raises ScenicError if it can have no scene."""
-    state = mode.state
-    objects = name_objects(sorted(state.objects, key=lambda instance: instance is not state.ego))  # the ego first
-    constraints = constraints_of(state, objects)
-    read_in_episodes = values_read_in_episodes(state, objects)
-    refuse_huge_values(state, objects)
-    roots = list(random_roots(state, objects, constraints, read_in_episodes))
-    layout = lay_out_theta(state, objects, [node for node, _ in roots], source.file)
-    tape = tape_of(state, roots, layout.columns)
-    constraints.read_from(tape)
-    checks = state.watching.checks.values()
-    runtime_checks = SceneChecks(checks, tape, constraint_of_requirement(state, constraints))
-    plan = ScenePlan(tape, objects, state.params)
-    program = Program(
-        source=text,
-        file=source.file,
-        dialect=state.dialect,
-        warnings=warnings,
-        printed=tuple(state.printed),
-        objects=tuple(info_of(instance) for instance in objects),
-        instances=objects,
-        params=plan.params,
-        param_places=dict(state.param_places),
-        requirements=constraints.all,
-        behaviors=state.behaviors,
-        monitors=tuple(state.monitors),
-        terminations=tuple(state.terminations),
-        records=tuple(state.records),
-        temporal=tuple(state.temporal),
-        main=state.main,
-        main_frame=state.main_frame,
-        read_in_episodes=read_in_episodes,
-        mode=mode,
-        layout=layout,
-        tape=tape,
-        constraints=constraints,
-        runtime_checks=runtime_checks,
-        plan=plan,
-    )
-    refuse_impossible(program)
-    return program
 
 
 # ------------------------------------------------------------ what is random
@@ -384,32 +361,5 @@ def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
     return place
 
 
-# ------------------------------------------------------------ three trial rows
-
-
-def refuse_impossible(program: Program) -> None:
-    """Raise ScenicError for constraints that fixed objects violate, and for operations on mixed kinds."""
-    trial = np.linspace(-0.9, 0.9, 3)[:, None] * np.ones(program.dim)  # [3, D]
-    try:
-        scenes = program.instantiate(trial)
-    except ScenicError:
-        raise
-    except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
-        message = f"the random values of the program do not fit together: {fault}"
-        raise program.error("type", message, SourceSpan(program.file, 1, 0, 1, 1)) from None
-    fixed = [not any(True for _ in randoms_in(outline_parts(instance))) for instance in program.instances]
-    for number, (constraint, members) in enumerate(program.constraints.members()):
-        if all(fixed[i] for i in members) and scenes.failed[0, number]:
-            raise violated_always(program, constraint, [program.instances[i] for i in members])
-    for constraint, value in program.constraints.nodes:
-        if value is False and constraint.kind != "require":
-            raise violated_always(program, constraint, [])
-
-
 def outline_parts(instance: Instance) -> list[Value]:
     return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]
-
-
-def violated_always(program: Program, constraint: Constraint, members: list[Instance]) -> ScenicError:
-    where = ", ".join(f"{title_of(instance)} is at {instance.properties['position']!r}" for instance in members)
-    return program.error("value", f"{constraint.label} in every scene", constraint.place, where)

@@ -13,7 +13,6 @@ import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,6 @@ from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import EPISODE, Mode
 from scenic_lite.core.types import (
     Builtin,
-    Definition,
     Environment,
     Instance,
     Namespace,
@@ -240,18 +238,8 @@ def changeable(program: Program) -> list[Any]:
 
 def variables(program: Program) -> list[dict[str, Value]]:
     """Return the names that an episode may assign: those of the main scenario, and of modules by `global`."""
-    modules = {id(each.scope.module_names): each.scope.module_names for each in program.behaviors.values()}
-    assigned = [names for names in modules.values() if any(assigns_globals(value) for value in names.values())]
-    return assigned if program.main_frame is None else [*assigned, program.main_frame.locals]
-
-
-def assigns_globals(value: Value) -> bool:
-    return isinstance(value, Definition) and any(has_global(tree) for tree in value.trees())
-
-
-@lru_cache(maxsize=4096)  # the trees of a library are the same for every program
-def has_global(tree: ast.AST) -> bool:
-    return any(isinstance(each, ast.Global) for each in ast.walk(tree))
+    modules = [each.scope.module_names for each in program.behaviors.values()]
+    return modules if program.main_frame is None else [*modules, program.main_frame.locals]
 
 
 def containers(program: Program) -> list[Any]:

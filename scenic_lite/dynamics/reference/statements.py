@@ -11,7 +11,7 @@ Read next: `dynamics.reference.interrupts`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from scenic_lite.core.per_sample import Bindings
@@ -23,8 +23,6 @@ from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, 
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
-from scenic_lite.evaluation.access import unpack
-from scenic_lite.evaluation.statements import Break, Continue, went_round
 from scenic_lite.language.classes import checked, is_object
 from scenic_lite.language.requirements import is_temporal, source_text
 from scenic_lite.language.specifiers import overridden_property
@@ -38,35 +36,8 @@ def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
     return thread.block(node.body if thread.scope.truth(node.test) else node.orelse)
 
 
-def repeat(thread: Thread, node: ast.For) -> Iterator[Step]:
-    """`for`: over the elements that there are when the loop begins."""
-    scope = thread.scope
-    items = scope.value(node.iter)
-    for element in scope.elements(items, node.iter):
-        unpack(scope, node.target, element)
-        if not (yield from one_round(thread, node.body)):
-            return
-        went_round(scope, items)
-    yield from thread.block(node.orelse)
-
-
-def repeat_while(thread: Thread, node: ast.While) -> Iterator[Step]:
-    while thread.scope.truth(node.test):
-        if not (yield from one_round(thread, node.body)):
-            return
-        thread.episode.mode.budget.round()
-    yield from thread.block(node.orelse)
-
-
-def one_round(thread: Thread, body: list[ast.stmt]) -> Generator[Step, None, bool]:
-    """Run the body of a loop; return whether the loop goes on."""
-    try:
-        yield from thread.block(body)
-    except Continue:
-        return True
-    except Break:
-        return False
-    return True
+def repeat(thread: Thread, node: ast.For | ast.While) -> Iterator[Step]:
+    return loading.loop(thread.scope, node, thread.block)
 
 
 def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
@@ -88,7 +59,7 @@ def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
 SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
     ast.If: branch,
     ast.For: repeat,
-    ast.While: repeat_while,
+    ast.While: repeat,
     nodes.TryInterrupt: try_interrupt,
     nodes.Take: take,
     nodes.Wait: wait,
