@@ -126,7 +126,7 @@ class RuntimeChecks:
         finally:
             del self.guards[len(self.guards) - len(guards) :]
 
-    def note(self, result: Value) -> None:
+    def note(self, result: Value, ways: Iterable[tuple[Value, bool]] = ()) -> None:
         """Watch a result, if its operation, or that of a part or an input of it, can fail."""
         if isinstance(result, RandomExpr):
             nodes = [result, *result.inputs]
@@ -135,7 +135,7 @@ class RuntimeChecks:
             nodes = list(pair[:PARTS]) if isinstance(pair, tuple) else []
         for node in nodes:
             if isinstance(node, RandomExpr) and fallible(node.operation) and id(node) not in self.checks:
-                check = Check(node, tuple(self.guards), self.requirement)
+                check = Check(node, (*self.guards, *ways), self.requirement)
                 self.checks[id(node)] = check
                 self.unplaced.append(check)
 

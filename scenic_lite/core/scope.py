@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from scenic_lite.core.checks import FAULTS, as_error
-from scenic_lite.core.state import LOAD, Mode
+from scenic_lite.core.state import LOAD, BranchPath, Mode
 from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
 from scenic_lite.syntax import nodes
@@ -54,6 +55,10 @@ class Scope(Environment):
     def requiring(self) -> Scope:
         """Return the same names, inside a requirement."""
         return self if self.mode.symbolic else Scope.at(self.mode.requiring(), self)
+
+    def along(self, path: BranchPath) -> Scope:
+        """Return the same names, where branches on random values follow a path."""
+        return Scope.at(replace(self.mode.requiring(), path=path), self)
 
     def owning(self, instance: Instance, name: str) -> Scope:
         """Return the same names; values drawn inside belong to `instance.name`."""
@@ -102,6 +107,8 @@ class Scope(Environment):
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
+        if self.mode.path is not None and isinstance(value, RandomExpr):
+            return self.mode.path.branch(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
         return bool(value)
 
@@ -163,7 +170,8 @@ class Scope(Environment):
     def watch(self, result: Value) -> None:
         """Note a result that some scenes may be unable to compute."""
         if self.mode.row is None:
-            self.state.watching.note(result)
+            path = self.mode.path
+            self.state.watching.note(result, () if path is None else zip(path.conditions, path.decisions, strict=False))
 
     def note_places(self, node: ast.AST) -> None:
         if "lineno" in vars(node):
@@ -178,15 +186,13 @@ class Scope(Environment):
 
     def lookup(self, name: str) -> Value:
         """Return the value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
-        scope: Environment | None = self
-        while scope is not None:
-            if name in scope.globals:
+        for at in self.outwards():
+            if name in at.globals:
                 break
-            if name in scope.locals:
-                return scope.locals[name]
-            if name in scope.assigned:
+            if name in at.locals:
+                return at.locals[name]
+            if name in at.assigned:
                 raise UnsetVariable("name", f"'{name}' has no value yet in this function")
-            scope = scope.outer
         if name in self.module_names:
             return self.module_names[name]
         if name in self.handlers.builtins:

@@ -22,6 +22,7 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 from scenic_lite.values.regions import Region
 
 LOAD, SAMPLE, EPISODE, COMPILE = "load", "sample", "episode", "compile"  # phases of a Mode
+MOST_BRANCHES = 8  # on random values, of one function
 
 
 @dataclass
@@ -170,6 +171,7 @@ class Mode:
         draw: gives a new random value (kind, place, offset, span).
         symbolic: comparisons and `and`, `or`, `not` of random values are values, not errors.
         row: in one sample, what each random node is there.
+        path: where a function branches on random values, the branches that are taken.
         owner: the object and the property whose specifier is evaluated, which names the draws.
         in_model: a `model` statement is executed, whose params are only defaults.
     """
@@ -181,6 +183,7 @@ class Mode:
     draw: Callable[[str, SourceSpan, float, float], ThetaColumn]
     symbolic: bool = False
     row: dict[RandomExpr, Value] | None = None
+    path: BranchPath | None = None
     owner: tuple[Instance, str] | None = None
     in_model: bool = False
 
@@ -202,3 +205,19 @@ class Mode:
 def refuse_draw(*_: Any) -> ThetaColumn:
     hint = "draw it before the requirement and give it a name"
     raise ScenicError("type", "a requirement cannot draw a random value", hint=hint)
+
+
+class BranchPath:
+    """One way through a function that branches on random values: its decisions, then always True; what each asked."""
+
+    def __init__(self, decisions: list[bool]) -> None:
+        self.decisions = decisions
+        self.conditions: list[Value] = []
+
+    def branch(self, condition: Value) -> bool:
+        """Return which way to go at the next branch."""
+        if len(self.conditions) >= MOST_BRANCHES:
+            raise ScenicError("random-control-flow", "the function has too many ways through its branches")
+        self.conditions.append(condition)
+        self.decisions += [True] * (len(self.conditions) - len(self.decisions))
+        return self.decisions[len(self.conditions) - 1]

@@ -192,7 +192,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
     if spec or isinstance(value, str):
         return format(value, spec)
     if any(True for _ in randoms_in(value)) and not isinstance(value, Instance):
-        message = "there is no text of random values in a collection or vector"
+        message = "there is no text of a collection or vector with random values, or values of a match"
         raise ScenicError("unsupported", message, hint="write them one by one")
     scope.mode.budget.whole(value)  # a part that is shared is written each time
     text = str(written(scope.state.dialect, value))

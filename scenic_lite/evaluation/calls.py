@@ -118,11 +118,8 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
             raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
         if isinstance(argument, RandomChoice) and function.over_choices:
             before, after = arguments[:i], arguments[i + 1 :]
-            return argument.map_options(
-                [
-                    call_builtin(scope, function, [*before, option, *after], keywords, node)
-                    for option in argument.options
-                ]
+            return argument.each(
+                lambda option: call_builtin(scope, function, [*before, option, *after], keywords, node)
             )
     if not function.needs_context:
         scope.mode.budget.whole(arguments)

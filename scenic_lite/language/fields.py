@@ -16,10 +16,12 @@ import numpy as np
 
 from scenic_lite.core.per_sample import PerSampleOperation, definitions_in, reached
 from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.state import BranchPath
 from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, is_scalar, vector_by
-from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, is_number
+from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
+from scenic_lite.values.operations import WHERE
 from scenic_lite.values.regions import Region, VectorField, patched
 
 MOST_STEPS = 1000
@@ -39,9 +41,24 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
         except ScenicError as error:
             if point.fixed or error.kind not in ("random-control-flow", "type"):
                 raise
+        try:
+            return along_all_ways(scope, lambda along: heading(along.call(function, [point], {}, node)))
+        except ScenicError as error:
+            if error.kind == "budget":
+                raise
         return heading_by_row(scope, node, function, point, heading)
 
     return VectorField(name, heading_at)
+
+
+def along_all_ways(scope: Scope, compute: Callable[[Scope], Value], decisions: Sequence[bool] = ()) -> Value:
+    """Return what is computed along all ways that begin with some decisions, joined by the branches' conditions."""
+    path = BranchPath([*decisions])
+    value = compute(scope.along(path))
+    for at in reversed(range(len(decisions), len(path.conditions))):
+        other = along_all_ways(scope, compute, [*path.decisions[:at], False])
+        value = apply(WHERE, path.conditions[at], value, other)
+    return value
 
 
 def heading_by_row(

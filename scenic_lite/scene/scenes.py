@@ -15,6 +15,7 @@ from scenic_lite.core.budget import exceeded
 from scenic_lite.core.state import DrawnPoint
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of
 from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.language.classes import rectangle_of
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
@@ -179,8 +180,8 @@ class Arrangement:
         self.count = len(objects)
         self.fixed: dict[str, np.ndarray] = {}
         self.random: dict[str, list[tuple[int, int]]] = {}  # part -> (object, register)
-        for part in ("x", "y", "heading", "width", "length"):
-            values = [part_of(instance, part) for instance in objects]
+        columns = [[rectangle_of(instance)[k] for instance in objects] for k in range(5)]
+        for part, values in zip(("x", "y", "heading", "width", "length"), columns, strict=True):
             fixed = [value if is_number(value) else 0.0 for value in values]
             self.fixed[part] = np.array(fixed, dtype=float)[:, None]  # [O, 1]
             self.random[part] = [
@@ -207,13 +208,6 @@ class Arrangement:
         for i, slot in self.random[part]:
             values[i] = registers[slot]
         return values
-
-
-def part_of(instance: Instance, part: str) -> Value:
-    if part in ("x", "y"):
-        position = instance.properties["position"]
-        return position.x if part == "x" else position.y
-    return instance.properties[part]
 
 
 def info_of(instance: Instance) -> ObjectInfo:

@@ -173,11 +173,6 @@ behavior Main():
         for x in [z for z in (1, 'x') if self.position.y > 4]:
             take x
 """,
-    "values as texts": """
-behavior Main():
-    while True:
-        take str(self.position), f'{[self.position.y, word]} {(mate.position.y,)} {dict(a=self.position.y)}'
-""",
     "filters of pairs": """
 behavior Main():
     while True:
