@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable
-from functools import lru_cache, reduce
+from functools import lru_cache, partial, reduce
 from inspect import Parameter, Signature
 from typing import Any
 
@@ -26,6 +26,7 @@ from scenic_lite.core.types import (
     ScenicClass,
     broadcasts_over_choices,
     describe_kind,
+    for_each_option,
     near,
 )
 from scenic_lite.errors import ScenicError
@@ -113,14 +114,12 @@ def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Val
 
 
 def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
-    for i, argument in enumerate(arguments):
-        if isinstance(argument, LazyValue):
-            raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
-        if isinstance(argument, RandomChoice) and function.over_choices:
-            before, after = arguments[:i], arguments[i + 1 :]
-            return argument.each(
-                lambda option: call_builtin(scope, function, [*before, option, *after], keywords, node)
-            )
+    if any(isinstance(argument, LazyValue) for argument in arguments):
+        raise ScenicError("unsupported", f"{function.name}() of a value that depends on the object being made")
+    at = next((i for i, argument in enumerate(arguments) if isinstance(argument, RandomChoice)), None)
+    if at is not None and function.over_choices:
+        anew = partial(call_builtin, scope, function, keywords=keywords, node=node)
+        return for_each_option(lambda *each: anew(arguments=list(each)), at, tuple(arguments), {})
     if not function.needs_context:
         scope.mode.budget.whole(arguments)
     inputs = [scope, node, *arguments] if function.needs_context else arguments
