@@ -59,8 +59,8 @@ class Inverse:
 
         Raises ScenicError naming the draws that nothing decides, or the value that is not met.
         """
-        asked = self._held(scenes) if isinstance(scenes, Scenes) else scenes
-        targets = [part for target in self._described(asked) for part in self._plain(target)]
+        asked = self._held(scenes) if isinstance(scenes, Scenes) else self._described(scenes)
+        targets = [part for target in asked for part in self._plain(target)]
         for target in targets if isinstance(scenes, Mapping) else []:
             if target.asked.dtype.kind == "f" and not np.isfinite(target.asked).all():
                 whose = target.title or target.part
@@ -92,18 +92,19 @@ class Inverse:
             message = f"nothing that is asked of the scene decides {', '.join(names)}"
             raise ScenicError("value", message, free[0].place, hint="ask for more, or give default=θ for the rest")
 
-    def _held(self, scenes: Scenes) -> dict[Any, Any]:
-        """Return the description of everything that scenes hold."""
+    def _held(self, scenes: Scenes) -> Iterator[Target]:
+        """Yield everything that scenes hold."""
         count = scenes.positions.shape[1]
         if count != len(self.objects):
             message = f"{self.file} has {len(self.objects)} objects, and these scenes have {count}"
             raise ScenicError("value", message)
-        held: dict[Any, Any] = {name: value for name, value in scenes.params.items() if name in self.targets}
         for i, instance in enumerate(self.objects):
-            held[i] = {name: values[i] for name, values in scenes.properties.items() if name in instance.properties}
-            held[i] |= {"position": scenes.positions[:, i], "heading": scenes.headings[:, i]}
-            held[i]["behavior"] = scenes.behavior_arguments[i]
-        return held
+            held = {name: values[i] for name, values in scenes.properties.items() if name in instance.properties}
+            held |= {"position": scenes.positions[:, i], "heading": scenes.headings[:, i]}
+            held["behavior"] = scenes.behavior_arguments[i]
+            yield Target(instance.title(), "property", instance, held, instance.place)
+        for name in scenes.params.keys() & self.targets.keys():
+            yield self.targets[name]._replace(asked=scenes.params[name])
 
     def _described(self, description: Mapping[Any, Any]) -> Iterator[Target]:
         """Yield what a person asks of objects, parameters and draws. Raises ScenicError for what is none of them."""

@@ -191,10 +191,10 @@ def test_a_filter_may_keep_other_elements_in_each_scene():
         things("x = filter(lambda v: v > 0, [Range(-1, 1) for i in range(9)])")
 
 
-def test_neither_indices_nor_ends_of_slices_are_random():
-    text = "n = DiscreteRange(0, 2)\nitems = Uniform([1, 2, 3], [4, 5, 6])\nparam first = items[0], value = "
-    assert set(things(text + "0").sample(50, np.random.default_rng(0))[1].params["first"]) == {1, 4}
-    with pytest.raises(ScenicError, match="the index of a list must not be random"):
-        things(text + "items[n]")
+def test_a_random_list_has_elements_at_random_places_but_no_slices_with_random_ends():
+    text = "n = DiscreteRange(-3, 2)\nitems = Uniform([1, 2, 3], [4, 5, 6])\nparam n = n, first = items[0], value = "
+    _, scenes = things(text + "items[n]").sample(300, np.random.default_rng(0))
+    p = scenes.params
+    assert all(value == first + n % 3 for n, first, value in zip(p["n"], p["first"], p["value"], strict=True))
     with pytest.raises(ScenicError, match="the ends of a slice must not be random"):
         things(text + "items[:n]")
