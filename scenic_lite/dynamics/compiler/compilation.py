@@ -87,7 +87,7 @@ class CompiledScope(Scope):
 
     def assign(self, name: str, value: Value) -> None:
         """Assign a variable. Raises ScenicError for one that is not the behavior's or function's own."""
-        if name in self.globals or name in self.nonlocals:
+        if name in self.globals:
             raise ScenicError("unsupported", f"a match cannot change '{name}', which is not of this {OWN}", hint=SHARED)
         self.undecided.discard(name)
         variable, code = self.variables.get(name), self.compilation.code

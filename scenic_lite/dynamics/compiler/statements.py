@@ -295,7 +295,6 @@ def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> No
 
 REFUSED = {
     ast.ClassDef: ("a class cannot be compiled for a match", "write it outside of behaviors"),
-    ast.Delete: ("`del` cannot be compiled for a match", "leave it, or give what changes a name of its own"),
     nodes.Param: ("`param` has no meaning in a match", "write it in the main scenario"),
     nodes.Mutate: ("`mutate` has no meaning in a match", "write it in the main scenario"),
 }
@@ -316,7 +315,7 @@ def assigned_names(*trees: ast.AST) -> frozenset[str]:
     for node in walk_own(*trees):
         if isinstance(node, ast.Assign):
             targets: list[ast.expr] = node.targets
-        elif isinstance(node, ast.AugAssign | ast.AnnAssign | ast.NamedExpr):
+        elif isinstance(node, ast.AugAssign | ast.AnnAssign):
             targets = [node.target]
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "append":
             targets = [node.func.value]

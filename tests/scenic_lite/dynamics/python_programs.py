@@ -122,13 +122,6 @@ behavior Main():
         for i in range(len(near)):
             take f'z{near[i] is things[i]}'
 """,
-    "walrus": """
-behavior Main():
-    while True:
-        if (n := self.position.y * 2) > 5:
-            take f'{n:.6g}'
-        take 1
-""",
     "list of lists": """
 behavior Main():
     log = []

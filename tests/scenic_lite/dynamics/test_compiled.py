@@ -260,11 +260,6 @@ REFUSED = {
         "n = 0\nbehavior Main():\n    global n\n    n += 1\n    take n\n",
         "a match cannot change 'n', which is not of this behavior or function",
     ),
-    "a variable of another function": (
-        "def outer():\n    n = 1\n    def inner():\n        nonlocal n\n        n += 1\n    inner()\n    return n\n"
-        "behavior Main():\n    take outer()\n",
-        "a match cannot change 'n'",
-    ),
     "a list of the module": (
         "seen = []\nbehavior Main():\n    seen.append(self.position.y)\n    take len(seen)\n",
         "a match cannot append to 'seen'",
