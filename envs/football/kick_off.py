@@ -17,6 +17,8 @@ from envs.football.control.control_modes import assign_agents
 from envs.football.state import ENGINE, MATCH, NOBODY_YET
 from scenic_lite.kernels.rng import streams
 
+NO_KICK = 9.0  # s since the last kick, where nobody has kicked yet
+
 
 @dataclass(frozen=True)
 class MatchConfig:
@@ -90,6 +92,7 @@ def kick_off(
         matches["ball"][name] = ball[:, axis]
         matches["ball_start_" + name] = ball[:, axis]
     matches["ball"]["z"] = BALL_RADIUS
+    matches["kick_age"] = NO_KICK
     _place_players(matches["players"][:, : len(teams)], positions, teams, roles)
     matches["starter"] = _starter(positions, ball, teams)
     matches["hold"] = _hold(positions, ball, teams)

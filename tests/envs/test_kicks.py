@@ -235,7 +235,7 @@ def test_a_pass_is_hard_to_take_away_just_after_the_kick() -> None:
     players = [(0.0, 0.0, LEFT, CM), (1.0, 0.0, RIGHT, CM), (50.0, 33.0, RIGHT, GK)]
     matches = position(players, (0.8, 0.0))
     matches["ball"]["vx"] = 15.0
-    matches["last_touch"], matches["was_kicked"] = 0, True
+    matches["last_touch"], matches["was_kicked"], matches["kick_age"] = 0, True, 0.0
     rival = matches["players"][0, 1]
     assert difficulty(matches[0], rival)[0] > 0.4
     matches["kick_age"] = 1.0

@@ -33,7 +33,7 @@ TRACES = Path(__file__).parent / "turn_traces.csv"
 
 # What is pressed first, for how many steps, and then; the measured speeds from that moment on.
 WITHOUT_BALL = {
-    "run from rest": ([], DIRECTION_RIGHT, [1.33, 2.65, 3.53, 4.32, 4.93, 5.0]),
+    "run from rest": ([], DIRECTION_RIGHT, [0.0, 1.33, 2.65, 3.53, 4.32, 4.93, 5.0]),
     "stop": ([DIRECTION_RIGHT] * 20, RELEASE_DIRECTION, [5.0, 5.0, 4.3, 1.3, 0.0]),
     "turn 45": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP_RIGHT, [5.0, 5.0, 4.8, 4.8, 5.0]),
     "turn 90": ([DIRECTION_RIGHT] * 20, DIRECTION_TOP, [5.0, 5.0, 4.4, 2.5, 2.9, 3.8, 4.5, 5.0]),

@@ -19,7 +19,7 @@ from envs.football.physics.possession import ball_speed, man_on_ball, meeting_ti
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.hands import HOLD_STEPS
 from envs.football.skills.saves import dive
-from envs.football.skills.steering import chase, go_for_ball, run_to
+from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
 
 
@@ -27,8 +27,11 @@ class Stand(NamedTuple):
     """Where a keeper waits."""
 
     high_line: float = 10.0  # m before the goal line while the ball is in the other half
-    least: float = 0.7  # m before it
-    astray: float = 3.0  # m from where he should be: he sprints
+    foot: float = 0.7  # m before the goal line: the line from which his place is measured, on the way to the ball,
+    least: float = 0.7  # m from there at least
+    urgency: float = 2.6  # 1/s: wanted speed per distance to go
+    still: float = 0.5  # m/s, slower he stands
+    on_way: float = 1.0  # m off the way to the ball: nearer, he goes back at a run, looking at it
     advance: float = 0.3  # share of the way to the ball while his team has it
 
 
@@ -48,7 +51,6 @@ class ComeOut(NamedTuple):
     on_ball: float = 0.6  # weight of the ball against the opponent who has it,
     off_ball: float = 0.4  # or will
     stops_short: float = 0.5  # m
-    rush_near: float = 2.5  # m
     given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
 
 
@@ -239,24 +241,14 @@ def nearest_to_goal(match, team, but):
 
 @kernel
 def come_out(match, i, share):
-    """Run this share of the way from the goal to where the opponent on the ball will soon be; near him, at the ball."""
+    """Run this share of the way from the goal to where the opponent on the ball will soon be."""
     player, ball = match.players[i], match.ball
-    if match.carrier != NOBODY and apart(ball, player) < OUT.rush_near:
-        go_for_ball(match, i, player.top_speed)
-        return
     rival = match.players[man_on_ball(match, 1 - player.team)]
     weight = OUT.on_ball if match.carrier != NOBODY else OUT.off_ball
     ball_x, ball_y = ball.x + OUT.ball_lead * ball.vx, ball.y + OUT.ball_lead * ball.vy
     to_x = weight * ball_x + (1.0 - weight) * (rival.x + OUT.rival_lead * rival.vx)
     to_y = weight * ball_y + (1.0 - weight) * (rival.y + OUT.rival_lead * rival.vy)
-    goal_x = own_goal_x(player.team)
-    foot_x = goal_x - math.copysign(STAND.least, goal_x)
-    foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
-    way = length(to_x - foot_x, to_y - foot_y) + 1e-9
-    share = min(share * match.engine.keeper_range, 1.0)
-    out = max(share * (way - OUT.stops_short), STAND.least) / way
-    x, y = foot_x + out * (to_x - foot_x), foot_y + out * (to_y - foot_y)
-    run_to(player, x, y, player.top_speed)
+    guard_goal(player, ball_x, ball_y, to_x, to_y, min(share * match.engine.keeper_range, 1.0))
 
 
 @kernel
@@ -264,19 +256,40 @@ def stand(match, i):
     """Stand on the line that halves the angle between ball and posts, or high while the ball is far."""
     player, ball = match.players[i], match.ball
     goal_x = own_goal_x(player.team)
-    inward = -1.0 if goal_x > 0.0 else 1.0
-    if ball.x * goal_x <= 0.0:
-        run_to(player, goal_x + inward * STAND.high_line, 0.0, RUN_SPEED)
+    x, y = ball.x + OUT.ball_lead * ball.vx, ball.y + OUT.ball_lead * ball.vy
+    if x * goal_x <= 0.0:
+        hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
         return
-    foot_y = bisector_foot(ball.x - goal_x, ball.y)
-    dx, dy = ball.x - goal_x, ball.y - foot_y
-    distance = math.sqrt(dx * dx + dy * dy) + 1e-9
-    ours = match.last_touch != NOBODY and match.players[match.last_touch].team == player.team
-    out = max(STAND.advance * distance, STAND.least) if ours else STAND.least
-    out = min(out, STAND.high_line)
-    x, y = goal_x + out * dx / distance, foot_y + out * dy / distance
-    astray = length(x - player.x, y - player.y) > STAND.astray
-    run_to(player, x, y, player.top_speed if astray else RUN_SPEED)
+    held = min(max(2.0 * (match.hold[player.team] - 1.0), 0.0), 1.0)
+    guard_goal(player, x, y, x, y, STAND.advance * held)
+
+
+@kernel
+def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
+    """Go this share of the way to a place, from before the goal, where it halves the angle from the ball to the posts.
+
+    Back towards the goal on that way he only runs.
+    """
+    goal_x = own_goal_x(player.team)
+    foot_x = goal_x - math.copysign(STAND.foot, goal_x)
+    foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
+    dx, dy = to_x - foot_x, to_y - foot_y
+    way = length(dx, dy) + 1e-9
+    out = max(share * (way - OUT.stops_short), STAND.least) / way
+    x, y = foot_x + out * dx, foot_y + out * dy
+    off = abs(dx * (player.y - foot_y) - dy * (player.x - foot_x)) / way
+    back = length(goal_x - x, y) < length(goal_x - player.x, player.y)
+    hurry_to(player, x, y, RUN_SPEED if back and off < STAND.on_way else player.top_speed)
+
+
+@kernel
+def hurry_to(player, x, y, most):
+    """Want to be at a place, as fast as it is far but at most at this speed."""
+    dx, dy = x - player.x, y - player.y
+    distance = length(dx, dy)
+    speed = min(STAND.urgency * distance, most)
+    share = speed / distance if speed > STAND.still else 0.0
+    player.desired_vx, player.desired_vy = share * dx, share * dy
 
 
 @kernel

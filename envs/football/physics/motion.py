@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import STEP
+from envs.football.constants import NOBODY, STEP
 from envs.football.physics.dribble import run_with_ball
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.running import BRAKING, run_free
@@ -42,6 +42,7 @@ class Tiring(NamedTuple):
 SLIDE, TIRING = Slide(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 AT_REST = 0.3  # m/s
+AT_FEET = 0.8  # m from the body to a free ball
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
@@ -58,7 +59,10 @@ def plan_motion(match, i):
     elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
     else:
+        ready = int(player.turning == 0 and at_free_ball(match, player))
+        player.turning += ready
         vx, vy = run_free(player, speed)
+        player.turning -= min(ready, player.turning)
     player.vx, player.vy = vx, vy
     player.tiredness = min(
         player.tiredness + max(TIRING.per_metre - TIRING.fast * speed, 0.0) * speed * STEP, TIRING.most
@@ -68,6 +72,13 @@ def plan_motion(match, i):
         player.facing_x, player.facing_y = vx / new_speed, vy / new_speed
     elif match.carrier == i and player.kick == 0:
         turn_to_goal(player)
+
+
+@kernel
+def at_free_ball(match, player):
+    """Return whether a free ball lies at a player's feet: he is off at once."""
+    away_x, away_y = match.ball.x - player.x, match.ball.y - player.y
+    return match.carrier == NOBODY and away_x * away_x + away_y * away_y < AT_FEET * AT_FEET
 
 
 @kernel
@@ -85,8 +96,8 @@ def turn_to_goal(player):
 
 @kernel
 def slowed(player, speed):
-    """Return the velocity after a step on the ground, in a slide or after a dive."""
-    player.turning = 0
+    """Return the velocity after a step on the ground, in a slide or after a dive; who rises is off at once."""
+    player.turning = 1
     if player.is_sliding:
         new = slid(player.down_wait, speed)
         return new * player.facing_x, new * player.facing_y

@@ -40,10 +40,12 @@ class Start(NamedTuple):
 # Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
 BRAKING, START = Braking(), Start()
 # Share of full effort in the steps since command and velocity differ: the body's lag.
-LAG_FROM_REST = (0.6, 1.0, 1.0, 1.0)
+LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # who stands is under way a step later
+LAG_SLOW = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
+READY = 4  # "turning" of a body that already answers: no lag
 # Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
 # rounding, which differs between directions, must not decide which of them holds.
 SURE = 1e-6  # m/s
@@ -85,8 +87,10 @@ def straight(player, speed):
 def effort_now(steps, speed):
     """Return the share of full effort after so many steps of turning."""
     steps = min(steps, 3)
-    if speed < BRAKING.slow:
+    if speed < UNDER_WAY:
         return LAG_FROM_REST[steps]
+    if speed < BRAKING.slow:
+        return LAG_SLOW[steps]
     if speed < BRAKING.walking:
         return LAG_WALKING[steps]
     return LAG_SPRINTING[steps] if speed > BRAKING.sprinting else LAG_RUNNING[steps]

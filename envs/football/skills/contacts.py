@@ -12,12 +12,19 @@ import numpy as np
 
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.physics.possession import ball_speed
-from envs.football.physics.vectors import length
+from envs.football.physics.vectors import length, toward
 from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import can_hold, has_hands, hold, parry
 from envs.football.skills.kicks import kick_first_time
 from envs.football.skills.saves import DIVE, foresee
-from envs.football.skills.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
+from envs.football.skills.tackles import (
+    STANDING,
+    goes_for_ball,
+    in_tackle_reach,
+    slide_into,
+    tackle,
+    within_reach,
+)
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -51,6 +58,16 @@ class Claim(NamedTuple):
     robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
 
 
+class Poke(NamedTuple):
+    """A ball knocked loose with the feet; documented of Google Research Football."""
+
+    run: float = 0.5  # share of the keeper's velocity that it gets,
+    speed: float = 4.0  # and m/s away from him,
+    rise: float = 0.5  # and m/s up,
+    rise_spread: float = 1.0  # and as many more at most
+    wait: float = 0.4  # s until he can touch it again
+
+
 class Catch(NamedTuple):
     """What becomes of a saved shot."""
 
@@ -66,7 +83,7 @@ class Catch(NamedTuple):
 
 
 # Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, families keeper and passes.
-TRAP, CLAIM, CATCH = Trap(), Claim(), Catch()
+TRAP, CLAIM, POKE, CATCH = Trap(), Claim(), Poke(), Catch()
 MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
 
@@ -170,9 +187,23 @@ def claim(match, i):
         if hands:
             hold(match, i)
         else:
-            take(match, i)
+            poke(match, i)
         return
     player.touch_wait, player.down_wait = CLAIM.wait, 0.0 if stands else CLAIM.down
+
+
+@kernel
+def poke(match, i):
+    """Let keeper i knock the ball loose with his feet, away from him."""
+    player, ball = match.players[i], match.ball
+    take(match, i)
+    if match.carrier != i:
+        return
+    away_x, away_y = toward(ball.x - player.x, ball.y - player.y)
+    ball.vx, ball.vy = POKE.run * player.vx + POKE.speed * away_x, POKE.run * player.vy + POKE.speed * away_y
+    ball.vz = POKE.rise + POKE.rise_spread * uniform(match)
+    match.carrier = NOBODY
+    player.touch_wait = POKE.wait
 
 
 @kernel

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.constants import NOBODY
+from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY, STEP
+from envs.football.physics.dribble import push_on
+from envs.football.physics.running import READY, START
 from envs.football.physics.vectors import length
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
@@ -42,6 +44,8 @@ class Control(NamedTuple):
     least_gap: float = 0.2  # m
     lift: float = 4.0  # m/s
     loose: float = 0.5  # a ball that jumps further off than this is anybody's
+    slows: float = 0.9  # m/s that taking it along in the run costs
+    turns: float = 0.5  # share of a run elsewhere that this touch turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
 
 
@@ -82,6 +86,26 @@ def surprised(match, player):
 
 
 @kernel
+def take_along(ball, player):
+    """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace.
+
+    The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way.
+    """
+    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
+    want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
+    player.desired_vx, player.desired_vy = want * ux, want * uy
+    keep = max(speed - CONTROL.slows, 0.0) / max(speed, 1e-9)
+    along = player.vx * ux + player.vy * uy
+    aside_x, aside_y = player.vx - along * ux, player.vy - along * uy
+    along = keep * max(along, CONTROL.turns * speed)
+    share = keep * (1.0 - CONTROL.turns)
+    player.vx, player.vy = along * ux + share * aside_x, along * uy + share * aside_y
+    player.turning, player.stride = READY, STEP  # this very moment
+    push_on(ball, player, player.vx, player.vy, want)
+    player.stride = 0.0
+
+
+@kernel
 def cushion(match, i):
     """Let player i stop a free ball: it drops at his feet, or jumps off him as hard as it is to control."""
     player, ball = match.players[i], match.ball
@@ -89,6 +113,10 @@ def cushion(match, i):
     vx, vy, vz, z = ball.vx, ball.vy, ball.vz, ball.z
     take(match, i)
     if match.carrier != i:
+        return
+    runs = length(player.vx, player.vy) > START.jump
+    if runs and far_off == 0.0 and high_off == 0.0 and player.direction > 0 and player.kick == 0:
+        take_along(ball, player)
         return
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y

@@ -20,6 +20,7 @@ from envs.football.constants import (
 from envs.football.physics.ball import advance_ball
 from envs.football.physics.pitch import in_box_of, own_goal_x
 from envs.football.physics.possession import ball_speed
+from envs.football.physics.running import READY
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -62,7 +63,6 @@ class Dive(NamedTuple):
 
 SAVE, DIVE = SaveOdds(), Dive()
 FORESEEN = 300  # frames that a shot is followed ahead
-READY = 4  # "turning" of a body that already moves: no lag
 
 
 @kernel
