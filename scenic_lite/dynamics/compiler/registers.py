@@ -181,7 +181,8 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
     What is computed stands there until the statement ends, with an `area` as long as that lasts.
     """
     if isinstance(value, RegisterValue | RegisterList):
-        passing = area is not None and max(registers_in(value)) >= TEMPORARIES
+        read = value.registers if isinstance(value, RegisterList) else (value.register,)
+        passing = area is not None and max(read) >= TEMPORARIES
         return copied_to(code, value, area) if area is not None and passing else value
     if not varies(value):
         return value
