@@ -4,7 +4,6 @@ import pytest
 
 KNOWN = {
     "test_a_program_does_what_it_says[counterattack]": "the ball comes later since bodies start as in the real engine",
-    "test_slips_of_behaviors_are_warned_of[simulation().scenic_rewards": "the hint went with shared attributes",
 }
 
 

@@ -385,7 +385,6 @@ def test_a_line_that_would_fail_is_warned_of_when_the_environment_is_made() -> N
     "line, warning",
     [
         ("RunRight()", r':8:5: the behavior "RunRight" is named here, but not run \(write do RunRight'),
-        ("simulation().scenic_rewards = 1", r":8:5: simulation\(\) has no attribute .* \(did you mean 'scenic_reward'"),
         ("take Pass('medium')", r"actions.scenic:\d+:\d+: key 'medium' is not in the dictionary"),
     ],
 )
@@ -394,6 +393,12 @@ def test_slips_of_behaviors_are_warned_of(line: str, warning: str) -> None:
         FootballVectorEnv(program(f"behavior Slip():\n    {line}\n    take Shoot()\n", "Slip()"), 1)
     assert len(found) == 1
     assert re.search(warning, str(found[0].message))
+
+
+def test_a_misspelt_reward_is_refused_with_the_right_name() -> None:
+    text = program("behavior Slip():\n    simulation().scenic_rewards = 1\n    take Shoot()\n", "Slip()")
+    with pytest.raises(ScenicError, match=r":8:5: .* 'scenic_rewards' .*\(did you mean 'scenic_reward'"):
+        FootballVectorEnv(text, 1)
 
 
 UNCOMPILED = """

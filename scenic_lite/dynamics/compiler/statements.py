@@ -13,7 +13,7 @@ from copy import copy
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
 from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
@@ -122,7 +122,8 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
     name = target.attr
     if owner is c.simulation:
         if name != "scenic_reward":
-            raise ScenicError("unsupported", f"a match sets no attribute '{name}' of simulation()", hint=SHARED)
+            message, hint = f"a match sets no attribute '{name}' of simulation()", near(name, ["scenic_reward"])
+            raise ScenicError("unsupported", message, hint=hint or SHARED)
         if kind_of(value) not in ("number", "truth"):
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
