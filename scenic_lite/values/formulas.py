@@ -1,7 +1,7 @@
 """Formulas of the plane and of the normal distribution, on arrays [N] or single numbers.
 
-Those that have no early way out are written once and serve twice: arrays call them as they stand, and the machine
-compiles the same source for single numbers (`dynamics.machine.vm_geometry`). Read next: `values.operations`, which
+They are written once and serve twice: arrays call them as they stand, and the machine compiles the same source for
+single numbers (`dynamics.machine.vm_geometry`). Read next: `values.operations`, which
 makes operations of them.
 """
 
@@ -62,51 +62,51 @@ def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any)
     bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading
     turn = np.abs(bearing - TURN * np.rint(bearing / TURN))
     at_apex = (delta_x == 0) & (delta_y == 0)
-    return (np.hypot(delta_x, delta_y) <= radius) & ((turn <= np.asarray(angle) / 2) | at_apex)
+    return (np.hypot(delta_x, delta_y) <= radius) & ((turn <= angle / 2) | at_apex)
 
 
-def sector_meets_rectangle(*numbers: Any) -> Any:
+def sector_meets_rectangle(
+    x: Any, y: Any, radius: Any, heading: Any, angle: Any, cx: Any, cy: Any, turn: Any, width: Any, length: Any
+) -> Any:
     """Return whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length).
 
     They meet if the apex lies in the rectangle, a corner in the sector, or an edge crosses the arc or one of the two
-    straight sides. Arrays [N] or scalars; returns [N].
+    straight sides. Arrays [N] or scalars.
     """
-    x, y, radius, heading, angle, cx, cy, turn, width, length = numbers
     c, s = np.cos(turn), np.sin(turn)
     local_x, local_y = in_frame(x - cx, y - cy, turn)
     meets = (np.abs(local_x) <= width / 2) & (np.abs(local_y) <= length / 2)
-    points = []  # corners relative to the apex
+    across_x, across_y, along_x, along_y = c * width / 2, s * width / 2, -s * length / 2, c * length / 2
+    px, py = cx - x + across_x - along_x, cy - y + across_y - along_y  # a corner relative to the apex
     for sign_x, sign_y in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
-        dx, dy = sign_x * width / 2, sign_y * length / 2
-        points.append((cx - x + dx * c - dy * s, cy - y + dx * s + dy * c))
-    for (px, py), (qx, qy) in zip(points, points[1:] + points[:1], strict=True):
-        meets = meets | in_sector(px, py, radius, heading, angle)
-        meets = meets | _edge_meets_arc((px, py, qx, qy), radius, heading, angle)
-        for side in (heading - np.asarray(angle) / 2, heading + np.asarray(angle) / 2):
-            meets = meets | _edge_meets_ray((px, py, qx, qy), -np.sin(side), np.cos(side), radius)
+        qx, qy = cx - x + sign_x * across_x + sign_y * along_x, cy - y + sign_x * across_y + sign_y * along_y
+        meets = meets | in_sector(qx, qy, radius, heading, angle)
+        meets = meets | edge_meets_arc(px, py, qx, qy, radius, heading, angle)
+        meets = meets | edge_meets_ray(px, py, qx, qy, heading - angle / 2, radius)
+        meets = meets | edge_meets_ray(px, py, qx, qy, heading + angle / 2, radius)
+        px, py = qx, qy
     return meets
 
 
-def _edge_meets_arc(edge: tuple[Any, ...], radius: Any, heading: Any, angle: Any) -> Any:
+def edge_meets_arc(px: Any, py: Any, qx: Any, qy: Any, radius: Any, heading: Any, angle: Any) -> Any:
     """Return whether a segment crosses the circle of `radius` round the origin within the sector's angle."""
-    px, py, qx, qy = edge
     dx, dy = qx - px, qy - py
     a, b, c = dx * dx + dy * dy, px * dx + py * dy, px * px + py * py - radius * radius
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
-    meets = np.zeros(np.shape(root), dtype=bool)
-    for t in ((-b - root) / np.maximum(a, 1e-300), (-b + root) / np.maximum(a, 1e-300)):
+    meets: Any = False
+    for sign in (-1.0, 1.0):
+        t = (sign * root - b) / np.maximum(a, 1e-300)
         within = in_sector(px + t * dx, py + t * dy, radius * (1 + 1e-9), heading, angle)
         meets = meets | ((b * b >= a * c) & (t >= 0) & (t <= 1) & within)
     return meets
 
 
-def _edge_meets_ray(edge: tuple[Any, ...], ray_x: Any, ray_y: Any, radius: Any) -> Any:
-    """Return whether a segment crosses the segment of length `radius` from the origin along (ray_x, ray_y)."""
-    px, py, qx, qy = edge
+def edge_meets_ray(px: Any, py: Any, qx: Any, qy: Any, turn: Any, radius: Any) -> Any:
+    """Return whether a segment crosses the segment of length `radius` from the origin along a heading."""
+    ray_x, ray_y = -np.sin(turn), np.cos(turn)
     side_p, side_q = ray_x * py - ray_y * px, ray_x * qy - ray_y * qx
     along_p, along_q = ray_x * px + ray_y * py, ray_x * qx + ray_y * qy
-    gap = np.where(side_p == side_q, 1.0, side_p - side_q)
-    along = along_p + (along_q - along_p) * side_p / gap
+    along = along_p + (along_q - along_p) * side_p / (side_p - side_q + (side_p == side_q))
     return (side_p * side_q <= 0) & (side_p != side_q) & (along >= 0) & (along <= radius)
 
 
@@ -189,13 +189,12 @@ def normal_quantile(uniform: Any) -> Any:
 
 def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:
     """Return a quotient of two polynomials, highest power first."""
-    top, bottom = coefficients
-    return horner(x, top) / horner(x, bottom)
+    return horner(x, coefficients[0]) / horner(x, coefficients[1])
 
 
 def horner(x: Any, coefficients: Sequence[float]) -> Any:
-    total = coefficients[0] * np.ones_like(x)
-    for coefficient in coefficients[1:]:
+    total: Any = 0.0
+    for coefficient in coefficients:
         total = total * x + coefficient
     return total
 

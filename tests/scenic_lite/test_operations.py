@@ -125,7 +125,7 @@ def test_no_two_rows_are_one_and_every_opcode_exists():
     assert {row.opcode for row in MACHINE_ROWS} <= NUMBERS.keys()
 
 
-# ------------------------------------------------------------ formulas that are written twice
+# ------------------------------------------------------------ formulas that the machine compiles, and its own
 
 
 def machine_list(*numbers):
@@ -141,7 +141,9 @@ def test_formulas_in_sector_and_the_machines(seed):
     x, y = rng.normal(0, 2, 2)
     assert bool(formulas.in_sector(x, y, *sector[2:])) == vm_geometry.in_sector(x, y, *sector[2:])
     meets = bool(formulas.sector_meets_rectangle(*sector, *rectangle))
-    assert meets == vm_geometry.sector_meets(*machine_list(*sector, *rectangle))
+    assert meets == vm_geometry.sector_meets_rectangle(*sector, *rectangle)
+    arrays = formulas.sector_meets_rectangle(*(np.array([each, 9.0]) for each in (*sector, *rectangle)))
+    assert meets == arrays[0]
 
 
 def test_formulas_normal_quantile_and_the_machines():

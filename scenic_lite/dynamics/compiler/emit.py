@@ -51,6 +51,9 @@ def opcode_of(row: Operation) -> int:
     return NUMBERS[row.opcode]
 
 
+COMPUTED = "write it with what can: arithmetic, sqrt, exp, log, sin, cos, atan2, hypot, floor, ceil, round"
+
+
 class Unsupported(ScenicError):
     """What cannot be computed inside the kernel."""
 
@@ -148,7 +151,7 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
     if row is None or not row.opcode:
         special = next((write for kind, write in SPECIAL if _is(node.operation, kind)), None)
         if special is None:
-            raise Unsupported(f"`{describe(node.operation)}` cannot be computed")
+            raise Unsupported(f"`{describe(node.operation)}` cannot be computed", COMPUTED)
         special(code, node, out)
         return
     registers = tuple(register_of(code, operand) for operand in node.inputs)

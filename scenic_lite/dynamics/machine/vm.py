@@ -31,13 +31,14 @@ from scenic_lite.dynamics.machine.bytecode import (
 )
 from scenic_lite.dynamics.machine.vm_geometry import (
     bucketize,
+    five,
     in_rectangle,
     in_rings,
     in_sector,
     power,
     quantile,
     rectangles_meet,
-    sector_meets,
+    sector_meets_rectangle,
     sort_order,
 )
 from scenic_lite.kernels.jit import kernel
@@ -172,15 +173,9 @@ def run_thread(code, registers, commands, thread, rng):
         elif opcode == op.BUCKETIZE:
             registers[a] = bucketize(registers[b], registers, lists, c)
         elif opcode == op.IN_SECTOR:
-            registers[a] = in_sector(
-                registers[lists[c]],
-                registers[lists[c + 1]],
-                registers[lists[c + 2]],
-                registers[lists[c + 3]],
-                registers[lists[c + 4]],
-            )
+            registers[a] = in_sector(*five(registers, lists, c))
         elif opcode == op.IN_RECTANGLE:
-            registers[a] = in_rectangle(registers, lists, c)
+            registers[a] = in_rectangle(registers[lists[c]], registers[lists[c + 1]], *five(registers, lists, c + 2))
         elif opcode == op.END:
             registers[a] = 0
             return
@@ -205,11 +200,11 @@ def run_thread(code, registers, commands, thread, rng):
                 registers[a + i] = registers[b + i]
         elif opcode == op.SORT:
             sort_order(registers, a, b, int(registers[c]))
-        elif opcode in (op.FLOOR_DIVIDE, op.MODULO):
+        elif opcode == op.FLOOR_DIVIDE or opcode == op.MODULO:
             if registers[c] == 0:
                 stop(registers, DIVISION_BY_ZERO, pc - 1)
                 return
-            registers[a] = divided(opcode, registers[b], registers[c])
+            registers[a] = registers[b] % registers[c] if opcode == op.MODULO else registers[b] // registers[c]
         else:
             result, fine = computed(code, registers, opcode, b, c)
             if not fine:
@@ -217,21 +212,6 @@ def run_thread(code, registers, commands, thread, rng):
                 return
             registers[a] = result
     stop(registers, INFINITE_LOOP, pc - 1)
-
-
-@kernel
-def divided(opcode, x, y):
-    """Return the quotient or rest of the divisions that round, of which none is by 0."""
-    rest = np.fmod(x, y)
-    if rest != 0 and (rest < 0) != (y < 0):
-        rest += y
-    if opcode == op.MODULO:
-        return rest if rest != 0 else math.copysign(0.0, y)
-    quotient = (x - rest) / y
-    if quotient == 0:
-        return math.copysign(0.0, x / y)
-    floor = math.floor(quotient)
-    return floor + 1.0 if quotient - floor > 0.5 else float(floor)
 
 
 @kernel
@@ -250,26 +230,20 @@ def computed(code, registers, opcode, b, c):
         return np.trunc(x) + 0.0, np.isfinite(x)
     if opcode == op.ROUND:
         return np.rint(x) + 0.0, np.isfinite(x)
-    if opcode == op.TANGENT:
-        return math.tan(x), True
-    if opcode == op.ARC_SINE:
-        return math.asin(min(max(x, -1.0), 1.0)), abs(x) <= 1
-    if opcode == op.ARC_COSINE:
-        return math.acos(min(max(x, -1.0), 1.0)), abs(x) <= 1
-    if opcode == op.ARC_TANGENT:
-        return math.atan(x), True
     if opcode == op.EXPONENTIAL:
         return math.exp(min(x, 709.0)), x <= 709.0
     if opcode == op.LOGARITHM:
         return math.log(max(x, 1e-300)), x > 0
     if opcode == op.RECTANGLES_MEET:
-        return (1.0 if rectangles_meet(registers, code.lists, c) else 0.0), True
+        sides = five(registers, code.lists, c) + five(registers, code.lists, c + 5)
+        return (1.0 if rectangles_meet(*sides) else 0.0), True
     if opcode == op.SECTOR_MEETS:
-        return (1.0 if sector_meets(registers, code.lists, c) else 0.0), True
+        sides = five(registers, code.lists, c) + five(registers, code.lists, c + 5)
+        return (1.0 if sector_meets_rectangle(*sides) else 0.0), True
     if opcode == op.IN_RINGS:
         return (1.0 if in_rings(registers, code.lists, c) else 0.0), True
     if opcode == op.QUANTILE:
-        return quantile(x), True
+        return quantile(x)[()], True  # an array without axes, as of all that asks `np.where`
     return 0.0, False
 
 

@@ -18,8 +18,7 @@ BODIES = {
     import math
     while True:
         x = self.position.y / 16 - 0.3
-        take f'{sin(x):.9g} {cos(x):.9g} {math.tan(x):.9g} {math.asin(x):.9g} {math.acos(x):.9g} {math.atan(x):.9g}'
-        take f'{math.exp(x):.9g} {math.log(x + 2):.9g}'
+        take f'{sin(x):.9g} {cos(x):.9g} {math.exp(x):.9g} {math.log(x + 2):.9g}'
         take f'{math.floor(x)} {math.ceil(x)} {round(x)}'
         take f'{sqrt(x + 1):.9g} {math.atan2(x, 1):.9g} {hypot(x, 2):.9g} {normalizeAngle(x * 40):.9g}'
 """,
