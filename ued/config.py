@@ -68,7 +68,8 @@ class PPOConfig(Checked):
     shared_torso: bool = setting(False, "actor and critic share their hidden layers")
     obs_std_floor: float = setting(
         0.1,
-        "observations are divided by their standard deviation, or by this many of their units where that is less",
+        "observations are divided by their standard deviation, or by this many of their units, where these are known "
+        "and that is less",
         ">=0",
     )
 

@@ -47,10 +47,11 @@ class Mixture(UPOMDP):
 
     @property
     def observation_unit(self) -> np.ndarray:
-        """Of each entry, the least of what counts in any of the programs."""
+        """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
         for k, member in enumerate(self.members):
-            units[k, : self.sizes[k]] = member.observation_unit
+            unit = member.observation_unit
+            units[k, : self.sizes[k]] = 0.0 if unit is None else unit
         return units.min(axis=0)
 
     def program_of(self, theta: Any) -> np.ndarray:

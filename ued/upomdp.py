@@ -130,15 +130,12 @@ class UPOMDP(VectorEnv):
 
     @property
     def observation_unit(self) -> np.ndarray | None:
-        """What counts as a large change of each entry of an observation `[F]`; None for images.
+        """What counts as a large change of each entry of an observation `[F]`; 0, or None for all: unknown.
 
-        Students do not look closer than at a share of it (`PPOConfig.obs_std_floor`). Unless a subclass knows better:
-        1, or half of the entry's range where that is less.
+        Students do not look closer than at a share of it (`PPOConfig.obs_std_floor`). Only who knows what an entry
+        means can tell: a pole 0.05 rad off the plumb is falling, though an angle might be 1.
         """
-        space = self.single_observation_space
-        if not isinstance(space, Box) or len(space.shape) != 1:
-            return None
-        return np.minimum((space.high.astype(np.float64) - space.low) / 2, 1.0)
+        return None
 
     @abstractmethod
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:

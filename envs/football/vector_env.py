@@ -96,8 +96,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def observation_unit(self) -> np.ndarray | None:
-        unit = self._observer.unit
-        return super().observation_unit if unit is None else unit
+        return self._observer.unit
 
     def keep_endings(self) -> None:
         """From now on keep in `ended_matches` all matches as the last step left them in which one ended, MATCH `[N]`.

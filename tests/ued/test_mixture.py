@@ -51,10 +51,10 @@ def test_observations_say_which_program_it_is():
 
 def test_the_unit_of_an_entry_is_the_least_of_its_programs(monkeypatch):
     env = mixture(3)
-    units = np.array([0.5, 2.0]), np.array([1.0, 0.1]), np.ones(1)
+    units = np.array([0.5, 2.0]), np.array([1.0, 0.1]), None
     for member, unit in zip(env.members, units, strict=True):
         monkeypatch.setattr(type(member), "observation_unit", unit)
-    assert env.observation_unit.tolist() == [0.5, 0.1, 1, 1, 1]
+    assert env.observation_unit.tolist() == [0.0, 0.1, 1, 1, 1]
 
 
 def test_each_environment_gets_the_rewards_of_its_program():

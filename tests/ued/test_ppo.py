@@ -151,7 +151,7 @@ def test_running_statistics_are_those_of_everything_seen():
 def test_a_feature_that_hardly_moved_cannot_blow_up_by_moving_a_little():
     """Its standard deviation is a hundredth of its unit: 0.2 of the unit would be 20 of them, and is 2 floors."""
     data = torch.tensor([[1.0], [0.01]]).T * torch.randn(2000, 2, generator=torch_generator(0))
-    student = Student(Box(-6, 6, (2,)), Discrete(3), PPOConfig(), torch_generator(0))
+    student = Student(Box(-6, 6, (2,)), Discrete(3), PPOConfig(), torch_generator(0), np.ones(2))
     student.normaliser.track(data)
     moved = student.normaliser(torch.tensor([[0.2, 0.2]]))[0]
     assert moved[1] == pytest.approx(2.0, abs=0.02) and moved[0] == pytest.approx(0.2, abs=0.1)

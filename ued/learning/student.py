@@ -73,7 +73,7 @@ class Student(nn.Module):
         observation_space, action_space: of one environment; flat Box or image, and Discrete or flat Box.
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
-        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`. None: 1 each.
+        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Student(nn.Module):
         if is_image(observation_space):
             self.normaliser: Normaliser | Pixels = Pixels()
         else:
-            units = np.ones(observation_space.shape) if unit is None else unit
+            units = np.zeros(observation_space.shape) if unit is None else unit
             self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units))
         self.actor = PolicyHead(action_space, config.hidden_size, generator)
         self.critic = linear(config.hidden_size, 1, 1.0, generator)

@@ -92,9 +92,10 @@ class Observer:
 
     @property
     def unit(self) -> np.ndarray | None:
-        """What counts as a large change of each entry, where that is not 1; see `UPOMDP.observation_unit`."""
-        several = self._agents > 1
-        return simple115_unit() if self.kind == SIMPLE115 and not several else None
+        """What counts as a large change of each entry of one agent's vector; see `UPOMDP.observation_unit`."""
+        if self._agents > 1 or self.kind not in (FEATURES, SIMPLE115):
+            return None
+        return simple115_unit() if self.kind == SIMPLE115 else np.ones(features_size(self._players))
 
     def room(self, count: int) -> View:
         """Make fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
