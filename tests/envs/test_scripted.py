@@ -155,6 +155,22 @@ def test_a_monitor_pays_for_a_step_and_not_for_the_next() -> None:
     assert rewards == [0, 0, 0.25, 0, 0, 0.25, 0, 0, 0.25]  # a monitor sees what the step has led to
 
 
+@pytest.mark.parametrize(
+    ("more", "live"),
+    [
+        ("", False),
+        ("terminate after 3 seconds\n", True),
+        ("terminate when ego.x > 0\n", True),
+        ("require always ego.y < 40\n", True),
+        ("record ego.x as x\n", True),
+        ("monitor M():\n    while True:\n        wait\nrequire monitor M()\n", True),
+    ],
+)
+def test_a_program_in_which_nothing_happens_takes_no_time(more: str, live: bool) -> None:
+    scene = "ego = LeftCM at -50 @ 0\nball = Ball at -50 @ 2\n"
+    assert FootballVectorEnv(SETTINGS + scene + more).behaviors.is_live is live
+
+
 def test_the_single_environment_pays_and_ends_the_same() -> None:
     env = FootballEnv(program(PAYING, more="terminate simulation when simulation().currentTime >= 6\n"))
     env.reset(seed=0)

@@ -11,9 +11,10 @@ from envs.football.constants import PROGRAM_FAULT
 from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import recorded
 
-IDLE_THREADS = 2  # of a program in which nothing happens: what ends a match at once, what is asked at its end
+NOTHING = (op.END, op.WAIT)  # all that the threads of a program do in which nothing happens
 
 
 class CompiledBehaviors:
@@ -31,7 +32,7 @@ class CompiledBehaviors:
     def __init__(self, program: Program) -> None:
         self.compiled = compile_program(program, FOOTBALL_WORLD)
         self.code = self.compiled.code
-        self.is_live = len(self.code.threads) > IDLE_THREADS or bool(program.terminations)
+        self.is_live = not np.isin(self.code.rows[:, 0], NOTHING).all()
         self.num_registers = self.code.register_count
         self.has_records = bool(self.compiled.records)
 
