@@ -165,3 +165,12 @@ class Method:
         self.curriculum.load_state_dict(state["curriculum"])
         self.queue.load_state_dict(state["queue"])
         self.updates = state["updates"]
+
+    def load_students(self, state: dict[str, Any]) -> None:
+        """Take back the students alone of what `state_dict` returned, to be played: the environments may have changed.
+
+        Raises RuntimeError for students of other observations or actions.
+        """
+        for learner, saved in zip(self.learners, state["learners"], strict=True):
+            if learner.student is not None:
+                learner.student.load_state_dict(saved["ppo"]["student"])

@@ -18,7 +18,7 @@ from experiments.pictures import plots
 from experiments.run import arguments, build
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError
+from experiments.run.errors import CommandError, UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count, headline
 from experiments.run.signals import StopRequest
@@ -85,11 +85,17 @@ def train(run: RunFolder, stop: StopRequest) -> int:
 
 
 def restore(run: RunFolder, method: Any) -> float:
-    """Continue from the run's checkpoint, if it has one; return the seconds that were trained before."""
+    """Continue from the run's checkpoint, if it has one; return the seconds that were trained before.
+
+    Raises `CommandError` if it is of environments that have changed since.
+    """
     state = run.load()
     if state is None:
         return 0.0
-    method.load_state_dict(state["method"])
+    try:
+        method.load_state_dict(state["method"])
+    except ValueError as error:  # of environments that keep their state otherwise by now
+        raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {error}") from error
     return state["elapsed"]
 
 

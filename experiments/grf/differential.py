@@ -80,7 +80,10 @@ class Pair:
 
     def line(self) -> list[str]:
         """Return a row of the table of the worst."""
-        places = [f"{self.apart(20, what):.1f} ({self.apart(20, what, True):.1f})" for what in ("ball", "players")]
+        places = []
+        for what in ("ball", "players"):
+            both, own = (self.apart(20, what, limit) for limit in (False, True))
+            places.append(f"{_spelled(both)} ({_spelled(own)})")
         counts = [_counted(each.endings()) for each in (self.ours, self.grf)]
         return [self.drawn.name, self.drawn.sides, *places, *counts]
 
@@ -141,7 +144,7 @@ def worst(pairs: Sequence[Pair], count: int = WORST) -> list[Pair]:
 
 def worst_table(pairs: Sequence[Pair]) -> list[list[str]]:
     """Return the worst scenes as a table."""
-    head = ["worst scenes", "sides", "ball (GRF's own), m", "players", "endings, ours", "endings, GRF's"]
+    head = ["worst scenes", "sides", "ball at step 20 (GRF's own), m", "players", "endings, ours", "endings, GRF's"]
     return [head, *(pair.line() for pair in worst(pairs))]
 
 
@@ -208,6 +211,10 @@ def _mean(values: np.ndarray, counted: np.ndarray) -> float:
 def _median(values: Sequence[float]) -> float:
     known = [value for value in values if np.isfinite(value)]
     return float(np.median(known)) if known else np.nan
+
+
+def _spelled(value: float) -> str:
+    return f"{value:.1f}" if np.isfinite(value) else "over"
 
 
 def _or_none(value: float) -> float | None:

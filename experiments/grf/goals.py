@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -48,17 +49,6 @@ class Goals:
             "median_keeper_wide": _median(self.keeper_wide),
         }
 
-    def line(self) -> str:
-        """Return the same in a line."""
-        if not len(self):
-            return "no goal"
-        found = self.summary()
-        far = f"{found['median_distance']:.0f} m ({_spelled(found['distance_shares'])})"
-        if found["median_keeper_out"] is None:
-            return f"{len(self)} goals from {far}, no keeper"
-        keeper = f"{found['median_keeper_out']:.1f} m ({_spelled(found['keeper_shares'])})"
-        return f"{len(self)} goals from {far}, keeper off his line by {keeper}"
-
 
 def goals_of(episodes: Episodes, roster: Roster) -> Goals:
     """Find the left team's goals, the last of each episode, and what they came from."""
@@ -80,9 +70,37 @@ def goals_of(episodes: Episodes, roster: Roster) -> Goals:
 def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:
     """Return which share of the values lies up to each limit, and beyond the last; nan counts nowhere."""
     edges = (-np.inf, *limits, np.inf)
-    words = [f"<{limit:g}" for limit in limits] + [f">{limits[-1]:g}"]
+    between = [f"{low:g} to {high:g}" for low, high in pairwise(limits)]
+    words = [f"<{limits[0]:g}", *between, f">{limits[-1]:g}"]
     found = zip(words, edges, edges[1:], strict=False)
     return {word: float(((values > low) & (values <= high)).mean()) for word, low, high in found}
+
+
+def line(found: dict[str, Any]) -> str:
+    """Return a summary of goals in a line."""
+    if not found["goals"]:
+        return "no goal"
+    far = f"{found['median_distance']:.0f} m ({_spelled(found['distance_shares'])})"
+    if found["median_keeper_out"] is None:
+        return f"{found['goals']} goals from {far}, no keeper"
+    keeper = f"{found['median_keeper_out']:.1f} m ({_spelled(found['keeper_shares'])})"
+    return f"{found['goals']} goals from {far}, keeper off his line by {keeper}"
+
+
+def table(found: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
+    """Return summaries of goals, each with the first three cells of its row: whose, how played, on which engine."""
+    far, out = ([*shares(np.zeros(1), limits)] for limits in (FAR, OUT))
+    head = ["goals of", "policy", "engine", "goals", "from, m", *(f"{word} m" for word in far)]
+    lines = [[*head, "keeper off his line, m", *(f"{word} m" for word in out)]]
+    for first, goals in found:
+        cells = [str(goals["goals"])]
+        for median, parts, words in (("distance", "distance", far), ("keeper_out", "keeper", out)):
+            middle = goals.get(f"median_{median}")
+            there = goals[f"{parts}_shares"] if middle is not None else {}
+            cells += ["–" if middle is None else f"{middle:.1f}"]
+            cells += [f"{there[word]:.0%}" if there else "–" for word in words]
+        lines.append([*first, *cells])
+    return lines
 
 
 def _median(values: np.ndarray) -> float | None:

@@ -1,25 +1,24 @@
 """A trained policy in our simulator and in the real engine: the same weights on the same levels, and what became of it.
 
-Read next: `grf.goals`, where goals come from; `commands.transfer`, which shows all this.
+Read next: `grf.goals`, where goals come from; `grf.transfer_report`, the tables.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from envs.football.constants import NUM_ACTIONS
 from experiments.grf.episodes import ENDINGS, Choose, Episodes, play, play_keys, side_by_side
-from experiments.grf.goals import Goals, goals_of
+from experiments.grf.goals import goals_of
 from experiments.run import build
+from experiments.run.config import EngineConfig
 from experiments.run.errors import CommandError
 from experiments.run.evaluator import ENVIRONMENTS, load_student
-from ued.statistics import Interval, bootstrap, wilson
 
 if TYPE_CHECKING:
     from envs.football.config import FootballConfig
@@ -32,7 +31,7 @@ SEED = 20_100  # of levels and actions: all runs of a game meet the same
 SLACK = 0.1  # of a feature's unit, by which it may leave what was seen
 FAR = 5.0  # standard deviations, beyond which training has not shown it
 NAMED = 3  # features that are named
-SAMPLES = 4000  # of an interval
+POLICIES = ("sampled", "greedy")
 
 
 @dataclass(frozen=True)
@@ -40,27 +39,45 @@ class Leaving:
     """When features leave a range: in which share of the episodes, at which step (median), which ones first."""
 
     share: float
-    step: float  # nan: never
+    step: float | None  # None: never
     first: tuple[str, ...]
-
-    def plain(self) -> dict[str, Any]:
-        """Return the same as JSON can hold it."""
-        return {"share": self.share, "step": self.step if self.share else None, "first": list(self.first)}
 
     def line(self) -> str:
         """Return the same in words."""
-        if not self.share:
+        if self.step is None:
             return "never"
         return f"in {self.share:.0%} of the episodes, at step {self.step:g}: {', '.join(self.first)}"
 
 
 @dataclass(frozen=True)
-class Transfer:
-    """One run's policy, sampled or greedy, in both engines; `unit` and `names` are those of the features `[F]`."""
+class Result:
+    """What became of one run's policy in both engines, as plain numbers; `ours` and `grf` are `summary`'s.
+
+    `game`, `representation` and `method` are those of the run: runs that share them are told of together.
+    """
 
     run: str
-    game: str  # runs of one game, representation and method are told of together
+    game: str
+    representation: str
+    method: str
     policy: str
+    ours: dict[str, Any]
+    grf: dict[str, Any]
+    leaves_ours: dict[str, Any]  # a Leaving, as are the others
+    leaves_training_ours: dict[str, Any]
+    leaves_training_grf: dict[str, Any]
+
+    @property
+    def engines(self) -> dict[str, dict[str, Any]]:
+        return {"ours": self.ours, "grf": self.grf}
+
+
+@dataclass(frozen=True)
+class Played:
+    """One run's policy as both engines have played it; `unit` and `names` are those of the features `[F]`, and `mean`
+    and `deviation` those of its normaliser.
+    """
+
     ours: Episodes
     grf: Episodes
     roster: Roster
@@ -69,18 +86,15 @@ class Transfer:
     mean: np.ndarray
     deviation: np.ndarray
 
-    @cached_property
-    def ratio(self) -> Interval:
-        """The goal rate there as a multiple of that here."""
-        return rate_ratio([self])
-
-    def episodes(self) -> dict[str, Episodes]:
-        """Return both by engine."""
-        return {"ours": self.ours, "grf": self.grf}
-
-    def goals(self) -> dict[str, Goals]:
-        """Return where the goals come from, by engine."""
-        return {engine: goals_of(episodes, self.roster) for engine, episodes in self.episodes().items()}
+    def numbers(self) -> dict[str, Any]:
+        """Return what a Result says of it."""
+        return {
+            "ours": summary(self.ours, self.roster),
+            "grf": summary(self.grf, self.roster),
+            "leaves_ours": asdict(self.leaves_ours()),
+            "leaves_training_ours": asdict(self.leaves_training(self.ours)),
+            "leaves_training_grf": asdict(self.leaves_training(self.grf)),
+        }
 
     def leaves_ours(self) -> Leaving:
         """When features leave what they are in our episodes."""
@@ -88,10 +102,9 @@ class Transfer:
         low, high = np.nanmin(seen, 0) - SLACK * self.unit, np.nanmax(seen, 0) + SLACK * self.unit
         return leaving((self.grf.observations < low) | (self.grf.observations > high), self.names)
 
-    def leaves_training(self, engine: str = "grf") -> Leaving:
+    def leaves_training(self, episodes: Episodes) -> Leaving:
         """When features are FAR standard deviations from their mean in training."""
-        seen = self.episodes()[engine].observations
-        return leaving(np.abs(seen - self.mean) > FAR * self.deviation, self.names)
+        return leaving(np.abs(episodes.observations - self.mean) > FAR * self.deviation, self.names)
 
 
 def leaving(outside: Any, names: Sequence[str]) -> Leaving:
@@ -99,56 +112,27 @@ def leaving(outside: Any, names: Sequence[str]) -> Leaving:
     at = np.asarray(outside.any(2))
     rows = np.flatnonzero(at.any(1))
     if not len(rows):
-        return Leaving(0.0, np.nan, ())
+        return Leaving(0.0, None, ())
     steps = at[rows].argmax(1)
     counts = outside[rows, steps].sum(0)
     chosen = [index for index in np.argsort(-counts, kind="stable")[:NAMED] if counts[index]]
     return Leaving(len(rows) / len(at), float(np.median(steps)), tuple(names[index] for index in chosen))
 
 
-def summary(episodes: Episodes) -> dict[str, Any]:
+def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
     """Return what became of some episodes, as plain numbers."""
-    rate = wilson(int(episodes.scored.sum()), len(episodes))
     pressed = episodes.actions[episodes.actions >= 0]
     endings = episodes.endings()
     return {
         "episodes": len(episodes),
         "goals": int(episodes.scored.sum()),
-        "goal_rate": rate.estimate,
-        "goal_rate_low": rate.low,
-        "goal_rate_high": rate.high,
         "mean_return": float(episodes.returns.mean()),
         "return_error": float(episodes.returns.std() / np.sqrt(len(episodes))),
         "median_length": float(np.median(episodes.lengths)),
         "endings": {word: float((endings == word).mean()) for word in ENDINGS[:-1]},
         "actions": (np.bincount(pressed, minlength=NUM_ACTIONS) / max(len(pressed), 1)).tolist(),
+        "goals_from": goals_of(episodes, roster).summary(),
     }
-
-
-def rate_ratio(transfers: Sequence[Transfer]) -> Interval:
-    """Estimate the ratio of the goal rates, the engine's by ours; nan where nothing is scored here.
-
-    One run: over its episodes, each rate drawn from Jeffreys' posterior. Several: of their means, resampling whole runs
-    and the luck of their episodes.
-    """
-    rng = np.random.default_rng(SEED)
-    counts = np.array([[[each.scored.sum(), len(each)] for each in (t.grf, t.ours)] for t in transfers])  # [R, 2, 2]
-    goals, played = counts[..., 0], counts[..., 1]
-    rates = goals / played
-    if not rates[:, 1].any():
-        return Interval(np.nan, np.nan, np.nan)
-    if len(transfers) == 1:
-        grf, ours = rng.beta(goals[0, :, None] + 0.5, (played - goals)[0, :, None] + 0.5, (2, SAMPLES))
-        low, high = np.quantile(grf / ours, [0.025, 0.975])
-        return Interval(float(rates[0, 0] / rates[0, 1]), float(low), float(high))
-    likely = (goals + 2) / (played + 4)  # Agresti and Coull (1998): no goal at all is not certainty
-    errors = np.sqrt(likely * (1 - likely) / (played + 4))
-    found = bootstrap(rates, rng, _ratio, errors, SAMPLES).interval()
-    return found._replace(low=max(found.low, 0.0), high=max(found.high, 0.0))
-
-
-def _ratio(rates: np.ndarray) -> float:
-    return float(rates[:, 0].mean() / max(rates[:, 1].mean(), 1e-3))
 
 
 # ---------------------------------------------------------------- playing
@@ -156,28 +140,44 @@ def _ratio(rates: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is played: episodes in ours and in the other engine, and how many are recorded side by side."""
+    """How much is played: episodes in ours and in the other engine, of which policies, and how many are recorded."""
 
-    other: FootballConfig
+    other: EngineConfig
     episodes: tuple[int, int]
-    traces: int
-    threads: int
+    policies: tuple[str, ...] = POLICIES
+    traces: int = 0
+    threads: int = 1
+
+    def asked(self, run: RunFolder) -> dict[str, Any]:
+        """Return what this asks of a run, as JSON gives it back: what was asked before need not be played again."""
+        trained = run.env_steps()
+        return {
+            "trained": trained,
+            "engine": self.other.engine,
+            "episodes": [*self.episodes],
+            "policies": [*self.policies],
+        }
+
+
+def play_run(run: RunFolder, plan: Plan) -> tuple[list[Result], list[SideBySide]]:
+    """Play a run's policies in both engines; return what became of them, and what is to be recorded."""
+    with BothEngines(run, plan) as engines:
+        return engines.results()
 
 
 class BothEngines:
     """A run's policy and its game in both engines. Close it when it is no longer needed."""
 
     def __init__(self, run: RunFolder, plan: Plan) -> None:
-        from experiments.run.config import EngineConfig
-
         config, self.run, self.plan = run.config, run, plan
         program = build.load_scenes(config)[build.TRAINING_SCENE]
         self.student, _ = load_student(run, program)
         self._stack = ExitStack()
-        ours = EngineConfig(engine="regista").instead_of(config.env)
-        self.envs = [
-            self._make(program, each, count) for each, count in zip((ours, plan.other), plan.episodes, strict=True)
-        ]
+        engines = (
+            EngineConfig(engine="regista").instead_of(config.env),
+            plan.other.instead_of(replace(config.env, engine="grf")),
+        )
+        self.envs = [self._make(program, env, count) for env, count in zip(engines, plan.episodes, strict=True)]
         space = self.envs[0].single_observation_space
         if space.shape is None or len(space.shape) != 1 or self.envs[0].num_agents != 1:
             raise CommandError(f"{run.path}: transfer tells of one agent that sees features, not of {space}")
@@ -193,29 +193,39 @@ class BothEngines:
     def __exit__(self, *_: object) -> None:
         self._stack.close()
 
-    def transfers(self) -> Iterator[Transfer]:
-        """Play the policy sampled, then greedy."""
-        config, env = self.run.config, self.envs[0]
-        normaliser = self.student.normaliser
+    def results(self) -> tuple[list[Result], list[SideBySide]]:
+        """Play the policies; return what became of them, and what is to be recorded."""
+        config = self.run.config
+        game = build.find_minigame(config.minigame).name
+        of_run = (self.run.path.name, game, config.env.representation, config.method)
+        results: list[Result] = []
+        recorded: list[SideBySide] = []
+        for policy in self.plan.policies:
+            played = self._play(policy == "greedy")
+            results.append(Result(*of_run, policy, **played.numbers()))
+            if self.plan.traces and not recorded:
+                recorded = self._recorded(played.ours)
+        return results, recorded
+
+    def _play(self, greedy: bool) -> Played:
+        normaliser, env = self.student.normaliser, self.envs[0]
         deviation = np.maximum(np.sqrt(normaliser.variance.numpy() + 1e-8), normaliser.floor.numpy())
         unit = env.observation_unit
         assert unit is not None
-        for policy in ("sampled", "greedy"):
-            ours, grf = (
-                play(each, self._choose(policy == "greedy"), self.levels[:count], observed=True)
-                for each, count in zip(self.envs, self.plan.episodes, strict=True)
-            )
-            game = f"{build.find_minigame(config.minigame).name}, {config.env.representation}, {config.method}"
-            features = (feature_names(env, len(unit)), unit, normaliser.mean.numpy(), deviation)
-            yield Transfer(self.run.path.name, game, policy, ours, grf, env.lineup.roster, *features)
+        ours, grf = (
+            play(each, self._choose(greedy), self.levels[:count], observed=True)
+            for each, count in zip(self.envs, self.plan.episodes, strict=True)
+        )
+        names = feature_names(env, len(unit))
+        return Played(ours, grf, env.lineup.roster, names, unit, normaliser.mean.numpy(), deviation)
 
-    def recorded(self, sampled: Transfer) -> list[SideBySide]:
-        """Play the keys of some of our sampled episodes in the other engine."""
+    def _recorded(self, ours: Episodes) -> list[SideBySide]:
+        """Play the keys of some of our episodes in the other engine."""
         painter = build.make_painter(self.envs[0].program, self.envs[0].lineup)
         count = min(self.plan.traces, *self.plan.episodes)
-        keys = np.maximum(sampled.ours.actions[:count], 0)
+        keys = np.maximum(ours.actions[:count], 0)
         grf = play_keys(self.envs[1], keys, self.levels[:count])
-        return [side_by_side(f"{sampled.run} {row}", painter, sampled.ours, grf, row) for row in range(count)]
+        return [side_by_side(f"{self.run.path.name} {row}", painter, ours, grf, row) for row in range(count)]
 
     def _choose(self, greedy: bool) -> Choose:
         from ued.seeding import torch_generator

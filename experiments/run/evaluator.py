@@ -122,14 +122,20 @@ class Evaluator:
 def load_student(run: RunFolder, program: Program) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
 
-    Raises `CommandError` if the run has none yet.
+    Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
+    `CommandError` if the run has none yet, or one of other observations.
     """
+    from experiments.run.config import EngineConfig
     from ued import checkpoint
 
     if not run.checkpoint.exists():
         raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
-    config = run.config
-    upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
-    method = build.make_method(config, upomdp)
-    method.load_state_dict(checkpoint.load(run.checkpoint)["method"])
-    return method.student, (method.env_steps, method.updates)
+    config, state = run.config, checkpoint.load(run.checkpoint)
+    env = EngineConfig(engine="regista").instead_of(config.env)  # sees the same and needs no engine
+    method = build.make_method(config, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
+    try:
+        method.load_students(state["method"])
+    except RuntimeError as error:
+        seen = method.upomdp.single_observation_space
+        raise CommandError(f"{run.path} holds a student of other observations than {seen}; train it anew") from error
+    return method.student, (state["env_steps"], state["update"])

@@ -130,7 +130,7 @@ class Report:
         """Return methods x what is said of all scenes, and of the worst levels."""
         columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
         if self.others():
-            columns |= {"mean minus first": _points, "P(better)": _plain}
+            columns |= {"mean minus first": _points, "P(better)": two_digits}
         if self.levels:
             columns |= {"random levels": _percent, "CVaR10": _percent}
         names = {"mean minus first": f"mean − {self.first}", "P(better)": f"P(better than {self.first})"}
@@ -206,7 +206,8 @@ def _points(interval: Interval | None) -> str:
     return _spelled(interval, lambda value: f"{100 * value:+.0f}%")
 
 
-def _plain(interval: Interval | None) -> str:
+def two_digits(interval: Interval | None) -> str:
+    """Return a number with its interval, if it has one."""
     return _spelled(interval, lambda value: f"{value:.2f}")
 
 

@@ -110,13 +110,20 @@ def unique(values: Sequence[str]) -> list[str]:
 # ---------------------------------------------------------------- one method on one scene
 
 
-def goal_rate(rows: Sequence[Result]) -> Interval:
+class Counted(NamedTuple):
+    """A run's goals, one at most in each of its episodes."""
+
+    goals: int
+    episodes: int
+
+
+def goal_rate(rows: Sequence[Result] | Sequence[Counted]) -> Interval:
     """Estimate the goal rate of a method on a scene: bootstrap over runs, or Wilson's interval for a single one."""
     from ued.statistics import bootstrap, wilson
 
     if len(rows) == 1:
         return wilson(rows[0].goals, rows[0].episodes)
-    rates, errors = _goal_rates(rows)
+    rates, errors = goal_rates(rows)
     return _as_share(bootstrap(rates, _rng(), errors=errors).interval())
 
 
@@ -148,7 +155,7 @@ class Scores(NamedTuple):
 def scores(results: Sequence[Result], method: str) -> Scores:
     """Return the goal rates of a method's runs on all scenes."""
     scenes = unique([row.scene for row in results])
-    by_scene = [_goal_rates(select(results, method, scene)) for scene in scenes]
+    by_scene = [goal_rates(select(results, method, scene)) for scene in scenes]
     return Scores(np.stack([rates for rates, _ in by_scene], 1), np.stack([errors for _, errors in by_scene], 1))
 
 
@@ -212,7 +219,7 @@ def level_cvar(rows: Sequence[LevelResult]) -> Interval:
 # ---------------------------------------------------------------- shared
 
 
-def _goal_rates(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
+def goal_rates(rows: Sequence[Result] | Sequence[Counted]) -> tuple[np.ndarray, np.ndarray]:
     """Return each run's goal rate `[R]` and its standard error `[R]`."""
     episodes = np.array([row.episodes for row in rows])
     rates = np.array([row.goals for row in rows]) / episodes

@@ -138,3 +138,6 @@ class ProbeMethod:
         self.rng.bit_generator.state = state["rng"]
         self.student.skill, self.updates, self.env_steps = state["skill"], state["updates"], state["env_steps"]
         self.upomdp.set_state(state["upomdp"])
+
+    def load_students(self, state):
+        self.student.skill = state["skill"]

@@ -58,6 +58,7 @@ def test_distances_are_means_over_pairs_that_both_go_on():
     assert pair.apart(40, "players") == pytest.approx(4.0)
     short = Pair(draw_scene("0:0"), straight([0.1, 0.1], [60, 60]), straight([0.1, 0.3], [60, 15]))
     assert short.apart(20, "ball") == pytest.approx(0.0) and np.isnan(short.apart(20, "ball", limit=True))
+    assert short.line()[2] == "0.0 (over)"
 
 
 def test_endings_agree_by_pairs_and_the_worst_scene_comes_first():
