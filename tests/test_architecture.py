@@ -33,8 +33,6 @@ EXCEPTIONS = {
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},
     "ued/recorder/scene_log.py": {"ued", "numpy", "rerun"},
-    "ued/recorder/scenes.py": {"ued", "numpy", "rerun"},
-    "ued/recorder/side_by_side.py": {"ued", "numpy", "rerun"},
     "ued/recorder/theta_log.py": {"ued", "numpy", "rerun"},
 }
 
@@ -88,9 +86,16 @@ def test_packages_import_only_what_the_design_allows(package):
             assert name.split(".")[0] in STANDARD or within(name, allowed), f"{path} imports {name}"
 
 
-def test_only_the_recorder_imports_rerun():
+def test_only_recordings_import_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
-    assert users == ["layout.py", "recorder.py", "scene_log.py", "scenes.py", "side_by_side.py", "theta_log.py"]
+    assert users == [
+        "layout.py",
+        "recorder.py",
+        "scene_log.py",
+        "theta_log.py",
+        "scene_recording.py",
+        "side_by_side.py",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -181,9 +181,9 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool)
 
 def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
+    from experiments.pictures.scene_recording import SceneRecord, record_scenes
     from experiments.pictures.scene_view import arrows, corners, view_of
     from experiments.run.table import cannot_write
-    from ued.recorder.scenes import SceneRecord, record_scenes
 
     view = view_of(program, probes(program, theta), football)
     boxes = view.boxes(program.instantiate(theta))
@@ -204,7 +204,7 @@ def probes(program: Program, theta: np.ndarray) -> np.ndarray:
 
 def card(program: Program, theta: np.ndarray, index: int) -> str:
     """Return what one row of θ means, in Markdown."""
-    from ued.recorder.scenes import card_of
+    from experiments.pictures.scene_recording import card_of
 
     values = program.describe(theta)
     rows = [(name, f"{at:+.3f}", _number(value)) for at, (name, value) in zip(theta, values.items(), strict=True)]

@@ -104,7 +104,7 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
 
 def record(path: Path, traces: Sequence[Any]) -> None:
     """Write the recording. Raises CommandError if it cannot be written."""
-    from ued.recorder.side_by_side import record_side_by_side
+    from experiments.pictures.side_by_side import record_side_by_side
 
     try:
         record_side_by_side(path, "transfer", traces)

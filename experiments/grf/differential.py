@@ -2,7 +2,7 @@
 
 Both play each scene with several seeds. How far apart an episode of ours and one of the engine's are is told beside how
 far apart two of the engine's own are, which no simulator can better. Read next: `grf.drawn_scenes`;
-`ued.recorder.side_by_side`, by which one can look at the worst.
+`experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def show(folder: Path, pairs: Sequence[Pair]) -> None:
 
     Raises CommandError if it cannot be written.
     """
-    from ued.recorder.side_by_side import record_side_by_side
+    from experiments.pictures.side_by_side import record_side_by_side
 
     chosen = worst(pairs)
     try:

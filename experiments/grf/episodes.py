@@ -16,8 +16,8 @@ from envs.football.replay import after_step
 from envs.football.vector_env import FootballVectorEnv
 
 if TYPE_CHECKING:
+    from experiments.pictures.side_by_side import SideBySide
     from ued.recorder.layout import ScenePainter
-    from ued.recorder.side_by_side import SideBySide
 
 Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N]
 ENGINES = ("ours", "grf")
@@ -64,7 +64,7 @@ class Episodes:
 
 def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes, row: int) -> SideBySide:
     """Return episode number `row` of both engines, each up to its end, for a recording."""
-    from ued.recorder.side_by_side import SideBySide
+    from experiments.pictures.side_by_side import SideBySide
 
     both = ours, grf
     points = [each.points()[row, : each.lengths[row] + 1] for each in both]

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from envs.football.config import FootballConfig
     from envs.football.kick_off import Roster
     from envs.football.vector_env import FootballVectorEnv
+    from experiments.pictures.side_by_side import SideBySide
     from experiments.run.folder import RunFolder
-    from ued.recorder.side_by_side import SideBySide
 
 SEED = 20_100  # of levels and actions: all runs of a game meet the same
 SLACK = 0.1  # of a feature's unit, by which it may leave what was seen

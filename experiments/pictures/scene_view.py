@@ -1,7 +1,7 @@
 """What the scenes of any program look like: the ground, and every object as a box with a heading, a class and a label.
 
 A view speaks the program's own units; a football program gets the lines of its pitch. Read next:
-`pictures.scene_pictures`, and `ued.recorder.scenes`, which draw it.
+`pictures.scene_pictures`, and `pictures.scene_recording`, which draw it.
 """
 
 from __future__ import annotations

@@ -6,7 +6,9 @@ six highest scores), *Rollouts* (each student on one level), *Theta* (histograms
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -45,6 +47,33 @@ def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str])
         _overview(painter, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
     return blueprint(tabs, "update", fps=10)
+
+
+@contextmanager
+def recording(path: Path, kind: str, name: str, views: Any) -> Iterator[rerun.RecordingStream]:
+    """Open a recording at a path, y-up below /scene. Raises OSError if the file cannot be written."""
+    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
+        pass
+    stream = rerun.RecordingStream(kind, recording_id=name)
+    stream.set_log_time_enabled(False)
+    stream.save(path, default_blueprint=views)
+    stream.send_recording_name(name)
+    turn_y_up(stream)
+    yield stream
+    stream.disconnect()
+
+
+def turn_y_up(stream: rerun.RecordingStream) -> None:
+    """Turn what lies below /scene: Rerun's 2D views are y-down, and one transform at the root keeps all else y-up."""
+    stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
+
+
+def log_ground(stream: rerun.RecordingStream, root: str, painter: ScenePainter) -> None:
+    """Write a painter's classes and the lines that never change below `root`."""
+    infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
+    stream.log(root, rerun.AnnotationContext(infos), static=True)
+    strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
+    stream.log(f"{root}/ground", strips, static=True)
 
 
 def blueprint(views: Any, timeline: str, fps: float) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 import rerun
 
 from ued.method import LevelBatch
-from ued.recorder.layout import TOP_LEVELS, ScenePainter
+from ued.recorder.layout import TOP_LEVELS, ScenePainter, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
@@ -39,16 +39,11 @@ class SceneLog:
 
     def open(self) -> None:
         """Write what never changes."""
-        painter, log = self.painter, self.stream.log
-        infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
-        log("scene", rerun.AnnotationContext(infos), static=True)
-        # Rerun's 2D views are y-down: one transform at the root keeps everything else in metres, y up.
-        log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
-        strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
-        log("scene/ground", strips, static=True)
-        x_low, _, y_low, _ = painter.bounds
+        turn_y_up(self.stream)
+        log_ground(self.stream, "scene", self.painter)
+        x_low, _, y_low, _ = self.painter.bounds
         heat = rerun.Transform3D(translation=[x_low, y_low, 0], scale=[HEAT_CELL, HEAT_CELL, 1])
-        log("scene/heat", heat, static=True)
+        self.stream.log("scene/heat", heat, static=True)
 
     def note(self, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the heat map."""

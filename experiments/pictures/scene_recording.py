@@ -1,7 +1,7 @@
 """Scenes as a Rerun recording: one after the other on the timeline `scene`, each with what its θ means.
 
 Entities: `/scene/ground`, the lines that never change; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`,
-what θ means. Read next: `recorder.recorder`, the recording of a whole curriculum.
+what θ means. Read next: `ued.recorder.recorder`, the recording of a whole curriculum.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.recorder.layout import blueprint, plane_view
+from ued.recorder.layout import blueprint, plane_view, recording
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
@@ -22,7 +22,7 @@ LABELLED = 12  # objects at most: more labels than that would hide the scene
 
 
 class SceneStage(Protocol):
-    """What does not change from scene to scene: see `experiments.pictures.scene_view`."""
+    """What does not change from scene to scene: see `pictures.scene_view`."""
 
     @property
     def bounds(self) -> tuple[float, float, float, float]: ...
@@ -51,25 +51,17 @@ class SceneRecord(NamedTuple):
 
 def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[SceneRecord]) -> None:
     """Write a recording of scenes. Raises OSError if the file cannot be written."""
-    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
-        pass
-    stream = rerun.RecordingStream("regista_scenes", recording_id=name)
-    stream.set_log_time_enabled(False)
-    stream.save(path, default_blueprint=scenes_layout(stage))
-    stream.send_recording_name(name)
-    log_ground(stream, stage)
-    for index, scene in enumerate(scenes):
-        stream.set_time("scene", sequence=index)
-        log_scene(stream, stage, scene)
-    stream.disconnect()
+    with recording(path, "regista_scenes", name, scenes_layout(stage)) as stream:
+        log_ground(stream, stage)
+        for index, scene in enumerate(scenes):
+            stream.set_time("scene", sequence=index)
+            log_scene(stream, stage, scene)
 
 
 def log_ground(stream: rerun.RecordingStream, stage: SceneStage) -> None:
     """Write the lines that never change."""
     infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
     stream.log("scene", rerun.AnnotationContext(infos), static=True)
-    # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
-    stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
     width = stage.bounds[1] - stage.bounds[0]
     areas = rerun.LineStrips2D(stage.areas, colors=AREA, radii=width / 900, draw_order=-9)
     stream.log("scene/ground/areas", areas, static=True)

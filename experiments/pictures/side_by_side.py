@@ -6,7 +6,7 @@
     /gap/<n>/last, others            how far apart both are, in m
     /card/<n>                        what was done, how both ended, where they part
 
-Read next: `recorder.scene_log`, whose conventions these are.
+Read next: `ued.recorder.scene_log`, whose conventions these are.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.recorder.layout import ScenePainter
+from ued.recorder.layout import ScenePainter, blueprint, log_ground, plane_view, recording
 
 PARTED = 1.5  # m between the balls, or between two places of one player
 
@@ -70,26 +70,15 @@ class SideBySide:
 
 def record_side_by_side(path: Path, name: str, pairs: Sequence[SideBySide]) -> None:
     """Write a recording, one tab for each pair. Raises OSError if the file cannot be written."""
-    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
-        pass
-    stream = rerun.RecordingStream("regista_side_by_side", recording_id=name)
-    stream.set_log_time_enabled(False)
-    stream.save(path, default_blueprint=_layout(pairs))
-    stream.send_recording_name(name)
-    # Rerun's 2D views are y-down: one transform at the root keeps everything else y-up.
-    stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
-    for number, pair in enumerate(pairs):
-        _log(stream, number, pair)
-    stream.disconnect()
+    with recording(path, "regista_side_by_side", name, _layout(pairs)) as stream:
+        for number, pair in enumerate(pairs):
+            _log(stream, number, pair)
 
 
 def _log(stream: rerun.RecordingStream, number: int, pair: SideBySide) -> None:
     painter = pair.painter
     root = f"scene/{number}"
-    infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
-    stream.log(root, rerun.AnnotationContext(infos), static=True)
-    ground = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
-    stream.log(f"{root}/ground", ground, static=True)
+    log_ground(stream, root, painter)
     for side, points in zip(pair.sides, pair.points, strict=True):
         way = rerun.LineStrips2D([points[:, -1]], colors=painter.line_colour, radii=0.15, draw_order=-4)
         stream.log(f"{root}/{side}/path", way, static=True)
@@ -126,22 +115,9 @@ def _layout(pairs: Sequence[SideBySide]) -> Any:
         card = rrb.TextDocumentView(origin=f"/card/{number}", name="Card")
         below = rrb.Horizontal(gap, card, column_shares=[2, 1])
         tabs.append(rrb.Vertical(rrb.Horizontal(*views), below, row_shares=[2, 1], name=pair.name))
-    return rrb.Blueprint(
-        rrb.Tabs(*tabs, active_tab=0),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline="step", fps=10, play_state="Paused"),
-        auto_views=False,
-        auto_layout=False,
-    )
+    return blueprint(rrb.Tabs(*tabs, active_tab=0), "step", fps=10)
 
 
 def _view(number: int, pair: SideBySide, side: str) -> Any:
-    x_low, x_high, y_low, y_high = pair.painter.bounds
-    return rrb.Spatial2DView(
-        origin="/",
-        contents=[f"/scene/{number}/ground", f"/scene/{number}/{side}/**"],
-        name=side.capitalize(),
-        background=pair.painter.background,
-        visual_bounds=rrb.VisualBounds2D(x_range=[x_low, x_high], y_range=[-y_high, -y_low]),
-    )
+    paths = f"/scene/{number}/ground", f"/scene/{number}/{side}/**"
+    return plane_view(pair.painter.bounds, pair.painter.background, side.capitalize(), *paths)
