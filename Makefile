@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo results grf test test-quick torture lint format benchmark clean
+.PHONY: setup demo results transfer grf test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -22,6 +22,12 @@ results: $(READY)
 		--num-envs 16 --num-steps 512 --out runs/results
 	$(BIN)/regista probe --out runs/probe
 	$(BIN)/python -m experiments.pictures.results_page runs/results runs/probe
+
+# Nine games, three seeds, two representations, trained here and played in Google Research Football (`make grf` first):
+# about an hour on 2 cores. It goes on where it was stopped; flags of `regista study`: STUDY="--seeds 1".
+STUDY ?=
+transfer: $(READY)
+	$(BIN)/regista study transfer --out runs/transfer $(STUDY)
 
 # Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
 grf:

@@ -17,6 +17,7 @@ COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
     "evaluate": "play trained runs on test scenes, with intervals",
     "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
+    "study": "train many games and play them all in both engines: the table of what carries over",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",

@@ -92,13 +92,7 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     for seed in range(config.seeds):
         for method in config.methods:
             settings = replace(config.train, minigame=minigame, method=method, seed=seed)
-            path = folder / f"{method}-{seed}"
-            if (path / "config.json").exists():
-                run = RunFolder.open(path)
-                run.extend(settings)
-            else:
-                run = RunFolder.create(path, settings)
-            runs.append(run)
+            runs.append(RunFolder.create_or_extend(folder / f"{method}-{seed}", settings))
     return runs
 
 

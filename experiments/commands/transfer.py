@@ -53,8 +53,13 @@ class TransferConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.policies or not {*self.policies} <= {"sampled", "greedy"}:
-            raise ValueError(f"policies must be sampled, greedy or both, got {' '.join(self.policies) or 'none'}")
+        check_policies(self.policies)
+
+
+def check_policies(policies: Sequence[str]) -> None:
+    """Raise `ValueError` for ways of choosing actions that are none."""
+    if not policies or not {*policies} <= {"sampled", "greedy"}:
+        raise ValueError(f"policies must be sampled, greedy or both, got {' '.join(policies) or 'none'}")
 
 
 def main(argv: Sequence[str]) -> int:

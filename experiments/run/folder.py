@@ -62,6 +62,15 @@ class RunFolder:
         return run
 
     @classmethod
+    def create_or_extend(cls, path: Path, config: TrainConfig) -> RunFolder:
+        """Make a folder that is not there yet; continue another with this configuration, with which it must agree."""
+        if not (path / "config.json").exists():
+            return cls.create(path, config)
+        run = cls.open(path)
+        run.extend(config)
+        return run
+
+    @classmethod
     def open(cls, path: Path) -> RunFolder:
         """Open an existing run. Raises `CommandError` for a folder that holds none."""
         if not (path / "config.json").exists():
