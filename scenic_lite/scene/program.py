@@ -228,24 +228,21 @@ class Program:
 
     # ------------------------------------------------------------ from scenes to θ
 
-    def theta(self, scenes: Scenes | Mapping[Any, Any], default: np.ndarray | None = None) -> np.ndarray:
-        """Return the rows of theta [N, D] that describe some scenes, valid or not: the inverse of `instantiate`.
+    def theta(self, description: Mapping[Any, Any], default: np.ndarray | None = None) -> np.ndarray:
+        """Return the rows of theta [N, D] of scenes that a person describes, valid or not: `instantiate` turned round.
 
-        `scenes` are Scenes, or what a person writes of them: `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an
-        object (its label, index, class if there is one of it, or `ego`), a parameter or a draw. An object takes
-        (x, y), (x, y, heading in radians) or a dict of properties, in which `behavior` takes a dict of arguments; each
-        number may be an array [N]. `default` [D] or [N, D] gives the draws that are not decided by this; for Scenes
-        it is 0. Raises ScenicError naming the draws left undecided, or the value for which no θ was found.
+        `description` is like `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an object (its label or index), a
+        parameter or a draw. An object takes (x, y), (x, y, heading in radians) or a dict of properties; each number
+        or text may be an array [N], each place one [N, 2]. `default` [D] or [N, D] gives the draws that are not decided
+        by this. Raises ScenicError naming the draws left undecided, or the value for which no θ was found.
         """
-        if not isinstance(scenes, Scenes | Mapping):
-            raise TypeError(f"scenes are Scenes or a description such as {{'ego': (30, 5)}}, not {scenes!r:.80}")
-        if isinstance(scenes, Scenes) and default is None:
-            default = np.zeros(self.dim)
+        if not isinstance(description, Mapping):
+            raise TypeError(f"scenes are described like {{'ego': (30, 5)}}, not by {description!r:.80}")
         if default is not None:
             default = np.clip(self.layout.checked(np.atleast_2d(default)), -1.0, 1.0)
         state = self.mode.state
         try:
-            return Inverse(state, self.instances, self.layout).theta(scenes, default)
+            return Inverse(state, self.instances, self.layout).theta(description, default)
         except ScenicError as error:
             if error.place is not None:
                 error.source_line = state.sources[error.place.file].line(error.place.line)

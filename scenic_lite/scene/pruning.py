@@ -20,15 +20,13 @@ from scenic_lite.scene.constraints import containers
 from scenic_lite.values import shapes
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, TURN
 from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import RandomExpr, Table, Tape, ThetaColumn, Value, columns_of, is_number
-from scenic_lite.values.operations import UNBOUNDED, Interval, interval_of_fixed, ordered, row_of
+from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, columns_of, is_number
 from scenic_lite.values.polygons import PolygonalRegion, region_of
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
 ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
 LARGEST_NUMBER = 1e12  # in a region; areas of larger ones may overflow
-LARGEST_NODE = 10_000  # random operations behind a width that are looked through
 
 
 class Demand(NamedTuple):
@@ -112,34 +110,16 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
 
 def inner_radius(instance: Instance) -> float:
     """Return a lower bound of the radius of an object's inner circle in every scene."""
-    return min(max(0.0, least(instance.properties[name])) / 2 for name in ("width", "length"))
+    return min(least(instance.properties[name]) / 2 for name in ("width", "length"))
 
 
 def least(value: Value) -> float:
-    """Return a lower bound; -inf if none is known."""
+    """Return a lower bound of a size: the low end of a draw, the least of a choice; 0 of what is computed."""
     if not isinstance(value, RandomExpr):
         return float(value)
-    columns = list(columns_of(value))
-    try:
-        tape = Tape([value], columns, LARGEST_NODE)
-    except ScenicError:
-        return -math.inf
-    return bounds_of(tape, columns)[tape.slot(value)][0]
-
-
-def bounds_of(tape: Tape, columns: list[ThetaColumn]) -> list[Interval]:
-    """Return the interval of every register, unbounded where nothing is known."""
-    computed = {out for _, _, out in tape.steps}
-    bounds = [UNBOUNDED if slot in computed else interval_of_fixed(value) for slot, value in enumerate(tape.registers)]
-    for slot, column in enumerate(columns):
-        bounds[slot] = ordered(column.offset, column.offset + column.span)
-    for operation, inputs, out in tape.steps:
-        row = row_of(operation)
-        if row is not None and row.interval is not None:
-            bounds[out] = row.interval(*(bounds[operand] for operand in inputs))
-        elif isinstance(operation, Table) and operation.options.dtype.kind in "if":
-            bounds[out] = float(operation.options.min()), float(operation.options.max())
-    return bounds
+    if isinstance(value.operation, Table):
+        return max(0.0, min(value.operation.options.tolist()))
+    return max((column.low for column in columns_of(value) if column.shown is value and column.low > 0), default=0.0)
 
 
 def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicError:
@@ -168,8 +148,6 @@ def common_part(base: Region, demand: Demand) -> Region | None:
     container = demand.container
     if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
         return common_rectangle(base, demand)
-    if isinstance(base, SectorRegion) and isinstance(container, SectorRegion) and base.round() and container.round():
-        return common_disc(base, demand) or common_shape(base, demand)
     return common_shape(base, demand)
 
 
@@ -197,17 +175,6 @@ def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegi
 def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
     """Return what two intervals, given by middle and half length, have in common."""
     return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
-
-
-def common_disc(base: SectorRegion, demand: Demand) -> SectorRegion | None:
-    """Return the common part where that is one of the two discs; None if they overlap, or are apart."""
-    container = demand.container
-    assert isinstance(container, SectorRegion)
-    middle, radius = container.center - demand.step, container.radius - demand.radius
-    apart = (middle - base.center).length()
-    if apart + base.radius <= radius + CLOSENESS:
-        return base
-    return SectorRegion(middle, radius) if radius > 0 and apart + radius <= base.radius + CLOSENESS else None
 
 
 def common_shape(base: Region, demand: Demand) -> Region | None:

@@ -15,17 +15,29 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values import shapes
 from scenic_lite.values.formulas import in_frame
 from scenic_lite.values.geometry import Vector, coordinates, vector_by
-from scenic_lite.values.graph import Value, all_of, number_by, truth_by
-from scenic_lite.values.operations import NORMALISE
+from scenic_lite.values.graph import Value, all_of, apply, number_by, truth_by
+from scenic_lite.values.operations import LESS_EQUAL, NORMALISE
 from scenic_lite.values.regions import Point2, Region, VectorField
 
 NEAR = 1e-6  # a point so near a polyline or a point lies on it
 
 
-class PolylineRegion(Region):
-    """Chains of segments. Its orientation is the heading of each segment, unless another is given."""
+class ThinRegion(Region):
+    """A region without area: a point lies on it if it is near enough, and no object fits into it."""
 
     columns = 1
+    tolerance = NEAR
+
+    def contains(self, point: Vector) -> Value:
+        return apply(LESS_EQUAL, self.distance(point), self.tolerance)
+
+    def contains_corners(self, corners: list[Vector]) -> Value:
+        return False
+
+
+class PolylineRegion(ThinRegion):
+    """Chains of segments. Its orientation is the heading of each segment, unless another is given."""
+
     dimension = 1
 
     def __init__(self, chains: Sequence[Any], orientation: VectorField | bool | None = True) -> None:
@@ -46,7 +58,7 @@ class PolylineRegion(Region):
     def _segment(self, u: Any) -> Any:
         return np.minimum(np.searchsorted(self.ends, u, side="right"), len(self.ends) - 1)
 
-    def _at(self, u: Any) -> Any:
+    def at(self, u: Any, v: Any = None) -> Any:
         """Return x and y of the point at a share of the length."""
         which = self._segment(u)
         left = u - (self.ends[which] - self.lengths[which] / self.length)
@@ -59,7 +71,7 @@ class PolylineRegion(Region):
         return self.headings[self._segment(u)]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return vector_by(self._at, u)
+        return vector_by(self.at, u)
 
     def heading_of(self, point: Vector, u: Value) -> Value:
         return number_by(self._heading, u) if self.own_direction else super().heading_of(point, u)
@@ -76,15 +88,6 @@ class PolylineRegion(Region):
 
     def _heading_near(self, point: Vector) -> Value:
         return number_by(lambda x, y: self.headings[self.nearest(x, y)[0]], point.x, point.y)
-
-    def contains(self, point: Vector) -> Value:
-        return truth_by(lambda x, y: self.nearest(x, y)[2] <= NEAR, point.x, point.y)
-
-    def contains_corners(self, corners: list[Vector]) -> Value:
-        return False
-
-    def distance(self, point: Vector) -> Value:
-        return number_by(lambda x, y: self.nearest(x, y)[2], point.x, point.y)
 
     def signed_distance(self, point: Vector) -> Value:
         """Return the distance, positive on the left of the nearest segment."""
@@ -103,7 +106,7 @@ class PolylineRegion(Region):
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
         """Return the point so far along the polyline from its start (or that share of its length)."""
-        return vector_by(lambda u: self._at(np.clip(u, 0.0, 1.0)), distance if normalized else distance / self.length)
+        return vector_by(lambda u: self.at(np.clip(u, 0.0, 1.0)), distance if normalized else distance / self.length)
 
     def __add__(self, other: Value) -> PolylineRegion:
         """Return both, each part keeping its direction."""
@@ -127,10 +130,9 @@ class PolylineRegion(Region):
         return self.chains
 
 
-class PointSetRegion(Region):
-    """Some points, each drawn equally often; no object fits into it."""
+class PointSetRegion(ThinRegion):
+    """Some points, each drawn equally often."""
 
-    columns = 1
     dimension = 0
 
     def __init__(self, points: Any, orientation: VectorField | None = None, tolerance: float = NEAR) -> None:
@@ -144,25 +146,13 @@ class PointSetRegion(Region):
     def vectors(self) -> list[Vector]:
         return [Vector(x, y) for x, y in self.points.tolist()]
 
-    def _at(self, u: Any) -> Any:
+    def at(self, u: Any, v: Any = None) -> Any:
+        """Return x and y of the point at a share of their number."""
         index = np.minimum((u * len(self.points)).astype(np.int64), len(self.points) - 1)
         return self.points[index, 0], self.points[index, 1]
 
     def point(self, u: Value, v: Value) -> Vector:
-        return vector_by(self._at, u)
-
-    def _gap(self, x: Any, y: Any) -> Any:
-        gaps = np.hypot(np.asarray(x)[..., None] - self.points[:, 0], np.asarray(y)[..., None] - self.points[:, 1])
-        return gaps.min(axis=-1)
-
-    def contains(self, point: Vector) -> Value:
-        return truth_by(lambda x, y: self._gap(x, y) <= self.tolerance, point.x, point.y)
-
-    def contains_corners(self, corners: list[Vector]) -> Value:
-        return False
-
-    def distance(self, point: Vector) -> Value:
-        return number_by(self._gap, point.x, point.y)
+        return vector_by(self.at, u)
 
     def outlines(self) -> list[Any]:
         return [point[None] for point in self.points]

@@ -1,10 +1,10 @@
 """The operations on numbers: one table, a row each, which answers whatever is asked about an operation.
 
 A row says how the operation is done to Python's numbers (`scalar`, which raises as Python does) and to arrays [N]
-(`array`, which gives nan instead), by which opcode the machine does it, whether it keeps integers, where it fails and
-between which numbers its results lie. The `math` module of the language, the emitter of the compiler, the checks of
-arithmetic and the bounds of pruning read this table: a new operation is a row here and, if a running match is to
-compute it, a row in `dynamics.machine.opcodes` and a branch in `vm`. Read next: `values.graph`, which applies them.
+(`array`, which gives nan instead), by which opcode the machine does it, whether it keeps integers and where it fails.
+The `math` module of the language, the emitter of the compiler and the checks of arithmetic read this table: a new
+operation is a row here and, if a running match is to compute it, a row in `dynamics.machine.opcodes` and a branch in
+`vm`. Read next: `values.graph`, which applies them.
 """
 
 from __future__ import annotations
@@ -21,8 +21,6 @@ from scenic_lite.values import formulas
 from scenic_lite.values.formulas import TURN
 
 KEPT, ALWAYS = "kept", "always"  # of integers an integer; an integer of whatever
-Interval = tuple[float, float]
-UNBOUNDED: Interval = (-math.inf, math.inf)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -36,7 +34,6 @@ class Operation:
         opcode: by which opcode the machine does it; "" if it does not.
         integers: KEPT, ALWAYS or "", a fraction unless proven otherwise.
         fails: (result, *operands), arrays [N] -> [N] where there is no such number; None: there always is one.
-        interval: the interval of the result from those of the operands; None: nothing is known.
         kind: what it gives, "number", "truth", "text" or "any".
         swapped: the opcode takes the two operands the other way round.
     """
@@ -48,44 +45,8 @@ class Operation:
     opcode: str = ""
     integers: str = ""
     fails: Callable[..., Any] | None = None
-    interval: Callable[..., Interval] | None = None
     kind: str = "number"
     swapped: bool = False
-
-
-# ------------------------------------------------------------ between which numbers their results lie
-
-
-def ordered(a: float, b: float) -> Interval:
-    return (a, b) if a <= b else (b, a)
-
-
-def interval_of_fixed(value: Any) -> Interval:
-    known = isinstance(value, int | float) and math.isfinite(value)
-    return (float(value), float(value)) if known else UNBOUNDED
-
-
-def interval_of_product(a: Interval, b: Interval) -> Interval:
-    """Bound a product where both factors are known, or one of them is fixed."""
-    if math.isfinite(a[0] + a[1] + b[0] + b[1]):
-        corners = [x * y for x in a for y in b]
-        return min(corners), max(corners)
-    if a[0] == a[1]:
-        a, b = b, a
-    return ordered(a[0] * b[0], a[1] * b[0]) if b[0] == b[1] and b[0] != 0 else UNBOUNDED
-
-
-def increasing(operation: Callable[..., float]) -> Callable[..., Interval]:
-    """Return the interval of what grows with every operand."""
-    return lambda *intervals: (operation(*(low for low, _ in intervals)), operation(*(high for _, high in intervals)))
-
-
-def clipped(x: float, low: float, high: float) -> float:
-    return min(max(x, low), high)
-
-
-def truncated(x: float) -> float:
-    return math.trunc(x) if math.isfinite(x) else x
 
 
 # ------------------------------------------------------------ where they fail
@@ -154,18 +115,17 @@ def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callabl
 
 # fmt: off
 # ------------------------------------------------------------ the table: signs
-ADD = Operation(operator.add, np.add, "add", 2, "ADD", KEPT, None, increasing(operator.add))
-SUBTRACT = Operation(
-    operator.sub, np.subtract, "subtract", 2, "SUBTRACT", KEPT, None, lambda a, b: (a[0] - b[1], a[1] - b[0]))
-MULTIPLY = Operation(operator.mul, np.multiply, "multiply", 2, "MULTIPLY", KEPT, None, interval_of_product)
+ADD = Operation(operator.add, np.add, "add", 2, "ADD", KEPT)
+SUBTRACT = Operation(operator.sub, np.subtract, "subtract", 2, "SUBTRACT", KEPT)
+MULTIPLY = Operation(operator.mul, np.multiply, "multiply", 2, "MULTIPLY", KEPT)
 DIVIDE = Operation(operator.truediv, np.true_divide, "divide", 2, "DIVIDE", "", zero_divisor)
 FLOOR_DIVIDE = Operation(operator.floordiv, np.floor_divide, "floor divide", 2, "FLOOR_DIVIDE", KEPT, zero_divisor)
 MODULO = Operation(operator.mod, np.mod, "modulo", 2, "MODULO", KEPT, zero_divisor)
 POWER = Operation(real_power, array_power, "power", 2, "POWER", "", not_finite)
-NEGATE = Operation(operator.neg, np.negative, "negate", 1, "NEGATE", KEPT, None, lambda a: (-a[1], -a[0]))
+NEGATE = Operation(operator.neg, np.negative, "negate", 1, "NEGATE", KEPT)
 ABSOLUTE = Operation(abs, np.absolute, "abs", 1, "ABSOLUTE", KEPT)
-MINIMUM = Operation(min, np.minimum, "min", 2, "MINIMUM", KEPT, None, increasing(min))
-MAXIMUM = Operation(max, np.maximum, "max", 2, "MAXIMUM", KEPT, None, increasing(max))
+MINIMUM = Operation(min, np.minimum, "min", 2, "MINIMUM", KEPT)
+MAXIMUM = Operation(max, np.maximum, "max", 2, "MAXIMUM", KEPT)
 # ------------------------------------------------------------ truth
 LESS = Operation(operator.lt, np.less, "less", 2, "LESS", kind="truth")
 LESS_EQUAL = Operation(operator.le, np.less_equal, "not greater", 2, "LESS_EQUAL", kind="truth")
@@ -182,12 +142,10 @@ IS_INFINITE = Operation(math.isinf, np.isinf, "isinf", 1, kind="truth")
 IS_FINITE = Operation(math.isfinite, np.isfinite, "isfinite", 1, kind="truth")
 # ------------------------------------------------------------ choices
 WHERE = Operation(lambda c, a, b: a if c else b, np.where, "where", 3)
-SELECT = Operation(
-    lambda index, *options: options[index], array_select, "select",
-    interval=lambda _, *options: (min(low for low, _ in options), max(high for _, high in options)))
-CLIP = Operation(clipped, np.clip, "clip", 3, interval=increasing(clipped))
+SELECT = Operation(lambda index, *options: options[index], array_select, "select")
+CLIP = Operation(lambda x, low, high: min(max(x, low), high), np.clip, "clip", 3)
 # ------------------------------------------------------------ kinds of numbers
-INTEGER = Operation(int, to_integers, "int", 1, "TRUNCATE", ALWAYS, None, increasing(truncated))
+INTEGER = Operation(int, to_integers, "int", 1, "TRUNCATE", ALWAYS)
 FLOAT = Operation(float, lambda value: np.asarray(value, dtype=float), "float", 1, "COPY")
 ROUND = Operation(round, array_round, "round", 1, "ROUND", ALWAYS)
 FLOOR = Operation(math.floor, lambda x: to_integers(np.floor(x)), "floor", 1, "FLOOR", ALWAYS)
@@ -205,7 +163,7 @@ TANGENT = Operation(math.tan, np.tan, "tan", 1)
 ARC_SINE = Operation(math.asin, np.arcsin, "asin", 1, "", "", not_finite)
 ARC_COSINE = Operation(math.acos, np.arccos, "acos", 1, "", "", not_finite)
 ARC_TANGENT = Operation(math.atan, np.arctan, "atan", 1)
-RADIANS = Operation(math.radians, np.radians, "radians", 1, interval=increasing(math.radians))
+RADIANS = Operation(math.radians, np.radians, "radians", 1)
 DEGREES = Operation(math.degrees, np.degrees, "degrees", 1)
 NORMALISE = Operation(
     lambda angle: angle - TURN * round(angle / TURN), lambda angle: angle - TURN * np.rint(angle / TURN),

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cached_property, reduce
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -63,7 +62,8 @@ class PolygonalRegion(Region):
         return self.rings
 
     @cached_property
-    def _slabs(self) -> Slabs:
+    def at(self) -> Slabs:
+        """Return the map from two uniform numbers to the point."""
         return Slabs(self.edges)
 
     @cached_property
@@ -71,7 +71,7 @@ class PolygonalRegion(Region):
         return Holds(self._shape)
 
     def point(self, u: Value, v: Value) -> Vector:
-        return vector_by(self._slabs, u, v)
+        return vector_by(self.at, u, v)
 
     def contains(self, point: Vector) -> Value:
         return truth_by(self._holds, point.x, point.y)
@@ -102,15 +102,17 @@ class Slabs:
     def __init__(self, edges: Any) -> None:
         """Cut closed rings that do not cross: edges [E, 4], x and y of both ends."""
         xs = np.unique(edges[:, [0, 2]])
-        stacks = [stack_between(edges, *pair) for pair in pairwise(xs)]
-        deepest = max(len(stack) for stack in stacks)
-        sides = np.zeros((len(stacks), deepest, 4))  # lower left, lower right, upper left, upper right
-        for slab, stack in zip(sides, stacks, strict=True):
-            slab[: len(stack)] = stack
-            slab[len(stack) :] = stack[-1][[2, 3, 2, 3]] if len(stack) else 0.0
+        x0, y0, x1, y1 = edges[edges[:, 0] != edges[:, 2]].T
+        ends = np.stack([xs[:-1], xs[1:]], axis=1)[:, None]  # of each slab, [S, 1, 2]
+        crosses = (np.minimum(x0, x1) <= ends[..., 0]) & (np.maximum(x0, x1) >= ends[..., 1])  # [S, E]
+        heights = y0[:, None] + ((y1 - y0) / (x1 - x0))[:, None] * (ends - x0[:, None])  # of the edges there, [S, E, 2]
+        order = np.argsort(np.where(crosses, heights.sum(axis=2), np.inf), axis=1, kind="stable")
+        crossed = crosses.sum(axis=1)  # each slab's edges, sorted; an even number of them
+        lines = np.take_along_axis(heights, order[:, : crossed.max(), None], axis=1)
         self.start, self.width = xs[:-1], np.diff(xs)
-        self.low, self.low_step = sides[..., 0], sides[..., 1] - sides[..., 0]
-        self.high = sides[..., 2:] - sides[..., :2]  # heights at the left and right, [S, K, 2]
+        self.low, self.low_step = lines[:, ::2, 0], lines[:, ::2, 1] - lines[:, ::2, 0]
+        real = np.arange(0, crossed.max(), 2) < crossed[:, None]  # trapezoids that a slab has, [S, K]
+        self.high = np.where(real[..., None], lines[:, 1::2] - lines[:, ::2], 0.0)  # left and right, [S, K, 2]
         self.left, self.right = self.high.sum(axis=1).T  # of the whole stack, [S]
         areas = self.width * (self.left + self.right) / 2
         self.ends = np.cumsum(areas) / areas.sum()
@@ -134,14 +136,15 @@ class Slabs:
         return self.start[which] + t * self.width[which], y
 
 
-def stack_between(edges: Any, start: float, end: float) -> Any:
-    """Return the trapezoids between two neighbouring xs, the lowest first: [K, 4]."""
-    low, high = np.minimum(edges[:, 0], edges[:, 2]), np.maximum(edges[:, 0], edges[:, 2])
-    x0, y0, x1, y1 = edges[(low <= start) & (high >= end)].T
-    at_start, at_end = (y0 + (y1 - y0) * ((x - x0) / (x1 - x0)) for x in (start, end))
-    order = np.argsort(at_start + at_end, kind="stable")
-    lines = np.stack([at_start, at_end], axis=1)[order]
-    return np.hstack([lines[::2], lines[1::2]])
+def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
+    """Return a uniform point of each shape: [N], [N], [N] -> x [N], y [N]; nan where it is empty."""
+    shapes, u, v = np.broadcast_arrays(shapes, u, v)
+    points = np.full((2, len(shapes), 1), np.nan)
+    for i, shape in enumerate(shapes):
+        if not shape.is_empty:
+            region: Any = region_of(shape)
+            points[:, i] = region.at(u[i : i + 1], v[i : i + 1])
+    return points[0, :, 0], points[1, :, 0]
 
 
 class Holds:
@@ -181,7 +184,7 @@ class ShapeRegion(Region):
         return (self._shape,)
 
     def point(self, u: Value, v: Value) -> Vector:
-        return vector_by(shapes.points_of, self._shape, u, v)
+        return vector_by(points_of, self._shape, u, v)
 
     def contains(self, point: Vector) -> Value:
         return truth_by(shapes.holds_points, self._shape, point.x, point.y)

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, sector_rings
 from scenic_lite.values.operations import Operation
 
-HALVINGS = 44  # of a shape's width, until x is known as well as a float allows
 COARSE = 64  # segments of a circle that differs from scene to scene
 
 
@@ -128,104 +127,3 @@ SECTOR = Operation(lambda *numbers: shapely.Polygon(sector_rings(*numbers)[0]), 
 INTERSECTION = shaping(lambda a, b: flat(shapely.intersection(a, b)))
 DIFFERENCE = shaping(lambda a, b: flat(shapely.difference(a, b)))
 UNION = shaping(lambda a, b: flat(shapely.union(a, b)))
-
-
-# ------------------------------------------------------------ uniform points
-
-
-class Edges(NamedTuple):
-    """The edges of N shapes, each from its left end to its right one; `owner` ascends, `sign` is -1 where turned."""
-
-    left: Any  # [E, 2]
-    right: Any
-    sign: Any
-    owner: Any
-
-
-def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """Return a uniform point of each polygon or polyline: [N], [N], [N] -> x [N], y [N]; nan where the shape is empty.
-
-    The same map as that of `polygons.Slabs`, for N shapes at once, whose edges lie in one flat array.
-    """
-    shapes, u, v = np.broadcast_arrays(shapes, u, v)
-    x, y = np.full(len(shapes), np.nan), np.full(len(shapes), np.nan)
-    dimension, filled = shapely.get_dimensions(shapes), ~shapely.is_empty(shapes)
-    for size, points in ((2, polygon_points), (1, line_points)):
-        rows = filled & (dimension == size)
-        if rows.any():
-            x[rows], y[rows] = points(shapes[rows], u[rows], v[rows])
-    return x, y
-
-
-def segments_of(lines: Any) -> tuple[Any, Any]:
-    """Return the segments of each polyline or ring, [E, 2, 2], and whose they are [E]."""
-    parts, owner = shapely.get_parts(lines, return_index=True)
-    points, part = shapely.get_coordinates(parts, return_index=True)
-    same = part[:-1] == part[1:]
-    return np.stack([points[:-1], points[1:]], axis=1)[same], owner[part[:-1][same]]
-
-
-def line_points(lines: Any, u: Any, v: Any) -> Any:
-    """Return points by the length along each polyline: [2, N]."""
-    segments, owner = segments_of(lines)
-    lengths = np.hypot(*(segments[:, 1] - segments[:, 0]).T)
-    which, target, start = piece_of(lengths, owner, u)
-    share = np.clip((target - start) / np.maximum(lengths[which], 1e-300), 0.0, 1.0)
-    begin, end = segments[which, 0], segments[which, 1]
-    return (begin + (end - begin) * share[:, None]).T
-
-
-def piece_of(sizes: Any, owner: Any, u: Any) -> tuple[Any, Any, Any]:
-    """Return the piece of each row into which a share `u` of them all falls, and the totals there and before."""
-    ends = np.cumsum(sizes)
-    rows = np.arange(len(u))
-    first, last = np.searchsorted(owner, rows, side="left"), np.searchsorted(owner, rows, side="right") - 1
-    before = ends[first] - sizes[first]
-    target = before + u * (ends[last] - before)
-    which = np.clip(np.searchsorted(ends, target, side="right"), first, last)
-    return which, target, ends[which] - sizes[which]
-
-
-def polygon_points(polygons: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """Return points by the area left of them, and by the vertical through them."""
-    segments, owner = segments_of(shapely.boundary(shapely.normalize(polygons)))
-    slanted = segments[:, 0, 0] != segments[:, 1, 0]
-    segments, owner = segments[slanted], owner[slanted]
-    turned = segments[:, 0, 0] > segments[:, 1, 0]
-    left, right = np.where(turned[:, None], segments[:, ::-1].transpose(1, 0, 2), segments.transpose(1, 0, 2))
-    edges = Edges(left, right, np.where(turned, -1.0, 1.0), owner)
-    bounds = shapely.bounds(polygons)
-    x = x_with(edges, u, bounds[:, 0], bounds[:, 2])
-    return x, y_with(edges, x, v)
-
-
-def x_with(edges: Edges, u: Any, low: Any, high: Any) -> Any:
-    """Return where the share `u` of each area lies to the left."""
-    starts = np.searchsorted(edges.owner, np.arange(len(u)))
-    slope = (edges.right[:, 1] - edges.left[:, 1]) / (edges.right[:, 0] - edges.left[:, 0])
-
-    def area_left_of(x: Any) -> Any:
-        reach = np.clip(x[edges.owner], edges.left[:, 0], edges.right[:, 0]) - edges.left[:, 0]
-        return np.add.reduceat(edges.sign * reach * (edges.left[:, 1] + slope * reach / 2), starts)
-
-    whole = area_left_of(high)
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        less = area_left_of(middle) / whole < u
-        low, high = np.where(less, middle, low), np.where(less, high, middle)
-    return (low + high) / 2
-
-
-def y_with(edges: Edges, x: Any, v: Any) -> Any:
-    """Return where the share `v` of each vertical at x that lies in the shape is below."""
-    at = x[edges.owner]
-    crossing = (edges.left[:, 0] <= at) & (at < edges.right[:, 0])
-    owner, at, left, right = (part[crossing] for part in (edges.owner, at, edges.left, edges.right))
-    height = left[:, 1] + (right[:, 1] - left[:, 1]) * ((at - left[:, 0]) / (right[:, 0] - left[:, 0]))
-    order = np.lexsort((height, owner))
-    low, high, whose = height[order][::2], height[order][1::2], owner[order][::2]  # they come in pairs
-    y = np.full(len(x), np.nan)
-    rows, number = np.unique(whose, return_inverse=True)
-    which, target, start = piece_of(high - low, number, v[rows])
-    y[rows] = np.clip(low[which] + target - start, low[which], high[which])
-    return y

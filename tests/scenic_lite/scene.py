@@ -23,3 +23,23 @@ def param(text: str, dialect: int = 2, theta: float = 0.0):
     """The value of an expression, as parameter of a program."""
     scenes = one_scene(f"param value = {text}", dialect, theta)
     return scenes.params["value"]
+
+
+def described(scenes: Scenes) -> dict:
+    """Scenes as a person would describe them for `Program.theta`: places, and all numbers and texts that vary."""
+    description = {name: value for name, value in map(asked, scenes.params.items()) if value is not None}
+    for i in range(scenes.positions.shape[1]):
+        values = ((name, column[i]) for name, column in scenes.properties.items())
+        held = {name: value for name, value in map(asked, values) if value is not None}
+        description[i] = held | {"position": scenes.positions[:, i], "heading": scenes.headings[:, i]}
+    return description
+
+
+def asked(pair: tuple) -> tuple:
+    """A value of scenes with its name, None for what is the same in all of them or is no number, text or place."""
+    name, value = pair
+    if not isinstance(value, np.ndarray):
+        return name, None
+    if value.dtype.kind == "O":
+        return name, value if all(isinstance(each, str) for each in value) else None
+    return name, value

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from scenic_lite import Program, ScenicError, load, loader
+from tests.scenic_lite.scene import described
 
 SCENES = 4000
 CLOSE = 2.2 * np.sqrt(2 / SCENES)  # of two samples' distribution functions
@@ -129,7 +130,7 @@ def test_the_same_scenes_as_by_rejection(name):
     theta, scenes = program.sample(SCENES, np.random.default_rng(1))
     ours, theirs = (numbers(each) for each in (scenes, plain.sample(SCENES, np.random.default_rng(2))[1]))
     assert max(gap(a, b) for a, b in zip(ours.T, theirs.T, strict=True)) < CLOSE
-    back = program.instantiate(program.theta(scenes, default=theta))
+    back = program.instantiate(program.theta(described(scenes), default=theta))
     np.testing.assert_allclose(back.positions, scenes.positions, atol=1e-9)
     assert [area.what for area in program.areas] == [area.what for area in plain.areas]
     for area, other in zip(program.areas, plain.areas, strict=True):

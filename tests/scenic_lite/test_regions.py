@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from scenic_lite import ScenicError, load
-from tests.scenic_lite.scene import BARE, one_scene, param, things
+from tests.scenic_lite.scene import BARE, described, one_scene, param, things
 
 POINTS = 20_000
 CHECK = "PolygonalRegion([0 @ 0, 10 @ 0, 10 @ 10, 5 @ 3, 0 @ 10])"
@@ -80,7 +80,7 @@ def test_the_way_back_from_points(text):
     program = things(f"spot = new Thing in {text}", 3)
     theta = np.random.default_rng(5).uniform(-1, 1, (500, program.dim))
     scenes = program.instantiate(theta)
-    back = program.theta(scenes)
+    back = program.theta(described(scenes), default=np.zeros(program.dim))
     np.testing.assert_allclose(program.instantiate(back).positions, scenes.positions, atol=1e-5)
     if "PointSet" not in text:
         np.testing.assert_allclose(back, theta, atol=1e-6)
