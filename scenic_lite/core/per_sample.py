@@ -6,7 +6,7 @@ Slow (each sample walks the tree again), and only for those. Read next: `scene.c
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -42,47 +42,34 @@ def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
     return RandomExpr(PerSampleCondition(scope, node, columns), columns, "truth")
 
 
-class PerSampleOperation(FallibleOperation):
-    """What is decided scene by scene: a tree, and the draws that it depends on.
+class PerSampleCondition(FallibleOperation):
+    """A condition decided scene by scene: a tree, and the draws that it depends on; columns [N] -> truth [N].
 
     An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
     """
 
-    def __init__(self, scope: Scope, node: ast.AST, columns: tuple[ThetaColumn, ...]) -> None:
+    def __init__(self, scope: Scope, node: ast.expr, columns: tuple[ThetaColumn, ...]) -> None:
         self.scope, self.node, self.columns = scope, node, columns
         self.bindings = Bindings(scope)
         self._faults: list[ScenicError | None] = []  # one for each scene of the last call
 
     def __call__(self, *arrays: Any) -> Any:
-        """Return the operation on arrays [N]."""
-        raise NotImplementedError
-
-    def scenes(self, arrays: Iterable[Iterable[Value]]) -> Iterator[tuple[Value, ...]]:
-        """Return the rows of some arrays [N], one scene after the other."""
         self._faults = []
-        for row in zip(*arrays, strict=True):
-            self._faults.append(None)
-            yield row
+        with self.bindings.restored(self.scope.state):
+            return np.array([self._holds(draws) for draws in zip(*arrays, strict=True)], bool)
 
-    def fails(self, result: Any, *inputs: Any) -> Any:
-        return np.array([fault is not None for fault in self._faults], dtype=bool)
-
-    def error(self, row: int, *inputs: Any) -> ScenicError:
-        fault = self._faults[min(row, len(self._faults) - 1)]
-        assert fault is not None, "a scene without a fault"
-        return fault
-
-    def per_sample(self, draws: Iterable[Value], decide: Callable[[Scope], Value], otherwise: Value) -> Value:
-        """Return the outcome of `decide` where the draws have these values; `otherwise` if it fails there."""
+    def _holds(self, draws: Iterable[Value]) -> bool:
+        """Return the truth where the draws have these values; False if it fails there."""
         budget = self.scope.mode.budget.scene()
         mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
+        self._faults.append(None)
         try:
-            return decide(Scope.at(mode, self.scope))
+            return bool(Scope.at(mode, self.scope).value(self.node))
         except ScenicError as error:
             if error.kind != "value":
                 raise
             self._faults[-1] = error
-            return otherwise
+            return False
         finally:
             self._charge(budget)
 
@@ -93,18 +80,13 @@ class PerSampleOperation(FallibleOperation):
             error.hint = "write it without branches and loops on random values, or ask for fewer scenes at once"
             raise self.scope.placed(error, self.node) from None
 
+    def fails(self, result: Any, *inputs: Any) -> Any:
+        return np.array([fault is not None for fault in self._faults], dtype=bool)
 
-class PerSampleCondition(PerSampleOperation):
-    """A condition as an operation: columns [N] -> truth [N]."""
-
-    node: ast.expr
-
-    def __call__(self, *arrays: Any) -> Any:
-        with self.bindings.restored(self.scope.state):
-            return np.array([self.per_sample(draws, self._holds, False) for draws in self.scenes(arrays)], bool)
-
-    def _holds(self, scope: Scope) -> bool:
-        return bool(scope.value(self.node))
+    def error(self, row: int, *inputs: Any) -> ScenicError:
+        fault = self._faults[min(row, len(self._faults) - 1)]
+        assert fault is not None, "a scene without a fault"
+        return fault
 
 
 # ------------------------------------------------------------ names, as they were at a statement

@@ -217,7 +217,8 @@ class BranchPath:
     def branch(self, condition: Value) -> bool:
         """Return which way to go at the next branch."""
         if len(self.conditions) >= MOST_BRANCHES:
-            raise ScenicError("random-control-flow", "the function has too many ways through its branches")
+            message = f"a field's function decides on its point more than {MOST_BRANCHES} times"
+            raise ScenicError("random-control-flow", message, hint="write a formula, or a field for each region")
         self.conditions.append(condition)
         self.decisions += [True] * (len(self.conditions) - len(self.decisions))
         return self.decisions[len(self.conditions) - 1]

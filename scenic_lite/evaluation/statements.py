@@ -56,11 +56,6 @@ def assign(scope: Scope, node: ast.Assign) -> None:
         unpack(scope, target, value)
 
 
-def annotated(scope: Scope, node: ast.AnnAssign) -> None:
-    if node.value is not None:
-        unpack(scope, node.target, scope.value(node.value))
-
-
 def augmented(scope: Scope, node: ast.AugAssign) -> None:
     """`target += value`; a list that is added to stays the same one, and takes the elements of any collection."""
     owner, key = located(scope, node.target)
@@ -171,7 +166,7 @@ def define_class(scope: Scope, node: ast.ClassDef) -> None:
                 hint = "write `name: default` for each property"
                 raise scope.error("unsupported", "objects are made by specifiers, not by __init__", statement, hint)
             body.locals[statement.name] = function_of(body, statement.name, statement.args, statement.body, True)
-        elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr | ast.AnnAssign):
+        elif isinstance(statement, ast.Assign | ast.Pass | ast.Expr):
             body.run([statement])
         else:
             raise scope.error("unsupported", "only properties, methods and attributes belong into a class", statement)
@@ -284,7 +279,6 @@ def only_in_behavior(scope: Scope, node: ast.AST) -> None:
 
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.Assign: assign,
-    ast.AnnAssign: annotated,
     ast.AugAssign: augmented,
     ast.Assert: check_assertion,
     ast.Expr: expression,

@@ -1,7 +1,7 @@
 """Vector fields made of regions, fields given by functions of the program, and the way along a field.
 
-A function that branches on the point is called row by row. Read next: `language.scenic_operators`, which has the other
-uses of fields.
+A function that branches on the point is followed along all ways through its branches. Read next:
+`language.scenic_operators`, which has the other uses of fields.
 """
 
 from __future__ import annotations
@@ -14,10 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.per_sample import PerSampleOperation, definitions_in, reached
-from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import BranchPath
-from scenic_lite.core.types import randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, is_scalar, vector_by
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, apply, columns_of, is_number
@@ -39,14 +37,9 @@ def field_of(scope: Scope, node: ast.AST, name: str, function: Value, heading: C
         try:
             return heading(scope.call(function, [point], {}, node))
         except ScenicError as error:
-            if point.fixed or error.kind not in ("random-control-flow", "type"):
+            if point.fixed or error.kind != "random-control-flow":
                 raise
-        try:
-            return along_all_ways(scope, lambda along: heading(along.call(function, [point], {}, node)))
-        except ScenicError as error:
-            if error.kind == "budget":
-                raise
-        return heading_by_row(scope, node, function, point, heading)
+        return along_all_ways(scope, lambda along: heading(along.call(function, [point], {}, node)))
 
     return VectorField(name, heading_at)
 
@@ -59,45 +52,6 @@ def along_all_ways(scope: Scope, compute: Callable[[Scope], Value], decisions: S
         other = along_all_ways(scope, compute, [*path.decisions[:at], False])
         value = apply(WHERE, path.conditions[at], value, other)
     return value
-
-
-def heading_by_row(
-    scope: Scope, node: ast.AST, function: Value, point: Vector, heading: Callable[[Value], Value]
-) -> RandomExpr:
-    """Return what a function of the program says at a random point, called once for each sample."""
-    pending = [(part.scope, tree) for part in definitions_in(function) for tree in part.trees()]
-    columns = tuple(columns_of(*(random for value in reached(pending) for random in randoms_in(value))))
-    result = RandomExpr(HeadingByRow(scope, node, function, columns, heading), (point.x, point.y, *columns))
-    scope.watch(result)
-    return result
-
-
-class HeadingByRow(PerSampleOperation):
-    """The operation: x, y and the draws that the function depends on, each [N] -> headings [N]; nan where it fails."""
-
-    def __init__(
-        self,
-        scope: Scope,
-        node: ast.AST,
-        function: Value,
-        columns: tuple[ThetaColumn, ...],
-        heading: Callable[[Value], Value],
-    ) -> None:
-        super().__init__(scope, node, columns)
-        self.function, self.heading = function, heading
-
-    def __call__(self, x: Any, y: Any, *draws: Any) -> Any:
-        rows = np.broadcast_arrays(*(np.atleast_1d(values) for values in (x, y, *draws)))
-        with self.bindings.restored(self.scope.state):
-            headings = [self._one(*row) for row in self.scenes(values.tolist() for values in rows)]
-        return np.array(headings, float)
-
-    def _one(self, x: float, y: float, *draws: Value) -> float:
-        return self.per_sample(draws, lambda scope: self._asked(scope, x, y), float("nan"))
-
-    def _asked(self, scope: Scope, x: float, y: float) -> Value:
-        result = self.heading(scope.call(self.function, [Vector(x, y)], {}, self.node))
-        return in_row(result, scope.mode.row or {})
 
 
 def cells_field(

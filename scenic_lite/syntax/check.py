@@ -144,12 +144,6 @@ class _Checker:
     def param(self, node: nodes.Param, context: Context) -> None:
         self.once(zip(node.names, node.places, strict=True), 'the parameter "{}" occurs twice in one statement')
 
-    def guard(self, node: ast.AnnAssign, context: Context) -> None:
-        """Find `invariant: c` behind the first statement, where Python takes it for the type of a variable."""
-        name = node.target.id if isinstance(node.target, ast.Name) else ""
-        if context.kind in DYNAMIC and node.value is None and name in ("precondition", "invariant"):
-            self.report(node, f'"{name}" may only stand before the first statement')
-
     def class_body(self, node: ast.ClassDef, context: Context) -> None:
         given = [(each.name, each) for each in node.body if isinstance(each, nodes.PropertyDefault)]
         self.once(given, f'the property "{{}}" occurs twice in the class "{node.name}"')
@@ -265,32 +259,14 @@ def suspends(statements: Iterable[ast.AST]) -> bool:
 
 
 def endless_loop(loop: ast.While) -> bool:
-    """Return whether a loop in a behavior, once it is running, never lets time pass and never ends.
+    """Return whether a `while True` in a behavior neither lets time pass nor ends: within a step the world stands still.
 
-    Within one step the world stands still, so it must either let time pass or change what ends it. Only what is certain
-    counts: a loop that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than
-    the loop, but is usually one half of "look in each step", so it is no excuse.
+    One that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than the loop,
+    but is usually one half of "look in each step", so it is no excuse.
     """
-    body = list(nodes.walk_own(*loop.body))
-    if any(isinstance(node, (*SUSPENDING, ast.Break, ast.Return)) for node in body):
-        return False
-    if isinstance(loop.test, ast.Constant):
-        return bool(loop.test.value)
-    if any(isinstance(node, ast.Call) for node in [*body, *ast.walk(loop.test)]):
-        return False
-    read = {node.id for node in ast.walk(loop.test) if isinstance(node, ast.Name)}
-    return not read & set(_changed(body))
-
-
-def _changed(body: Iterable[ast.AST]) -> Iterator[str]:
-    """Yield the names that are assigned to, or whose attributes or elements are."""
-    for node in body:
-        if isinstance(node, ast.Name | ast.Attribute | ast.Subscript) and not isinstance(node.ctx, ast.Load):
-            target: ast.expr = node
-            while isinstance(target, ast.Attribute | ast.Subscript):
-                target = target.value
-            if isinstance(target, ast.Name):
-                yield target.id
+    leaves = (*SUSPENDING, ast.Break, ast.Return)
+    for_ever = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
+    return for_ever and not any(isinstance(node, leaves) for node in nodes.walk_own(*loop.body))
 
 
 RUNNING = "{} may only stand in a behavior, a monitor or a compose block, not {}"
@@ -327,5 +303,4 @@ RULES: dict[type[ast.AST], Callable[..., None]] = {
     ast.ClassDef: _Checker.class_body,
     ast.While: _Checker.loop,
     ast.Call: _Checker.call,
-    ast.AnnAssign: _Checker.guard,
 }

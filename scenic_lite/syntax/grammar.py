@@ -177,6 +177,7 @@ REFUSED = {
     "raise": ("`raise` is not supported", 'write "assert condition, message"'),
     "set": ("sets are not supported", 'write a tuple, "(a, b)", or a list, "[a, b]"'),
     "set comprehension": ("sets are not supported", 'write a list, "[... for ...]"'),
+    "type": ("types of variables are not supported", 'write "name = value"'),
     "with": ("`with` blocks are not supported", "a program opens no files"),
     "yield": ("`yield` is not supported", 'an action is taken with "take", and a function returns a list'),
     **dict.fromkeys(BITS, ("bit operators are not supported", 'truth values are joined by "and", "or" and "not"')),

@@ -15,7 +15,7 @@ from functools import partial
 
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes, statements
-from scenic_lite.syntax.cursor import LOAD, STORE, Cursor, describe
+from scenic_lite.syntax.cursor import LOAD, Cursor, describe
 from scenic_lite.syntax.expressions import (
     arguments,
     atom,
@@ -23,7 +23,6 @@ from scenic_lite.syntax.expressions import (
     condition,
     element,
     listed,
-    row,
     strings,
 )
 from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
@@ -331,7 +330,7 @@ def class_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def property_default(c: Cursor, start: Token) -> ast.stmt:
-    """Read `property[attributes]: default`; with a further `= value` it is Python's annotation."""
+    """Read `property[attributes]: default`."""
     attributes: list[str] = []
     if c.accept("["):
         while not c.accept("]"):
@@ -344,12 +343,9 @@ def property_default(c: Cursor, start: Token) -> ast.stmt:
     if c.ends_statement():
         c.fail(f'expected a default value for the property "{start.text}"')
     value = c.expression()
-    if c.token.text != "=" or attributes:
-        return nodes.PropertyDefault(start.text, attributes, value)
-    c.advance()
-    target = ast.Name(start.text, STORE)
-    target.lineno, target.col_offset, target.end_lineno, target.end_col_offset = start[2:]
-    return ast.AnnAssign(target, value, row(c), 1)
+    if c.token.text == "=":
+        c.refuse("type")
+    return nodes.PropertyDefault(start.text, attributes, value)
 
 
 # ---------------------------------------------------------------- the tables

@@ -117,7 +117,7 @@ def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
 
 
 def expression_statement(c: Cursor) -> ast.stmt:
-    """Read `value`, `target = ... = value`, `target += value`, `target: annotation [= value]`."""
+    """Read `value`, `target = ... = value`, `target += value`."""
     start = c.token
     value = expressions.row(c)
     text = c.token.text
@@ -132,7 +132,7 @@ def expression_statement(c: Cursor) -> ast.stmt:
         c.stored(value)
         return c.at(start, ast.AugAssign(value, AUGMENTED[text], expressions.row(c)))
     if text == ":" and isinstance(value, ast.Name | ast.Attribute | ast.Subscript):
-        return annotation(c, start, value)
+        colon(c, start)
     return c.at(start, ast.Expr(lone_class(c, value, start)))
 
 
@@ -149,18 +149,13 @@ def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
     return c.at(start, ast.Assign(targets, lone_class(c, value, place)))
 
 
-def annotation(c: Cursor, start: Token, target: ast.Name | ast.Attribute | ast.Subscript) -> ast.stmt:
-    """Read `target: annotation [= value]`."""
-    c.advance()
-    if c.token.kind == "newline":
-        if hint := grammar.statement_hint(start.text):
-            c.fail(f'unknown statement "{start.text}"', hint, at=start)
-        c.fail('expected an annotation after ":"')
-    kind = c.expression()
-    value = expressions.row(c) if c.accept("=") else None
-    simple = int(isinstance(target, ast.Name) and start.text != "(")
-    c.stored(target)
-    return c.at(start, ast.AnnAssign(target, kind, value, simple))
+def colon(c: Cursor, start: Token) -> NoReturn:
+    """Report `name: ...` that is no statement: a misspelt word, a guard too late, the type of a variable."""
+    if start.text in ("precondition", "invariant"):
+        c.fail(f'"{start.text}" may only stand before the first statement', at=start)
+    if c.peek().kind == "newline":
+        c.fail(f'unknown statement "{start.text}"', grammar.statement_hint(start.text), at=start)
+    c.refuse("type")
 
 
 def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:

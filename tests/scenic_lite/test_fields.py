@@ -39,10 +39,9 @@ def test_functions_that_branch():
     np.testing.assert_allclose(heading, np.where(x > 0, 0.5, np.where(y > 0, y * 0.1, -0.2)))
 
 
-def test_functions_that_loop():
-    """Too many ways through: each scene calls the function by itself."""
-    x, _, heading = headings(LOOPING + "spot = new Thing in RectangularRegion(0@0, 0, 9, 9), facing f", 50)
-    np.testing.assert_allclose(heading, np.ceil(np.maximum(x, 0)) * 0.1)
+def test_functions_that_loop_over_the_point_are_refused():
+    with pytest.raises(ScenicError, match=r":8:\d+: a field's function decides on its point more than 8 times"):
+        things(LOOPING + "spot = new Thing in RectangularRegion(0@0, 0, 9, 9), facing f", 3)
 
 
 def test_a_function_that_gives_no_heading():

@@ -15,6 +15,13 @@ behaviour Foo():
     behaviour Foo():
     ^^^^^^^^^
 ---
+behavior Foo():
+    wait
+    invariant: True
+>>> 3:5: "invariant" may only stand before the first statement
+        invariant: True
+        ^^^^^^^^^
+---
 behavior Foo()
     take 3
 >>> 1:15: expected ":" after the behavior "Foo", found the end of the line

@@ -26,7 +26,7 @@ WORDS = ("to", "at", "on", "of", "by", "new", "do", "until", "require")
 # Python's forms that the language leaves out.
 LEFT_OUT = (
     *(ast.Match, ast.Try, ast.TryStar, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await, ast.With, ast.Set, ast.SetComp),
-    *(ast.AsyncFunctionDef, ast.AsyncFor, ast.AsyncWith, ast.Delete, ast.Nonlocal, ast.NamedExpr),
+    *(ast.AsyncFunctionDef, ast.AsyncFor, ast.AsyncWith, ast.Delete, ast.Nonlocal, ast.NamedExpr, ast.AnnAssign),
     *(ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift, ast.Invert),
 )
 
@@ -135,13 +135,13 @@ SNIPPETS = [
     "x = f'''{\na +\nb}'''\n",
     "f(x for x in y); f(*a, b, *c, d=1); f(a, (x for x in y))\n",
     "a[1], a[1:2], a[::3], a[1:2, 3], a[:, 1], a[*b]\n",
-    "x = y = z, = 1,\n*a, b = c\n(x) = 1\n(x): int = 3\nx.y: int\n",
+    "x = y = z, = 1,\n*a, b = c\n(x) = 1\n",
     "if n > 5 and not m or 1 < 2 <= 3 != 4 is not 5 not in 6: pass\nelif a: b\nelif c: d\nelse: e\n",
     "for i, *j in a, *b: break\nelse: continue\n",
     "while 1: pass\nelse: pass\n",
     "global x, y\nassert a, b\n",
     "from . import a\nfrom ..b.c import (d as e, f,)\nimport a.b as c, d\nfrom a import *\n",
-    "class E(F, *g, metaclass=H):\n  'doc'\n  x: int = 1\n",
+    "class E(F, *g, metaclass=H):\n  'doc'\n  x: int\n",
     "{}; {1: 2, 3: 4,}; {i: j for i, j in k if l if m}; [*a, b]; (a,); ()\n",
     "-x ** -y ** z; not -a; a @ b @ c; a if b else c if d else e\n",
     "x = 0xFF, 0o17, 0b101, 1_000.5e-3, 10 ** 400, 1e400, 00\n",

@@ -55,7 +55,7 @@ BLOCKS = [
     "def outer(k):\n    def inner(v):\n        return v * k\n    return inner\ntotal = outer(3)(4)\n",
     "d = {'a': 1}\nd['b'] = [1, 2]\nd['b'][0] = 9\nd['b'].append(3)\ntotal = sum(d['b']) + len(d)\n",
     "def f(k, *args):\n    return len(args) + k\ntotal = f(1, 2, 4) + f(k=5)\n",
-    "x = y = 4\na, b = y, x + 1\ntotal: int = a * b\n",
+    "x = y = 4\na, b = y, x + 1\ntotal = a * b\n",
     "l = list(range(6))\nl[1:3] = 'abc'\nl[:1] = l[-2:] = []\nl[::2] = [0, 0]\nk = l\nk += (7,)\ntotal = l\n",
 ]
 
@@ -129,6 +129,8 @@ LEFT_OUT = [
     ("def f(**k):\n    pass", 7, "`**` before a value or parameter is not supported", "write each name"),
     ("def f(*a, b):\n    pass", 11, "a parameter behind `*` is not supported", "write it before"),
     ("x = (y := 1)", 8, "`:=` is not supported", "assign on a line of its own"),
+    ("x: int = 1", 2, "types of variables are not supported", "write "),
+    ("class A:\n    x: int = 1", 12, "types of variables are not supported", "write "),
     ("x = [1]\ndel x[0]", 1, "`del` is not supported", "without it"),
     ("def f():\n    nonlocal x", 5, "`nonlocal` is not supported", "return the new value"),
     ("x = 'a'.upper()", 5, "texts have no method 'upper' here", "texts are put together by"),

@@ -54,11 +54,10 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
 # ------------------------------------------------------------ assignments
 
 
-def assign(c: Compilation, scope: CompiledScope, node: ast.Assign | ast.AnnAssign) -> None:
-    if node.value is not None:
-        value = scope.value(node.value)
-        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-            bind(c, scope, target, value)
+def assign(c: Compilation, scope: CompiledScope, node: ast.Assign) -> None:
+    value = scope.value(node.value)
+    for target in node.targets:
+        bind(c, scope, target, value)
 
 
 def augmented(c: Compilation, scope: CompiledScope, node: ast.AugAssign) -> None:
@@ -316,7 +315,7 @@ def assigned_names(*trees: ast.AST) -> frozenset[str]:
     for node in walk_own(*trees):
         if isinstance(node, ast.Assign):
             targets: list[ast.expr] = node.targets
-        elif isinstance(node, ast.AugAssign | ast.AnnAssign):
+        elif isinstance(node, ast.AugAssign):
             targets = [node.target]
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "append":
             targets = [node.func.value]
@@ -347,7 +346,6 @@ def suspends(trees: Iterable[ast.AST]) -> bool:
 STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Expr: expression,
     ast.Assign: assign,
-    ast.AnnAssign: assign,
     ast.AugAssign: augmented,
     ast.If: compile_if,
     ast.While: compile_while,
