@@ -14,7 +14,7 @@ from typing import Any
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Namespace, Source, describe_kind, near
+from scenic_lite.core.types import Namespace, Source, near
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes
@@ -110,10 +110,10 @@ def source_of(text: str, file: str, folder: Path | None, library: bool = False) 
     return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
-def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
-    """Return the module a program names, evaluated on its first import; a folder holds what was imported from it."""
+def import_module(scope: Scope, name: str) -> Namespace:
+    """Return the module a program names, evaluated on its first import."""
     state = scope.state
-    path, library = locate(scope, name, level)
+    path, library = locate(scope, name)
     if path is None:
         return MODULES[name]
     key = str(path)
@@ -121,11 +121,7 @@ def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
         raise ScenicError("import", f"{name} imports itself in a circle")
     if key in state.modules:
         return state.modules[key]
-    if path.suffix != ".scenic":
-        state.modules[key] = Namespace(name, {})
-        return state.modules[key]
-    shown = path.name if not name else f"{name.replace('.', '/')}.scenic"
-    shown = f"{state.domain.name}/{path.name}" if library and state.domain else shown
+    shown = f"{state.domain.name}/{path.name}" if library and state.domain else f"{name.replace('.', '/')}.scenic"
     text = read(path)
     state.importing.append(key)
     try:
@@ -137,47 +133,31 @@ def import_module(scope: Scope, name: str, level: int = 0) -> Namespace:
     return state.modules[key]
 
 
-def locate(scope: Scope, name: str, level: int) -> tuple[Path | None, bool]:
-    """Return the file or folder of a module and whether it is the domain's; none for the language's own modules.
+def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
+    """Return the file of a module and whether it is the domain's; none for the language's own modules.
 
     A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
-    file that imports; one with dots before it in the latter and those above, as far as the program's folder.
+    file that imports.
     """
     state = scope.state
     library = state.domain.library if state.domain else {}
-    if not level and name in library:
+    if name in library:
         return Path(library[name]), True
-    if not level and name in MODULES:
+    if name in MODULES:
         return None, False
-    for folder in folders_of(scope, level):
-        path = folder.joinpath(*name.split(".")) if name else folder
-        file = path.with_name(f"{path.name}.scenic")
-        place = file if name and file.is_file() else path
-        if place is file or path.is_dir():
+    folders = [scope.source.folder] if scope.source.library else [state.root, scope.source.folder]
+    for folder in folders:
+        file = folder.joinpath(f"{name.replace('.', '/')}.scenic") if folder else Path()
+        if folder and file.is_file():
             root = folder if scope.source.library or state.root is None else state.root
-            if not place.resolve().is_relative_to(root.resolve()):
-                raise ScenicError("import", f"{place.name} is a link that leads out of the program's folder")
-            return place, scope.source.library
+            if not file.resolve().is_relative_to(root.resolve()):
+                raise ScenicError("import", f"{file.name} is a link that leads out of the program's folder")
+            return file, scope.source.library
     known = [*library, *MODULES, *neighbours(scope)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
     shown = [*reversed(files.values()), "math", "random", *neighbours(scope)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
-
-
-def folders_of(scope: Scope, level: int) -> list[Path]:
-    """Return where a module is looked for; `level` counts the dots before its name."""
-    own, root = scope.source.folder, scope.state.root
-    if own is None:
-        return []
-    if level == 0:
-        return [own] if root is None or scope.source.library else [root, own]
-    folder = own
-    for _ in range(level - 1):
-        if root is None or folder.resolve() == root.resolve():
-            raise ScenicError("import", "a program imports only from its own folder")
-        folder = folder.parent
-    return [folder]
 
 
 def neighbours(scope: Scope) -> list[str]:
@@ -195,52 +175,32 @@ def model(scope: Scope, node: nodes.Model) -> None:
 
 
 def import_whole(scope: Scope, node: ast.Import) -> None:
-    """`import a.b as c`; without `as`, a dotted name is reached as a.b."""
+    """`import a`, `import a.b as c`."""
     for alias in node.names:
-        module = import_module(scope, alias.name)
-        first, *rest = alias.name.split(".")
-        if alias.asname or not rest:
-            scope.assign(alias.asname or first, module)
-            continue
-        top = at = copy_of(first, scope.locals.get(first))
-        for part in rest[:-1]:
-            at.names[part] = copy_of(part, at.names.get(part))
-            at = at.names[part]
-        at.names[rest[-1]] = module
-        scope.assign(first, top)
-
-
-def copy_of(name: str, known: Any) -> Namespace:
-    """Return a module that may get more modules inside it; the one of that name elsewhere stays as it is."""
-    return Namespace(name, dict(known.names) if isinstance(known, Namespace) else {})
+        if "." in alias.name and alias.asname is None:
+            last = alias.name.rpartition(".")[2]
+            hint = f"write import {alias.name} as {last}"
+            raise ScenicError("unsupported", "a module in a folder is imported by a name of its own", hint=hint)
+        scope.assign(alias.asname or alias.name, import_module(scope, alias.name))
 
 
 def import_from(scope: Scope, node: ast.ImportFrom) -> None:
-    """`from a import b as c`, `from .a import *`, `from . import a`; what a folder holds are modules."""
-    module = import_module(scope, node.module or "", node.level)
-    path, _ = locate(scope, node.module or "", node.level)
+    """`from a import b as c`, `from a import *`."""
+    assert node.module is not None, "the parser refuses dots before the name"
+    module = import_module(scope, node.module)
     for alias in node.names:
         if alias.name == "*":
             take_all(scope, module)
         elif alias.name in module.names:
             scope.assign(alias.asname or alias.name, module.names[alias.name])
-        elif path is not None and path.is_dir():
-            inner = import_module(scope, f"{node.module}.{alias.name}" if node.module else alias.name, node.level)
-            scope.assign(alias.asname or alias.name, inner)
         else:
             hint = near(alias.name, module.names)
             raise ScenicError("import", f"{module.name} has no '{alias.name}'", hint=hint)
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
-    """`from module import *`: the names in its `__all__`, or all that begin with no underscore."""
-    public = module.names.get("__all__", [name for name in module.names if not name.startswith("_")])
-    if not isinstance(public, list | tuple) or not all(isinstance(name, str) for name in public):
-        raise ScenicError("type", f"`__all__` of {module.name} is a list of names, not {describe_kind(public)}")
-    for name in public:
-        if name not in module.names:
-            raise ScenicError("import", f"{module.name} has no '{name}', which its `__all__` lists")
-        scope.locals[name] = module.names[name]
+    """`from module import *`: all names that begin with no underscore."""
+    scope.locals.update((name, value) for name, value in module.names.items() if not name.startswith("_"))
 
 
 IMPORTS: dict[type, Callable[[Scope, Any], None]] = {

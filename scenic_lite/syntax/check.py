@@ -259,7 +259,7 @@ def suspends(statements: Iterable[ast.AST]) -> bool:
 
 
 def endless_loop(loop: ast.While) -> bool:
-    """Return whether a `while True` in a behavior neither lets time pass nor ends: within a step the world stands still.
+    """Return whether a `while True` in a behavior lets no time pass and does not end: in a step the world stands still.
 
     One that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than the loop,
     but is usually one half of "look in each step", so it is no excuse.

@@ -172,6 +172,7 @@ REFUSED = {
     "else": ("`else` after `try` is not supported", "write its statements at the end of the block above"),
     "except": ("`except` is not supported", 'ask with "if" before what may fail'),
     "finally": ("`finally` is not supported", 'write its statements behind the "try"'),
+    "from .": ("dots before the name of a module are not supported", "write its name from the program's folder on"),
     "match": ("`match` is not supported", 'write "if", "elif" and "else"'),
     "nonlocal": ("`nonlocal` is not supported", "return the new value"),
     "raise": ("`raise` is not supported", 'write "assert condition, message"'),

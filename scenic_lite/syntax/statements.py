@@ -174,24 +174,23 @@ def import_statement(c: Cursor, start: Token) -> ast.stmt:
 
 def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
     """Read `from module import names`."""
-    level = 0
-    while c.token.text in (".", "..."):
-        level += len(c.advance().text)
-    module = None if level and c.token.text == "import" else dotted_name(c, "a module")
+    if c.token.text in (".", "..."):
+        c.refuse("from .")
+    module = dotted_name(c, "a module")
     c.expect("import", 'after "from" and a module', 'write "from module import name"')
     bracket = c.token
     if c.accept("*"):
-        return ast.ImportFrom(module, [c.at(bracket, ast.alias("*", None))], level)
+        return ast.ImportFrom(module, [c.at(bracket, ast.alias("*", None))], 0)
 
     def imported(c: Cursor) -> ast.alias:
         return alias(c, c.token, c.name("a name to import").text)
 
     if bracket.text != "(":
-        return ast.ImportFrom(module, listed(c, imported), level)
+        return ast.ImportFrom(module, listed(c, imported), 0)
     expressions.opened(c)
     found = listed(c, imported, ")")
     expressions.close(c, ")")
-    return ast.ImportFrom(module, found, level)
+    return ast.ImportFrom(module, found, 0)
 
 
 def alias(c: Cursor, start: Token, name: str) -> ast.alias:

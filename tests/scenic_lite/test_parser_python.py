@@ -43,6 +43,8 @@ def is_left_out(node):
         return bool(node.posonlyargs or node.kwonlyargs or node.kwarg)
     if isinstance(node, ast.keyword):
         return node.arg is None
+    if isinstance(node, ast.ImportFrom):
+        return node.level > 0
     if isinstance(node, ast.Dict):
         return None in node.keys
     return isinstance(node, LEFT_OUT) or bool(getattr(node, "decorator_list", None))
@@ -140,7 +142,7 @@ SNIPPETS = [
     "for i, *j in a, *b: break\nelse: continue\n",
     "while 1: pass\nelse: pass\n",
     "global x, y\nassert a, b\n",
-    "from . import a\nfrom ..b.c import (d as e, f,)\nimport a.b as c, d\nfrom a import *\n",
+    "from b.c import (d as e, f,)\nimport a.b as c, d\nfrom a import *\n",
     "class E(F, *g, metaclass=H):\n  'doc'\n  x: int\n",
     "{}; {1: 2, 3: 4,}; {i: j for i, j in k if l if m}; [*a, b]; (a,); ()\n",
     "-x ** -y ** z; not -a; a @ b @ c; a if b else c if d else e\n",
