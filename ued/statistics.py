@@ -7,7 +7,7 @@ resampled with all its levels. Read next: the tables in `experiments.run.results
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -135,6 +135,23 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
     before = np.cumsum(sizes) - sizes  # values that are worse than those of this rank
     weights = (np.clip(share * len(array) - before, 0.0, sizes) / sizes)[tie.ravel()]
     return float((weights * array).sum() / weights.sum())
+
+
+def spearman(one: Sequence[float], other: Sequence[float]) -> float:
+    """Return Spearman's rank correlation of paired values, equal ones sharing their mean rank; nan where all are equal.
+
+    Raises `ValueError` for unlike numbers of values.
+    """
+    if len(one) != len(other):
+        raise ValueError(f"a rank correlation needs pairs, got {len(one)} and {len(other)} values")
+    first, second = (_ranks(np.asarray(values, float)) for values in (one, other))
+    spread = float(np.sqrt((first**2).sum() * (second**2).sum()))
+    return float((first * second).sum()) / spread if spread else float("nan")
+
+
+def _ranks(values: np.ndarray) -> np.ndarray:
+    """Return how many values are below each, less how many are above."""
+    return np.sign(values[:, None] - values[None, :]).sum(1)
 
 
 def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 2000) -> Interval:

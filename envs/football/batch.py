@@ -11,14 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from envs.football.constants import NO_FAULT
+from envs.football.constants import IDLE, NO_FAULT, NOBODY
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
 from envs.football.physics.variation import vary_engine
-from envs.football.scenic.scripted_step import run_program_monitors
+from envs.football.scenic.scripted_step import agents_action, run_program_behaviors, run_program_monitors
+from envs.football.scenic.world_table import THE_BALL
 from envs.football.simulator import choose_actions, play
 from envs.football.state import MATCH
+from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.kernels.jit import kernel
 
 
@@ -108,6 +110,26 @@ def open_row(batch, actions, settings, code, index):
         registers, commands = batch.registers[index], batch.commands[index]
         return choose_actions(match, actions[index], code, settings.object_to_player, registers, commands)
     return choose_actions(match, actions[index], None, None, None, None)
+
+
+@kernel
+def ask_program(matches, registers, commands, object_to_player, code, actions):
+    """Write what the program's behaviors would have the agents' players do into `actions` [N, A].
+
+    Behaviors run for it: matches, registers and commands must be copies.
+    """
+    for index in range(len(matches)):
+        match = matches[index]
+        actions[index] = IDLE
+        if not run_program_behaviors(match, code, object_to_player, registers[index], commands[index]):
+            continue
+        for o in range(len(object_to_player)):
+            command = commands[index, o]
+            if object_to_player[o] == THE_BALL or command == NO_COMMAND:
+                continue
+            agent = match.players[object_to_player[o]].agent
+            if agent != NOBODY:
+                actions[index, agent] = agents_action(int(command))
 
 
 @kernel

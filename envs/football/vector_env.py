@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
-from envs.football.batch import BatchSettings, empty_batch, empty_outcome, observe_batch
+from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
 from envs.football.constants import NO_FAULT, NUM_ACTIONS
 from envs.football.control.control_modes import release_agents
@@ -155,6 +155,18 @@ class FootballVectorEnv(UPOMDP):
         seen = self._observer.room(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
+
+    def program_actions(self) -> np.ndarray:
+        """Return what the program's behaviors would have the agents' players do in the next step: `[N]` or `[N, A]`.
+
+        Nothing changes. Where a player has no behavior, or leaves the step to the built-in AI, the action is 0.
+        """
+        actions = np.zeros((self.num_envs, self.num_agents), np.int64)
+        if self.behaviors.is_live:
+            copies = [np.copy(each) for each in (self._batch.registers, self._batch.commands)]
+            matches = self._batch.matches.copy()
+            ask_program(matches, *copies, self.lineup.object_to_player, self.behaviors.code, actions)
+        return actions.reshape(self.action_space.shape)
 
     def _checked(self, actions: Any) -> np.ndarray:
         """Return the actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""

@@ -4,6 +4,7 @@
     regista benchmark --suite language
     regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
     regista benchmark --suite grf --measure                 # the same keys in drawn scenes, in both engines
+    regista benchmark --suite grf --measure --family experts
     regista benchmark --json > today.json
 
 Read next: `envs.football.batch`, the loop that is measured.
@@ -14,7 +15,6 @@ from __future__ import annotations
 import json
 import os
 import platform
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -28,11 +28,11 @@ from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmarks.language import language_suite, render_language
 from experiments.benchmarks.observations import observation_rows
 from experiments.benchmarks.timing import STRETCHES, Measurement, rate
-from experiments.grf.report import FAMILIES, compare, draw, render_family, render_rows
+from experiments.grf.measure import MEASURES, MeasureConfig
+from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.run import arguments, build
 from experiments.run.arguments import group
-from experiments.run.config import EngineConfig, TrainConfig
-from experiments.run.errors import UsageError
+from experiments.run.config import TrainConfig
 from experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -57,28 +57,28 @@ class BenchmarkConfig(Checked):
     num_envs: int = setting(256, "environments of the simulator's batch", ">=1")
     seconds: float = setting(1.0, "about how long each measurement takes", ">0")
     json: bool = setting(False, "print JSON instead of a table")
-    family: tuple[str, ...] = setting((), f"of suite grf, among {', '.join(FAMILIES)}; none given: all")
+    family: tuple[str, ...] = setting(
+        (),
+        f"of suite grf, among {', '.join(FAMILIES)}; none given: all. With --measure among {', '.join(MEASURES)}; "
+        "none given: differential",
+    )
     figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
     effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0")
-    measure: bool = setting(
-        False, "of suite grf: play drawn scenes in both engines instead; the real one must be there"
-    )
-    seed: int = setting(0, "of the drawn scenes", ">=0")
-    scenes: tuple[str, ...] = setting((), "drawn scenes by name, such as 0:17; none given: 200 of the seed")
-    playing: EngineConfig = group(EngineConfig, "engine beside ours for --measure; without, grf")
+    measuring: MeasureConfig = group(MeasureConfig, "both engines at once, of suite grf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        known = tuple(MEASURES) if self.measuring.measure else FAMILIES
         for name in self.family:
-            if name not in FAMILIES:
-                raise ValueError(f"--family: no '{name}', only {', '.join(FAMILIES)}")
+            if name not in known:
+                raise ValueError(f"--family: no '{name}', only {', '.join(known)}")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
     if config.suite == "grf":
-        return differ(config) if config.measure else likeness(config)
+        return measure(config) if config.measuring.measure else likeness(config)
     build.find_minigame(config.minigame)
     suites: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
@@ -111,29 +111,16 @@ def likeness(config: BenchmarkConfig) -> int:
     return 0
 
 
-def differ(config: BenchmarkConfig) -> int:
-    """Play drawn scenes in both engines; print how far apart they are, and the worst, by name."""
-    from experiments.grf import differential as drawn
-    from experiments.grf.drawn_scenes import draw_scene
-    from experiments.run.progress import Progress
-
-    count = max(round(drawn.SCENES * config.effort), 1)
-    names = config.scenes or tuple(f"{config.seed}:{number}" for number in range(count))
-    other = config.playing.instead_of(replace(drawn.OURS, engine="grf"))
-    progress = Progress(len(names), stream=sys.stderr)
-    try:
-        scenes = [draw_scene(name) for name in names]
-    except ValueError as error:
-        raise UsageError(f"--scenes: {error}") from error
-    pairs = list(drawn.play_scenes(scenes, other, told=progress.show))
-    rows = drawn.compare(pairs)
+def measure(config: BenchmarkConfig) -> int:
+    """Measure in both engines, family by family, and print each as soon as it is there."""
+    results: dict[str, Any] = {}
+    for family in config.family or ("differential",):
+        text, found = MEASURES[family](config.measuring, config.effort, config.figures)
+        results |= found
+        if not config.json:
+            print(text, end="\n\n", flush=True)
     if config.json:
-        results = {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}
         print(json.dumps({"machine": machine(), "results": results}, indent=2))
-    else:
-        print(f"{render_rows(drawn.TITLE, rows, drawn.REQUIRED)}\n\n{align(drawn.worst_table(pairs))}")
-    if config.figures is not None:
-        drawn.show(config.figures, pairs)
     return 0
 
 

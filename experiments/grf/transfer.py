@@ -32,6 +32,7 @@ SLACK = 0.1  # of a feature's unit, by which it may leave what was seen
 FAR = 5.0  # standard deviations, beyond which training has not shown it
 NAMED = 3  # features that are named
 POLICIES = ("sampled", "greedy")
+EPISODES = 500, 200  # in ours and in the other engine
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,11 @@ ROOT = Path(__file__).parents[2]
         (["study"], 2, "regista: there is one study, transfer, not ''"),
         (["study", "transfer", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
+        (
+            ["benchmark", "--suite", "grf", "--measure", "--family", "keeper"],
+            2,
+            "regista: --family: no 'keeper', only d",
+        ),
         (["benchmark", "--seconds", "0"], 2, "regista: seconds must be positive, got 0.0"),
     ],
 )

@@ -5,7 +5,7 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from ued.statistics import bootstrap, cvar, iqm, probability_of_improvement, stratified, wilson
+from ued.statistics import bootstrap, cvar, iqm, probability_of_improvement, spearman, stratified, wilson
 
 
 def test_iqm_is_the_mean_of_the_middle_half():
@@ -140,3 +140,12 @@ def test_the_stratified_interval_takes_tasks_of_a_run_for_independent():
 def test_the_stratified_interval_of_one_task_resamples_its_runs():
     """Two runs with 0 and 1: the mean of two draws is 0, 0.5 or 1 with probability 1/4, 1/2, 1/4."""
     assert stratified(np.array([[0.0], [1.0]]), np.random.default_rng(0)) == (0.5, 0.0, 1.0)
+
+
+def test_rank_correlation_is_that_of_the_ranks():
+    assert spearman([1, 2, 3, 4], [10, 20, 30, 4000]) == pytest.approx(1.0)
+    assert spearman([1, 2, 3], [3, 2, 1]) == pytest.approx(-1.0)
+    assert spearman([1, 2, 3, 4, 5], [5, 6, 7, 8, 7]) == pytest.approx(0.8208, abs=1e-4)
+    assert np.isnan(spearman([1, 1], [1, 2]))
+    with pytest.raises(ValueError, match="needs pairs"):
+        spearman([1], [1, 2])

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from envs.football.constants import (
     BUILTIN_AI,
+    IDLE,
     NO_FAULT,
     NOBODY,
     NUM_COMMANDS,
@@ -81,6 +82,14 @@ def command_players(match, object_to_player, commands):
         if match.players[i].agent != NOBODY:
             continue
         match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
+
+
+@kernel
+def agents_action(command):
+    """Return the one action that an agent can take of a command: the first, none for the built-in AI's."""
+    while command >= NUM_COMMANDS:
+        command //= NUM_COMMANDS
+    return IDLE if command == BUILTIN_AI else command
 
 
 @kernel

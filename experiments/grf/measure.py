@@ -1,0 +1,98 @@
+"""What is measured in both engines at once, family by family: `regista benchmark --suite grf --measure`.
+
+    differential    drawn scenes under drawn keys, and how far apart they come to be
+    experts         what semi-expert programs score, beside what is published of them
+    goals           where the goals of trained runs come from
+
+Read next: the module of a family.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from experiments.grf.report import render_rows
+from experiments.run.arguments import group
+from experiments.run.config import EngineConfig
+from experiments.run.errors import UsageError
+from experiments.run.folder import RunFolder
+from experiments.run.progress import Progress
+from experiments.run.results import align
+from ued.config import Checked, setting
+
+
+@dataclass(frozen=True)
+class MeasureConfig(Checked):
+    """What is typed after `regista benchmark --suite grf --measure`."""
+
+    measure: bool = setting(False, "measure in both engines instead; the real one must be there")
+    seed: int = setting(0, "of the drawn scenes", ">=0")
+    scenes: tuple[str, ...] = setting((), "drawn scenes by name, such as 0:17; none given: 200 of the seed")
+    runs: tuple[Path, ...] = setting((), "run folders, of family goals")
+    playing: EngineConfig = group(EngineConfig, "engine beside ours for --measure; without, grf")
+
+
+Measured = tuple[str, Any]  # for a terminal, and as JSON can hold it
+
+
+def differential(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
+    """Play drawn scenes in both engines; tell how far apart they are, and the worst, by name."""
+    from experiments.grf import differential as drawn
+    from experiments.grf.drawn_scenes import draw_scene
+
+    count = max(round(drawn.SCENES * effort), 1)
+    names = config.scenes or tuple(f"{config.seed}:{number}" for number in range(count))
+    other = config.playing.instead_of(replace(drawn.OURS, engine="grf"))
+    progress = Progress(len(names), stream=sys.stderr)
+    try:
+        scenes = [draw_scene(name) for name in names]
+    except ValueError as error:
+        raise UsageError(f"--scenes: {error}") from error
+    pairs = list(drawn.play_scenes(scenes, other, told=progress.show))
+    rows = drawn.compare(pairs)
+    if figures is not None:
+        drawn.show(figures, pairs)
+    text = f"{render_rows(drawn.TITLE, rows, drawn.REQUIRED)}\n\n{align(drawn.worst_table(pairs))}"
+    return text, {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}
+
+
+def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
+    """Play the semi-expert programs in both engines; tell their goal rates, and how alike they rank."""
+    from experiments.grf import experts as programs
+
+    chosen = programs.experts()
+    other = config.playing.instead_of(replace(programs.OURS, engine="grf"))
+    progress = Progress(len(chosen), stream=sys.stderr)
+    count = max(round(programs.EPISODES * effort), 1)
+    found = list(programs.play_experts(chosen, other, count, progress.show))
+    ranks = programs.correlations(found)
+    lines = [f"rank correlation of {pair}: {value:.2f}" for pair, value in ranks.items()]
+    text = "\n".join([align(programs.table(found)), *lines])
+    return text, {"experts": [each.numbers() for each in found], "rank_correlations": ranks}
+
+
+def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
+    """Play trained runs in both engines; tell where their goals come from."""
+    from experiments.grf.transfer import EPISODES, Plan, play_run
+    from experiments.grf.transfer_report import goals_table
+
+    if not config.runs:
+        raise UsageError("family goals needs --runs: run folders, such as runs/academy/3_vs_1_with_keeper-dr-0")
+    ours, grf = (max(round(count * effort), 1) for count in EPISODES)
+    plan = Plan(config.playing, (ours, grf), policies=("sampled",))
+    results = []
+    for number, run in enumerate([RunFolder.open(path) for path in config.runs]):
+        print(f"{run.path}, {number + 1} of {len(config.runs)}", file=sys.stderr, flush=True)
+        results += play_run(run, plan)[0]
+    return align(goals_table(results)), {"goals": [asdict(each) for each in results]}
+
+
+MEASURES: dict[str, Callable[[MeasureConfig, float, Path | None], Measured]] = {
+    "differential": differential,
+    "experts": experts,
+    "goals": goals,
+}

@@ -1,0 +1,61 @@
+"""Pass and shoot with a keeper, one agent: pass to the mate before the goal, or go past the back and shoot."""
+
+from skills import *
+
+target = Point on right_goalRegion
+plan = Uniform("pass", "shoot")
+
+behavior Carrier():
+    try:
+        if plan == "pass":
+            do JustPass()
+        else:
+            do RunAndShoot()
+    interrupt when not self.is_controlled:
+        do ByTheAI()
+
+behavior Mate():
+    try:
+        if plan == "pass":
+            do JustShoot()
+        else:
+            do RunAndShoot()
+    interrupt when not self.is_controlled:
+        do ByTheAI()
+
+behavior JustPass():
+    passed = False
+    while True:
+        if passed:
+            passed = self.owns_ball
+            take SetDirection(5)
+        elif self.owns_ball:
+            take Pass("short")
+            take SetDirection(5)
+            passed = True
+        else:
+            take MoveTowardsPoint(ball.position, self.position)
+
+behavior RunAndShoot():
+    try:
+        do CloseIn()
+    interrupt when (distance from self to right_goal_midpoint) < 8:
+        take Shoot()
+
+behavior CloseIn():
+    while True:
+        if not self.owns_ball:
+            take ReleaseDirection()
+        elif canShoot(self, back, target, 8, 20):
+            take ReleaseDribble()
+            take Shoot()
+        else:
+            take Dribble()
+            take MoveTowardsPoint(safeSpot(self, back, target), self.position)
+
+ball = Ball at 70 @ 28
+RightGK at 99 @ 0
+back = RightCB at 75 @ 30
+ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
+LeftCF at 70 @ 0, with behavior Mate()
+LeftCB at 70 @ 30, with behavior Carrier()
