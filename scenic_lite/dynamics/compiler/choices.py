@@ -45,41 +45,10 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
     for i, failure in failed.items():
         differs = apply(NOT_EQUAL, choice.index, i)
         c.code.fault_unless(register_of(c.code, differs), failure.message)
-    if not any(rows for rows, _ in computed.values()):
-        some = next(iter(computed.values()))
-        values = [computed.get(i, some)[1] for i in range(len(choice.options))]
-        together = aligned(choice.index, values)
-        if together is not None or all(map(costs_nothing, values)):
-            return together
+    some = next(iter(computed.values()))
+    if all(not rows and costs_nothing(value) for rows, value in computed.values()):
+        return choose(choice.index, [computed.get(i, some)[1] for i in range(len(choice.options))])
     return switch(c, choice, computed)
-
-
-def aligned(index: Value, values: list[Value]) -> Value:
-    """Return values[index] where all are the same computation on other numbers: those are chosen, then computed with.
-
-    None if they are not, or are something that is None.
-    """
-    first = values[0]
-    if all(map(costs_nothing, values)):
-        return choose(index, values)
-    if all(isinstance(value, RandomExpr) and not isinstance(value, RegisterValue | ThetaColumn) for value in values):
-        if any(value.operation is not first.operation or value.kind != first.kind for value in values):
-            return None
-        inputs = columns(index, [list(value.inputs) for value in values])
-        return None if inputs is None else RandomExpr(first.operation, tuple(inputs), first.kind)
-    apart = [None if isinstance(value, RandomExpr | RandomChoice) else flatten(value) for value in values]
-    if apart[0] is None or any(structure is None or structure[0] != apart[0][0] for structure in apart):
-        return None
-    parts = columns(index, [structure[1] for structure in apart if structure is not None])
-    return None if parts is None else unflatten(apart[0][0], parts)
-
-
-def columns(index: Value, rows: list[list[Value]]) -> list[Value] | None:
-    """Return one of several rows, item by item."""
-    if any(len(row) != len(rows[0]) for row in rows):
-        return None
-    chosen = [aligned(index, list(column)) for column in zip(*rows, strict=True)]
-    return None if any(item is None for item in chosen) else chosen
 
 
 def costs_nothing(value: Value) -> bool:

@@ -18,7 +18,6 @@ from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Function
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_to, store_in_register
-from scenic_lite.dynamics.compiler.types import Const
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -57,7 +56,7 @@ class InlinedBody:
 class CompiledScope(Scope):
     """A frame whose variables may stand in registers."""
 
-    __slots__ = ("compilation", "flags", "if_unset", "inlined", "undecided", "unset", "variables")
+    __slots__ = ("compilation", "inlined", "unset", "variables")
 
     def __init__(
         self,
@@ -70,10 +69,7 @@ class CompiledScope(Scope):
         super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
         self.variables: dict[str, Variable] = {}
-        self.unset: set[str] = set()  # variables that may have no value yet where the walk is
-        self.flags: dict[str, int] = {}  # registers that say whether those that are read nevertheless have one
-        self.if_unset: Label | None = None  # where the match goes that comes to one without; None: it stops
-        self.undecided: set[str] = set()  # targets of loops that a `break` may have left with any element
+        self.unset: set[str] = set()  # variables of which the match decides whether they have a value where the walk is
 
     def inner(self, names: dict[str, Value]) -> Scope:
         return Scope(self.mode, self.source, names, self)
@@ -89,32 +85,19 @@ class CompiledScope(Scope):
         """Assign a variable. Raises ScenicError for one that is not the behavior's or function's own."""
         if name in self.globals:
             raise ScenicError("unsupported", f"a match cannot change '{name}', which is not of this {OWN}", hint=SHARED)
-        self.undecided.discard(name)
-        variable, code = self.variables.get(name), self.compilation.code
-        if variable is None:
-            self.locals[name] = store_in_register(code, value)
-            return
-        variable.store(value)
-        self.locals[name] = variable.load()
         self.unset.discard(name)
-        if name in self.flags:
-            code.row(op.COPY, self.flags[name], code.constant(1))
+        variable = self.variables.get(name)
+        if variable is None:
+            self.locals[name] = store_in_register(self.compilation.code, value)
+        else:
+            variable.store(value)
+            self.locals[name] = variable.load()
 
     def check_set(self, name: str) -> None:
-        """Write rows that stop a match which reads a variable without a value. Raises ScenicError if that is vague."""
-        if name in self.undecided:
-            message = f"what '{name}' is after a loop with `break` the match decides"
-            raise ScenicError("unsupported", message, hint="assign it to a variable of its own before the break")
-        if name not in self.unset:
-            return
-        types, key, flag = self.compilation.types, self.variables[name].key, self.flags.get(name)
-        if flag is None:  # the next walk has a flag for it
-            types.types[(*key, "set")] = Const(True)
-            types.outdated.add((*key, "set"))
-        elif self.if_unset is not None:
-            self.compilation.code.row(op.JUMP_UNLESS, flag, c=self.if_unset)
-        else:
-            self.compilation.code.fault_unless(flag, f"'{name}' has no value yet")
+        """Raise the error for a variable that some matches read before it has a value."""
+        if name in self.unset:
+            message = f"the match decides whether '{name}' has a value here"
+            raise ScenicError("unsupported", message, hint=f"give it one before: {name} = None")
 
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
@@ -122,15 +105,12 @@ class CompiledScope(Scope):
             if name in self.variables or name not in self.assigned | self.locals.keys():
                 continue
             c = self.compilation
-            variable = Variable(c.code, c.types, (*self.inlined.path, name), fluid=True)
+            variable = Variable(c.code, c.types, (*self.inlined.path, name))
             self.variables[name] = variable
             if name in self.locals:
                 variable.store(self.locals[name])
             else:
                 self.unset.add(name)
-                if (*variable.key, "set") in c.types.types:
-                    self.flags[name] = c.code.variables.take()
-                    c.code.row(op.COPY, self.flags[name], c.code.constant(0))
             if variable.place is not None:
                 self.locals[name] = variable.load()
 

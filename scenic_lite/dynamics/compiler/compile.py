@@ -119,7 +119,7 @@ def compile_mode(c: Compilation) -> Mode:
 
 
 def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Name) -> Value:
-    """Return what a name stands for; a match that has given it no value yet stops."""
+    """Return what a name stands for. Raises ScenicError for a variable that only some matches have given a value."""
     at: Environment | None = scope
     while at is not None and node.id not in at.locals and not (isinstance(at, CompiledScope) and node.id in at.unset):
         at = at.outer

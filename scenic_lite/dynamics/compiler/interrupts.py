@@ -22,7 +22,6 @@ from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.statements import assigned_names
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.errors import UnsetVariable
 from scenic_lite.syntax import nodes
 
 
@@ -130,28 +129,18 @@ def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler],
 
 
 def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
-    """Go to a handler if its condition holds; in a compose block one about what has no value yet does not."""
-    code, rows = c.code, len(c.code.rows)
-    code.place = scope.place(condition)
-    unset = scope.if_unset = Label() if c.site.composing else None
-    try:
-        value = scope.value(condition) if isinstance(condition, ast.Call) else None
-        if isinstance(value, BehaviorCall):  # which somebody forgot to `do`
-            error = scope.error("type", "a behavior cannot be called in a condition", condition)
-            c.output.doubts.append(error)
-            c.stop_with(error)
-        elif isinstance(condition, ast.Call):
-            jump(code, truth(value), start, when=True)
-        else:
-            jump_on(c, scope, condition, start, when=True)
-    except UnsetVariable:
-        if unset is None and not c.types.outdated:
-            raise
-        del code.rows[rows:]  # the next walk knows its type
-    finally:
-        scope.if_unset = None
-    if unset is not None:
-        code.put(unset)
+    """Go to a handler if its condition holds."""
+    c.code.place = scope.place(condition)
+    if not isinstance(condition, ast.Call):
+        jump_on(c, scope, condition, start, when=True)
+        return
+    value = scope.value(condition)
+    if isinstance(value, BehaviorCall):  # which somebody forgot to `do`
+        error = scope.error("type", "a behavior cannot be called in a condition", condition)
+        c.output.doubts.append(error)
+        c.stop_with(error)
+    else:
+        jump(c.code, truth(value), start, when=True)
 
 
 def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: Label) -> None:

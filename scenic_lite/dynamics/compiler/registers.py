@@ -221,12 +221,10 @@ class TypeTable:
 
 
 class Variable:
-    """A variable in registers; `fluid`: its numbers will hardly stay the same and have registers at once."""
+    """A variable in registers."""
 
-    def __init__(
-        self, code: Assembler, table: TypeTable, key: tuple, shared: bool = False, fluid: bool = False
-    ) -> None:
-        self.code, self.table, self.key, self.fluid = code, table, key, fluid
+    def __init__(self, code: Assembler, table: TypeTable, key: tuple, shared: bool = False) -> None:
+        self.code, self.table, self.key = code, table, key
         self.area = code.fixed if shared else code.variables
         type = table.types.get(key)
         self.place = None if type is None else Place(code, type, self.area)
@@ -239,8 +237,7 @@ class Variable:
 
     def declare(self, value: Value) -> Place:
         """Make room for a value."""
-        own = type_of(value)
-        if self.table.declare(self.key, with_registers(own) if self.fluid else own) or self.place is None:
+        if self.table.declare(self.key, with_registers(type_of(value))) or self.place is None:
             self.place = Place(self.code, self.table.types[self.key], self.area)
         return self.place
 

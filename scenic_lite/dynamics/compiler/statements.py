@@ -252,7 +252,7 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
     code.put(exit_)
     if exit_.used:
         targets = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
-        scope.undecided |= targets - scope.variables.keys()
+        scope.unset |= targets - scope.variables.keys()
 
 
 def compile_break(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
@@ -277,7 +277,7 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
     if inlined.live == 0 and inlined.result is None and not inlined.loops:
         raise Return(materialize(c.code, value, c.code.variables))
     if inlined.result is None:
-        inlined.result = Variable(c.code, c.types, (*inlined.path, "return"), fluid=True)
+        inlined.result = Variable(c.code, c.types, (*inlined.path, "return"))
     inlined.result.store(value)
     c.code.row(op.JUMP, c=inlined.end)
 

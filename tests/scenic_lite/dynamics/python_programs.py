@@ -17,22 +17,6 @@ behavior Main():
         take seen, len(self.lastActions)
         take len(x)
 """,
-    "read where a branch may have set it": """
-behavior Main():
-    take 1
-    if self.position.y > 2:
-        z = 3
-    take 2
-    take z
-""",
-    "read before it is set in the text": """
-behavior Main():
-    while True:
-        if self.position.y > 3:
-            take z
-        z = 4
-        take 1
-""",
     "set on both ways": """
 behavior Main():
     while True:
@@ -41,28 +25,6 @@ behavior Main():
         else:
             z = 2
         take z
-""",
-    "read by a function that may come too early": """
-def late(y):
-    if y > 2:
-        z = 3
-    return z
-behavior Main():
-    take 1
-    take 2
-    take late(self.position.y)
-    take late(mate.position.y - 3)
-""",
-    "asked for by an interrupt": """
-behavior Main():
-    try:
-        take 1
-        z = 5
-        take 2
-        take 3
-    interrupt when self.position.y > 2 and z > 3:
-        take z
-        abort
 """,
     "fixed keys": """
 behavior Main():

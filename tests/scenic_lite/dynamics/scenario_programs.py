@@ -110,7 +110,8 @@ interrupt when ego.position.y > 2:
     return
 wait
 """,
-    "a condition on what has no value yet": """
+    "a condition on a variable of the block": """
+flag = 0
 try:
     wait for 2 steps
     flag = ego.position.y

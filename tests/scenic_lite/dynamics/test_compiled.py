@@ -284,7 +284,15 @@ REFUSED = {
     ),
     "the target after a break": (
         "behavior Main():\n    for o in things:\n        if o.position.y > 2:\n            break\n    take o.y\n",
-        "what 'o' is after a loop with `break`",
+        "whether 'o' has a value here",
+    ),
+    "a variable that a branch may have set": (
+        "behavior Main():\n    if self.position.y > 2:\n        z = 3\n    take z\n",
+        "whether 'z' has a value here",
+    ),
+    "a variable that an interrupt may set": (
+        "behavior Main():\n    try:\n        take 1\n    interrupt when self.position.y > 2:\n        z = 3\n    take z\n",
+        "whether 'z' has a value here",
     ),
 }
 DOUBTFUL = {
