@@ -45,33 +45,24 @@ Called = tuple[BehaviorCall, Value]  # with its weight
 
 
 def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
-    """Compile `take a, b`; a single tuple or list stands for its elements, also one that is chosen by chance."""
-    on = Label()
-    take_actions(c, [scope.value(action) for action in node.actions], node, on)
-    c.code.put(on)
-    check_invariants(c, scope)
-
-
-def take_actions(c: Compilation, actions: list[Value], node: nodes.Take, on: Label) -> None:
-    """Give the command of some actions, and let time pass until a label."""
-    if len(actions) == 1 and isinstance(actions[0], RegisterList):
-        message = "`take` of a list whose length the match decides"
-        raise ScenicError("unsupported", message, hint="take its elements one by one")
+    """Compile `take a, b`; a single tuple or list stands for its elements."""
+    actions, on = [scope.value(action) for action in node.actions], Label()
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
-    elif len(actions) == 1 and isinstance(actions[0], RandomChoice) and any(map(is_listed, actions[0].options)):
-        options = enumerate(actions[0].options)  # of any length: each is a command of its own
-        cases = {i: partial(take_actions, c, [option], node, on) for i, option in options}
-        c.code.dispatch(register_of(c.code, actions[0].index), cases)
-        return
+    elif len(actions) == 1 and undecided_list(actions[0]):
+        message = "`take` of a list that the match decides"
+        raise ScenicError("unsupported", message, hint="take its elements one by one, each list in a branch of its own")
     assert c.site.agent is not None, "the checker lets only behaviors take actions"
     actions = [checked(c, action, node) for action in actions]
     remember(c, tuple(actions))
     c.code.row(op.TAKE, command(c, actions, node), c.site.slot, on)
+    c.code.put(on)
+    check_invariants(c, scope)
 
 
-def is_listed(value: Value) -> bool:
-    return isinstance(value, list | tuple)
+def undecided_list(value: Value) -> bool:
+    options = value.options if isinstance(value, RandomChoice) else ()
+    return isinstance(value, RegisterList) or any(isinstance(option, list | tuple) for option in options)
 
 
 def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:

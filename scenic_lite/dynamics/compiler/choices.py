@@ -19,12 +19,12 @@ from scenic_lite.core.types import Function, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_live, jump, register_of
-from scenic_lite.dynamics.compiler.registers import Place, materialize, place_for
-from scenic_lite.dynamics.compiler.types import RegisterList, flatten, unflatten
+from scenic_lite.dynamics.compiler.registers import Place, materialize, place_for, renumbered
+from scenic_lite.dynamics.compiler.types import RegisterList, flatten
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import AND, EQUAL, NOT, NOT_EQUAL, OR
 
 Computed = tuple[list[Row], Value]  # a value, and the rows that compute it
@@ -218,7 +218,7 @@ def same_thing(left: Value, right: Value) -> Value:
 def numbered(choice: RandomChoice, things: list[Value]) -> Value:
     """Return the place of what is chosen in a list of things."""
     places = [next(i for i, thing in enumerate(things) if thing is option) for option in choice.options]
-    return choice.index if places == list(range(len(places))) else choose(choice.index, places)
+    return renumbered(choice.index, places)
 
 
 def needs_number(value: Value, what: str) -> Value:

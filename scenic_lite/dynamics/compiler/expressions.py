@@ -38,7 +38,7 @@ from scenic_lite.evaluation.expressions import apply_sign, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, as_number, kind_of
-from scenic_lite.values.operations import ADD, EQUAL, LESS
+from scenic_lite.values.operations import ADD, LESS
 
 
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
@@ -83,7 +83,7 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
     if isinstance(index, slice):
         raise refused(f"a slice of a list {DECIDED}, or up to where it decides")
     if isinstance(container, dict):
-        return choose(place_of_key(c, container, index), list(container.values()))
+        raise refused("an element of a dictionary whose key the match decides", "write if and elif")
     if not is_whole(index := as_number(index)):
         what = "a fraction" if kind_of(index) == "number" else describe_kind(index)
         raise ScenicError("type", f"the index of a list is an integer, not {what}")
@@ -106,18 +106,6 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
     index = materialize(code, index)
     negative = apply(LESS, index, 0)
     return materialize(code, choose(as_number(negative), [index, apply(ADD, index, length)]))
-
-
-def place_of_key(c: Compilation, table: dict, key: Value) -> Value:
-    """Return the place of a live key among those of a dictionary; a fault if it is not there."""
-    place: Value = len(table)
-    for i, known in reversed(list(enumerate(table))):
-        same = materialize(c.code, apply(EQUAL, known, key))
-        place = choose(as_number(same), [place, i])
-    place = materialize(c.code, place)
-    inside = apply(LESS, place, len(table))
-    c.code.fault_unless(register_of(c.code, inside), "the key is not in the dictionary")
-    return place
 
 
 # ------------------------------------------------------------ texts, operators, comparisons
@@ -218,9 +206,7 @@ def call_builtin(
     )
 
 
-CHANGING = frozenset(
-    {"append", "extend", "insert", "remove", "pop", "clear", "reverse", "sort", "update", "setdefault", "popitem"}
-)
+CHANGING = frozenset({"append", "extend", "remove", "pop", "clear", "reverse", "setdefault"})
 
 
 def refuse_method(method: Bound, arguments: list) -> None:
@@ -231,7 +217,7 @@ def refuse_method(method: Bound, arguments: list) -> None:
     if name in CHANGING:
         raise refused(f"{name}() of a {kind} cannot be done in a match", "a variable's list can be appended to")
     if kind == "dictionary" and any(map(undecided, arguments[:1])):
-        raise refused(f"{name}() of a dictionary with what the match decides", "write d[key]")
+        raise refused(f"{name}() of a dictionary with what the match decides", "write if and elif")
 
 
 def certain(value: Value) -> Value:

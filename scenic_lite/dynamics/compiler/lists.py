@@ -19,19 +19,20 @@ from scenic_lite.core.types import Instance, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import jump_on, over_options, truth
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
-from scenic_lite.dynamics.compiler.emit import is_whole, jump, register_of
+from scenic_lite.dynamics.compiler.emit import jump, register_of
 from scenic_lite.dynamics.compiler.registers import Place, materialize, moves_to, place_for, store
 from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, common_type, join, loaded, type_of
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import unpack
-from scenic_lite.evaluation.expressions import membership, related
+from scenic_lite.evaluation.expressions import membership
 from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
-from scenic_lite.values.operations import ADD, AND, LESS, NEGATE, OR
+from scenic_lite.values.operations import AND, LESS, NEGATE, OR
 
 MANY = 8  # objects: a loop over so many has the same rows for all of them
 DECIDED = "whose length the match decides"
+BRANCH = "write if and else, with one list in each"
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,22 +50,11 @@ def refused(what: str, hint: str = "write a loop or a comprehension") -> ScenicE
 
 def elements(c: Compilation, scope: Scope, value: Value, node: ast.AST) -> list[Value]:
     """Return the elements of what has a fixed number of them."""
-    value = one_list(c, value)
+    if isinstance(value, RandomChoice):
+        raise scope.placed(refused("one of several lists, of which the match decides which", BRANCH), node)
     if isinstance(value, RegisterList | LiveRange):
         raise scope.placed(refused(f"a list {DECIDED} cannot be taken apart here"), node)
     return scope.elements(value, node)
-
-
-def one_list(c: Compilation, value: Value) -> Value:
-    """Return a choice among lists as one list, anything else as it is."""
-    if not isinstance(value, RandomChoice):
-        return value
-    if not all(isinstance(option, list | tuple) for option in value.options):
-        raise ScenicError("type", f"{describe_kind(value)} has no elements")
-    options = [list(option) for option in value.options]
-    place = place_for(c.code, options)
-    place.store(RandomChoice(value.index, tuple(options)))
-    return place.load()
 
 
 def in_registers(code: Assembler, items: Value, more: Value = None, capacity: int = 0) -> RegisterList:
@@ -126,7 +116,7 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
 def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
     """Return the elements of a comprehension; None if the match decides which they are."""
     first, *rest = generators
-    items = one_list(c, scope.value(first.iter))
+    items = scope.value(first.iter)
     if isinstance(items, RegisterList):
         return None
     result: list[Value] = []
@@ -156,7 +146,7 @@ def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Val
 
 def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element: ast.expr) -> Value:
     """Return the list of a comprehension of which the match decides which elements it has."""
-    code, items = c.code, one_list(c, scope.value(generator.iter))
+    code, items = c.code, scope.value(generator.iter)
     if not isinstance(items, RegisterList):
         items = elements(c, scope, items, generator.iter)
         items = items if are_objects(items) else in_registers(code, items)
@@ -230,18 +220,8 @@ def contains(c: Compilation, scope: Scope, node: ast.Compare, container: Value, 
     if isinstance(container, RandomChoice):
         return over_options(c, container, lambda option: contains(c, scope, node, option, item))
     if isinstance(container, RegisterList):
-        return decided_by(c.code, container, partial(related, scope, ast.Eq(), item), True)
+        raise refused(f"`in` a list {DECIDED}", "write a filter: len([o for o in items if o is x]) > 0")
     return membership(scope, node, item, container)
-
-
-def decided_by(code: Assembler, items: RegisterList, test: Callable[[Value], Value], decisive: bool) -> Value:
-    """Return `decisive` if a test gives that for some element of a list, else the contrary."""
-    result = code.variables.take()
-    register_of(code, not decisive, result)
-    with loop(code, items) as (item, _, following):
-        jump(code, test(item), following, when=not decisive)
-        register_of(code, decisive, result)
-    return RegisterValue(result, "truth", lasting=False)
 
 
 # ------------------------------------------------------------ functions
@@ -266,28 +246,14 @@ def truth_of(c: Compilation, scope: Scope, node: ast.AST, value: Value = False) 
 
 
 def to_list(c: Compilation, scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    values = one_list(c, values)
     return values if isinstance(values, RegisterList) else NotImplemented
 
 
 def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: Value) -> Value:
     """Return `any`, `all` of truths that may be live."""
-    if isinstance(values, RegisterList):
-        return decided_by(c.code, values, truth, decisive)
     if not isinstance(values, list | tuple):
         return NotImplemented
     return reduce(partial(apply, OR if decisive else AND), map(truth, values), not decisive)
-
-
-def total(c: Compilation, scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value:
-    """Return `sum` of a list in registers."""
-    if not isinstance(values, RegisterList):
-        return NotImplemented
-    result = c.code.variables.take()
-    register_of(c.code, start, result)
-    with loop(c.code, values) as (item, _, _):
-        register_of(c.code, apply(ADD, RegisterValue(result), item), result)
-    return RegisterValue(result, whole=is_whole(values.at(0)), lasting=False)
 
 
 def extreme(
@@ -295,7 +261,7 @@ def extreme(
 ) -> Value:
     """Return `min`, `max` with a key, or of a list in registers: the first of those that are equal."""
     code, number = c.code, partial(number_of, c, scope, node, key)
-    items = one_list(c, values[0]) if len(values) == 1 else values
+    items = values[0] if len(values) == 1 else values
     if not isinstance(items, RegisterList):
         if key is None or not (items := [materialize(code, item) for item in elements(c, scope, items, node)]):
             return NotImplemented
@@ -339,7 +305,7 @@ def in_order(
     c: Compilation, scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False
 ) -> Value:
     """Return `sorted` by live keys: a list in registers."""
-    code, values = c.code, one_list(c, values)
+    code = c.code
     if isinstance(reverse, RandomExpr):
         raise refused("whether a list is sorted in reverse must be fixed in a match", "")
     if not isinstance(values, RegisterList):
@@ -380,7 +346,6 @@ FUNCTIONS: dict[str, Callable[..., Value]] = {
     "tuple": to_list,
     "any": partial(folded, True),
     "all": partial(folded, False),
-    "sum": total,
     "min": partial(extreme, True),
     "max": partial(extreme, False),
     "sorted": in_order,

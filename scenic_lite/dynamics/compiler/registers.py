@@ -32,7 +32,7 @@ from scenic_lite.dynamics.compiler.types import (
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue, leaves
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import Value
+from scenic_lite.values.graph import RandomExpr, Value
 
 Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
 
@@ -62,22 +62,21 @@ def parts_of_value(type: Struct, value: Value) -> list[Value]:
 
 def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterator[Move]:
     tag = next(registers)
-    options = value.options if isinstance(value, RandomChoice) else (value,)
+    several = isinstance(value, RandomChoice) and type_of(value) not in type.options  # those of a scene may be one
+    options = value.options if several else (value,)
     places = [option_for(type, option) for option in options]
-    if isinstance(value, RandomChoice):
-        yield tag, value.index if places == list(range(len(places))) else choose(value.index, places)
-    else:
-        yield tag, places[0]
+    yield tag, renumbered(value.index, places) if several else places[0]
     for i, option in enumerate(type.options):
         own = list(islice(registers, option.size))
-        chosen = [held for held, place in zip(options, places, strict=True) if place == i]
-        if not chosen or not own:
-            continue
-        if isinstance(value, RandomChoice) and len(chosen) > 1:
-            filled = [held if place == i else chosen[0] for held, place in zip(options, places, strict=True)]
-            yield from moves_to(option, iter(own), choose(value.index, filled))
-        else:
-            yield from moves_to(option, iter(own), chosen[0])
+        held = [each for each, place in zip(options, places, strict=True) if place == i]
+        if held and own:
+            filled = [each if place == i else held[0] for each, place in zip(options, places, strict=True)]
+            yield from moves_to(option, iter(own), held[0] if len(held) == 1 else choose(value.index, filled))
+
+
+def renumbered(index: RandomExpr, numbers: list[int]) -> Value:
+    """Return numbers[index]: the index itself where they are 0, 1, 2, ..."""
+    return index if numbers == list(range(len(numbers))) else choose(index, numbers)
 
 
 def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[Move]:
@@ -89,11 +88,8 @@ def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[M
         yield length, value.length
         elements = [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
     elif isinstance(value, RandomChoice):
-        options = [list(option) for option in value.options]
-        yield length, choose(value.index, list(map(len, options)))
-        longest = max(options, key=len)  # whose elements stand behind the end of the others
-        options = [[*option, *longest[len(option) :]] for option in options]
-        elements = [choose(value.index, list(column)) for column in zip(*options, strict=True)]
+        hint = "write if and else, with one list in each"
+        raise ScenicError("unsupported", "one of several lists, of which the match decides which", hint=hint)
     else:
         elements = list(value)
         yield length, len(elements)

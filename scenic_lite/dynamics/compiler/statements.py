@@ -24,7 +24,6 @@ from scenic_lite.dynamics.compiler.lists import (
     elements,
     loop,
     many,
-    one_list,
 )
 from scenic_lite.dynamics.compiler.registers import Variable, materialize, snapshot, store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList
@@ -190,7 +189,6 @@ def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
 def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
     """Compile a loop: one body for numbers, for a list of the match and for many objects, else one for each element."""
     items = scope.value(node.iter)
-    items = one_list(c, items)
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
     if isinstance(items, LiveRange):

@@ -62,7 +62,7 @@ BODIES = {
         first = min(near, key=lambda o: abs(o.position.y - i))
         far.append(first.position.y)
         take f'{len(near)} {order[0].position.x:.9g} {order[-1].position.y:.9g} {first.position.x:.9g} {len(far)}'
-        take f'{sum(far):.9g} {max(far):.9g} {far[i // 2]:.9g} {mate in near} {any([o is mate for o in near])}'
+        take f'{max(far):.9g} {far[i // 2]:.9g} {mate in things} {any([o.position.y > i for o in things])}'
         numbers = [1, 5, i + 1]
         near.append(mate)
         take f'{numbers[0]} {sum(numbers[:2])} {[3, 1, 2][i % 3]} {sorted(numbers, reverse=True)[0]}'
@@ -164,8 +164,8 @@ BODIES = {
     "dictionaries": """
     words = {'up': 1, 'down': 2}
     while True:
-        take f'{words[word]} {words.get("up")} {{0: 5, 1: 6}}'
-        take f'{({0: 5, 1: 6})[int(self.position.y) % 2]}'
+        take f'{words["down"]} {words.get("up")} {{0: 5, 1: 6}}'
+        take f'{({0: 5, 1: self.position.y})[1]:.9g}'
 """,
     "vectors": """
     while True:
@@ -259,7 +259,7 @@ behavior Main(n=2):
     z = x if y > 3 else None
     if z is not None and z < 5: take f"z{z:.4g}"
     do Zig([1 @ 30, 2 @ 2])
-    take sum(marks) > 3, not marks, marks[-1]
+    take max(marks) > 3, not marks, marks[-1]
 ego = new Object at 0 @ 0, with behavior Main(), with requireVisible False
 mate = new Object at 4 @ Range(0, 3), with requireVisible False
 foe = new Object at -4 @ 1, with requireVisible False

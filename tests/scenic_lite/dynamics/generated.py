@@ -54,11 +54,11 @@ class Generator:
             f"(angle from self to {self.thing()})",
             f"len([o for o in things if o.position.y > {a}])",
             f"sum([{b}, {a}, 1])",
-            f"sum([o.position.y for o in things if o.position.x < {a}])",
+            f"len([o.position.y for o in things if o.position.x < {a}])",
             f"[{a}, {b}, 2][{self.random.randrange(3)}]",
             f"sorted([{a}, {b}, 0.5])[1]",
             f"sum([{a}, {b}, 3, self.position.y][{self.random.randrange(-3, 3)}:])",
-            f"sum([o.position.y for o in things if o.position.y > {a}])",
+            f"max([o.position.y for o in things if o.position.y > {a}], key=lambda y: y, default=0)",
             f"abs({a}) ** 0.5",
             f"(ego.shared + {a})",
             "len(ego.log)",
@@ -190,7 +190,7 @@ class Generator:
         self.write(indent, self.pick(f"bump({number})", f"ego.log.append({number})", f"ego.log.append({number})"))
         if self.chance(0.5):
             self.write(indent, f"if len(ego.log) > {self.random.randrange(1, 6)}:")
-            self.write(indent + 1, self.pick("bump(ego.log[0])", "bump(ego.log[-1])", f"bump(sum(ego.log) + {number})"))
+            self.write(indent + 1, self.pick("bump(ego.log[0])", "bump(ego.log[-1])", f"bump(max(ego.log) + {number})"))
 
     def branch(self, indent: int, names: list[str], depth: int, loop: bool, handler: bool) -> None:
         self.write(indent, f"if {self.truth(names)}:")

@@ -9,13 +9,12 @@ word = Uniform('up', 'down')
 """
 PROGRAMS = {
     "actions that are lists": """
-x = Uniform([1, 2], [3])
+x = Uniform([1, 2], [3, 4])
 behavior Main():
-    seen = [o.position.x for o in things if o.position.y > 2]
     while True:
         take x, 5
-        take seen, len(self.lastActions)
-        take len(x)
+        take [6, self.position.y]
+        take len(x), len(self.lastActions)
 """,
     "set on both ways": """
 behavior Main():
@@ -31,7 +30,7 @@ behavior Main():
     while True:
         k = 'a' if self.position.y % 2 == 0 else 'b'
         d = {'a': self.position.y, 'b': 7}
-        take f"{d['a']} {d[k]:.6g}"
+        take f"{d['a']} {d['b']:.6g} {k}"
         for k, v in d.items():
             take f'{k}{v}'
 """,
@@ -98,7 +97,7 @@ behavior Main():
 behavior Main():
     while True:
         take any(o.position.y > 4 for o in things)
-        take sum(1 for o in things if o.position.y > 3)
+        take len([1 for o in things if o.position.y > 3])
         high = [o.position.x for o in things if o.position.y > 3]
         take high[0] if high else 9
 """,
@@ -131,10 +130,11 @@ behavior Main():
     "filters of pairs": """
 behavior Main():
     while True:
-        take sum([i for i, o in enumerate(things) if o.position.y > 2])
+        take len([i for i, o in enumerate(things) if o.position.y > 2])
         take sum([a.position.y - b.position.x for a in things for b in things])
-        take sum([b.position.x for b in [o for o in things if o.position.y > 2] if b.position.x < self.position.y])
-        take sum([Range(0, 1) for o in things if o.position.y > 1 and Range(0, 1) < 0.5])
+        low = [b.position.x for b in [o for o in things if o.position.y > 2] if b.position.x < self.position.y]
+        take max(low, default=0)
+        take len([Range(0, 1) for o in things if o.position.y > 1 and Range(0, 1) < 0.5])
         take len([n for n in [] if self.position.y > n])
 """,
     "dict comp": """

@@ -205,7 +205,6 @@ FAULTS = {
         "None",
     ),
     "assertion": ("    while True:\n        assert self.position.y < 3\n        take 1\n", 3, "assertion"),
-    "key": ("    while True:\n        take {0: 1, 1: 2}[int(self.position.y)]\n", 3, "key"),
 }
 
 
@@ -286,12 +285,40 @@ REFUSED = {
         "behavior Main():\n    for o in things:\n        if o.position.y > 2:\n            break\n    take o.y\n",
         "whether 'o' has a value here",
     ),
+    "a key": (
+        "behavior Main():\n    take {0: 1, 1: 2}[int(self.position.y)]\n",
+        "an element of a dictionary whose key the match decides",
+    ),
+    "a sum": (
+        "behavior Main():\n    take sum(o.y for o in things if o.position.y > 2)\n",
+        r"sum\(\) of a list whose length the match decides",
+    ),
+    "any of a filter": (
+        "behavior Main():\n    take any(o is ego for o in [o for o in things if o.position.y > 2])\n",
+        r"any\(\) of a list whose length the match decides",
+    ),
+    "in a filter": (
+        "behavior Main():\n    take ego in [o for o in things if o.position.y > 2]\n",
+        "`in` a list whose length the match decides",
+    ),
+    "to take one of two lists": (
+        "behavior Main():\n    take Uniform([1, 2], [3])\n",
+        "`take` of a list that the match decides",
+    ),
+    "a loop over one of two lists": (
+        "behavior Main():\n    for n in Uniform([1, 2], [3]):\n        take n\n",
+        "one of several lists, of which the match decides which",
+    ),
+    "one of two lists in a variable": (
+        "behavior Main():\n    while True:\n        near = Uniform([1, 2], [3])\n        take len(near)\n",
+        "one of several lists, of which the match decides which",
+    ),
     "a variable that a branch may have set": (
         "behavior Main():\n    if self.position.y > 2:\n        z = 3\n    take z\n",
         "whether 'z' has a value here",
     ),
     "a variable that an interrupt may set": (
-        "behavior Main():\n    try:\n        take 1\n    interrupt when self.position.y > 2:\n        z = 3\n    take z\n",
+        "behavior Main():\n    try:\n        wait\n    interrupt when self.y > 2:\n        z = 3\n    take z\n",
         "whether 'z' has a value here",
     ),
 }
@@ -315,28 +342,12 @@ def test_what_cannot_be_compiled_says_so(name):
     assert caught.value.place is not None
 
 
-CHANCE = {
-    "of the scene": ("x = Uniform([1, 2], [3, 4], [5])", "", "x"),
-    "of the match": ("", "", "Uniform([1, 2], [3], [])"),
-    "a list or a number": ("x = Uniform([1, 2], 3)", "", "x"),
-    "a tuple of an argument": ("", "Uniform((1, 2), (3,))", "n"),
-    "one of several": ("x = Uniform([1, 2], [3, 4])", "", "x, 5"),
-    "in a list": ("x = Uniform([1, 2], [3, 4])", "", "[x, 5]"),
-}
+CHANCE = {"one of several": "x, 5", "in a list": "[x, 5]"}
 
 
 @pytest.mark.parametrize("name", sorted(CHANCE))
-def test_a_list_chosen_by_chance_stands_for_its_elements(name):
-    before, argument, taken = CHANCE[name]
-    text = f"{before}\nbehavior Main(n):\n    while True:\n        take {taken}\n"
-    text += f"ego = new Object at 0 @ 0, with behavior Main({argument or 0})"
-    assert differences(text, range(8), steps=8)[0] == []
-
-
-def test_what_was_taken_by_chance_is_remembered():
-    text = (
-        "behavior Main():\n    while True:\n        take Uniform([1, 2], [3], [])\n        take len(self.lastActions)\n"
-    )
+def test_a_list_chosen_by_chance_is_one_action_of_several(name):
+    text = f"x = Uniform([1, 2], [3, 4])\nbehavior Main():\n    while True:\n        take {CHANCE[name]}\n"
     assert differences(text + "ego = new Object at 0 @ 0, with behavior Main()", range(8), steps=8)[0] == []
 
 
