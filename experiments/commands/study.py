@@ -30,18 +30,25 @@ DESCRIPTION = (
     "Train games over seeds and representations, play every run in our simulator and in Google Research Football, and "
     "write the table of what carries over. Can be stopped at any time; called again, it continues."
 )
-GAMES = (
-    *("academy/run_to_score", "academy/run_to_score_with_keeper", "academy/pass_and_shoot_with_keeper"),
-    *("academy/run_pass_and_shoot_with_keeper", "academy/3_vs_1_with_keeper", "academy/counterattack_easy"),
-    *("1v1Restricted", "1v1Free", "3v2FourBehaviors"),
-)
+BUDGETS = {  # steps after which returns hardly rise any more
+    "academy/run_to_score": 500_000,
+    "academy/run_to_score_with_keeper": 1_000_000,
+    "academy/pass_and_shoot_with_keeper": 500_000,
+    "academy/run_pass_and_shoot_with_keeper": 500_000,
+    "academy/3_vs_1_with_keeper": 500_000,
+    "academy/counterattack_easy": 1_000_000,
+    "1v1Restricted": 1_000_000,
+    "1v1Free": 1_000_000,
+    "3v2FourBehaviors": 1_000_000,
+}
+OTHERS = 1_000_000  # steps of a game that is not among these
 OWN = ("minigame", "seed")  # settings of a run that the study chooses, beside the representation
 
 
 def training() -> TrainConfig:
     """Return what runs of a study begin with: nothing but training, paid for checkpoints, too."""
     env = FootballConfig(rewards="scoring,checkpoints")
-    return TrainConfig(method="dr", total_env_steps=1_000_000, eval_every=0, record=False, env=env)
+    return TrainConfig(method="dr", total_env_steps=OTHERS, eval_every=0, record=False, env=env)
 
 
 @dataclass(frozen=True)
@@ -49,13 +56,15 @@ class StudyConfig(Checked):
     """What is typed after `regista study`."""
 
     study: str = positional("what is studied: transfer", default="")
-    games: tuple[str, ...] = setting(GAMES, "minigames, or paths of .scenic programs")
+    games: tuple[str, ...] = setting(
+        tuple(BUDGETS), "minigames, each with a budget of its own unless --total-env-steps says otherwise"
+    )
     representations: tuple[str, ...] = setting(("simple115", "features"), "what agents see, one after the other")
     seeds: int = setting(3, "runs of each game and representation, with seeds 0, 1, ...", ">=1")
     processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path = setting(Path("runs/transfer"), "folder of the study")
     episodes: int = setting(200, "whole episodes of each run in our simulator", ">=1")
-    grf_episodes: int = setting(100, "whole episodes of each run in the other engine", ">=1")
+    grf_episodes: int = setting(50, "whole episodes of each run in the other engine", ">=1")
     policies: tuple[str, ...] = setting(("sampled",), "how actions are chosen: sampled, greedy")
     train: TrainConfig = group(training, "each run", without=OWN)
 
@@ -93,7 +102,8 @@ def prepare(config: StudyConfig, settings: dict[str, Any]) -> list[RunFolder]:
         for representation in config.representations:
             for game in config.games:
                 minigame = build.find_minigame(game)
-                base = replace(config.train, env=replace(config.train.env, control=minigame.control))
+                env = replace(config.train.env, control=minigame.control)
+                base = replace(config.train, total_env_steps=BUDGETS.get(game, OTHERS), env=env)
                 run = arguments.replace_paths(base, settings)
                 env = replace(run.env, representation=representation)
                 run = replace(run, minigame=build.canonical_name(game), seed=seed, env=env)

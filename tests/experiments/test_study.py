@@ -47,6 +47,18 @@ def test_a_study_trains_plays_and_tabulates_and_keeps_what_is_there(words, capsy
     assert "at a time" not in again.out and again.err.count("kept") == 2
 
 
+def test_games_have_budgets_of_their_own_unless_one_is_given(tmp_path):
+    config = study.StudyConfig(
+        games=("academy/run_to_score", "1v1Free"), representations=("smm",), out=tmp_path, seeds=2
+    )
+    runs = study.prepare(config, {})
+    assert [run.config.total_env_steps for run in runs] == [500_000, 1_000_000] * 2
+    assert [run.config.seed for run in runs] == [0, 0, 1, 1]
+    assert {run.config.env.representation for run in runs} == {"smm"}
+    longer = study.prepare(config, {"total_env_steps": 2_000_000})
+    assert {RunFolder.open(run.path).config.total_env_steps for run in longer} == {2_000_000}
+
+
 def test_a_study_takes_settings_of_training_but_not_one_representation(words, capsys, tmp_path):
     assert main([*words, "--representation", "smm"]) == 2
     assert "a study takes --representations" in capsys.readouterr().err
