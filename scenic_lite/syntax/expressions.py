@@ -9,12 +9,12 @@ import ast
 import re
 from collections.abc import Callable, Iterator
 from itertools import groupby
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 
 from scenic_lite.syntax import grammar
 from scenic_lite.syntax.cursor import LOAD, Cursor
 from scenic_lite.syntax.grammar import COMPARES, INFIX, PYTHON_KEYWORDS, SCENIC_KEYWORDS, SPECIFIER_WORDS, Level
-from scenic_lite.syntax.lexer import Token, lex_field
+from scenic_lite.syntax.lexer import Token, lex_part
 
 Item = TypeVar("Item")
 
@@ -23,9 +23,8 @@ _STRING = re.compile(r"(\w*)('''|\"\"\"|'|\")(.*)\2", re.DOTALL)
 _ESCAPE = re.compile(
     r"\\(?:[\n\\'\"abfnrtv]|[0-7]{1,3}|x[0-9a-fA-F]{,2}|u[0-9a-fA-F]{,4}|U[0-9a-fA-F]{,8}|N(?:\{[^{}]*\})?)"
 )
-# Text between the fields of an f-string; the escape \N{...} of one that is not raw belongs to it.
-_PLAIN = re.compile(r"[^{}]+|\{\{|\}\}")
-_PLAIN_ESCAPED = re.compile(r"(?:\\N\{[^{}]*\}|\\.|[^{}\\])+|\{\{|\}\}", re.DOTALL)
+# Of an f-string: text, or a field with a value and perhaps a format.
+_PIECE = re.compile(r"(?:[^{}]|\{\{|\}\})+|\{(?P<value>[^{}:!]+)(?::(?P<form>[^][{}()]*))?\}")
 
 
 def atom(c: Cursor, token: Token) -> ast.expr:
@@ -119,50 +118,43 @@ def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
 
 def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end: int) -> Iterator[str | ast.expr]:
     """Yield the texts and FormattedValues of an f-string, whose content is program[position:end]."""
-    program, plain = c.source.text, _PLAIN if raw else _PLAIN_ESCAPED
+    program = c.source.text
     while position < end:
-        match = plain.match(program, position, end)
-        if match:
-            position = match.end()
-            yield match[0][0] if match[0] in ("{{", "}}") else unescaped(c, token, raw, match[0])
+        piece = _PIECE.match(program, position, end)
+        if piece is None or (piece["value"] or "x").isspace():
+            bad_field(c, position, program[position:end])
+        position = piece.end()
+        if piece["value"] is None:
+            yield unescaped(c, token, raw, piece[0].replace("{{", "{").replace("}}", "}"))
             continue
-        if program[position] == "}":
-            line, column = c.source.line_and_column(position)
-            place = (line, column, line, column + 1)
-            raise c.source.error('a single "}" in an f-string', place, 'write "}}" for the character')
-        tokens, position = lex_field(c.source, position, end)
-        if len(tokens) == 2:
-            c.fail("an empty {} in an f-string", "put a value between the braces", at=tokens[0])
-        value = field_value(c, tokens)
-        form: ast.expr | None = None
-        if program[position:end].startswith("!"):
-            c.refuse("!", tokens[-1])
-        if program[position:end].startswith(":"):
-            first, position = position + 1, program.find("}", position, end)
-            if "{" in program[first:position]:
-                c.refuse("{", tokens[-1])
-            parts = [c.at(start, ast.Constant(program[first:position]))] if first < position else []
-            form = c.at(start, ast.JoinedStr(list(parts)))
-        if program[position:end][:1] != "}":
-            c.fail('a "{" in an f-string is never closed', 'write "{{" for the character', at=tokens[0])
-        position += 1
+        value = field_value(c, lex_part(c.source, *piece.span("value")))
+        form = c.at(start, ast.JoinedStr([c.at(start, ast.Constant(piece["form"]))])) if piece["form"] else None
         yield c.at(start, ast.FormattedValue(value, -1, form))
+
+
+def bad_field(c: Cursor, position: int, text: str) -> NoReturn:
+    """Report a brace of an f-string that begins no field."""
+    line, column = c.source.line_and_column(position)
+    token = Token("operator", text[0], line, column, line, column + 1)
+    if text[0] == "}":
+        c.fail('a single "}" in an f-string', 'write "}}" for the character', at=token)
+    if "}" not in text:
+        c.fail('a "{" in an f-string is never closed', 'write "{{" for the character', at=token)
+    c.refuse("{", token)
 
 
 def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
     """Read the value in the field of an f-string; a comma makes a tuple, as in brackets."""
     outer = (c.tokens, c.index, c.token, c.temporal)
-    c.tokens = tokens
+    c.tokens, c.temporal = tokens, False
     c.go_to(0)
-    opened(c)
     try:
         value = row(c, element)
-        if c.token.kind != "end":
+        if not c.ends_statement():
             c.fail(f'unexpected "{c.token.text}" in the f-string')
         return value
     finally:  # an operand that was only tried goes on behind the f-string
         c.tokens, c.index, c.token, c.temporal = outer
-        c.brackets.pop()
 
 
 def opened(c: Cursor, temporal: bool = False) -> None:

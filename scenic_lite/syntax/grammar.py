@@ -159,8 +159,10 @@ BITS = frozenset({"&", "|", "^", "<<", ">>", "~"})
 # Forms of Python that the language leaves out: the message, and what to write instead.
 REFUSED = {
     "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
-    "!": ("`!` in an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
-    "{": ("a value in the format of an f-string is not supported", 'write "{value}" or "{value:.2f}"'),
+    "{": (
+        "a field of an f-string holds one value",
+        'write {value} or {value:.2f}; what has ":", "!" or {} needs a name',
+    ),
     "**": ("`**` before a value or parameter is not supported", "write each name"),
     "* parameter": ("a parameter behind `*` is not supported", "write it before"),
     ":=": ("`:=` is not supported", "assign on a line of its own"),

@@ -125,17 +125,9 @@ def lex(source: Source) -> list[Token]:
     return lexer.run()
 
 
-def lex_field(source: Source, start: int, end: int) -> tuple[list[Token], int]:
-    """Return the tokens from the `{` at `start` of an f-string to the end of its expression, and the offset there.
-
-    It ends before a bare `}`, `:` or `!`, or at the end of the string's text.
-    """
-    lexer = _Lexer(source, start + 1, end)
-    column = start - lexer.line_start
-    lexer.tokens.append(Token("operator", "{", lexer.line, column, lexer.line, column + 1))
-    lexer.brackets.append(lexer.tokens[0])
-    lexer.in_field = True
-    return lexer.run(), lexer.position
+def lex_part(source: Source, start: int, end: int) -> list[Token]:
+    """Return the tokens of a part of a line, as of the value in an f-string."""
+    return _Lexer(source, start, end).run()
 
 
 class _Lexer:
@@ -149,7 +141,6 @@ class _Lexer:
         self.brackets: list[Token] = []
         self.indents = [(0, 0)]  # (column with tabs of 8, column with tabs of 1)
         self.tokens: list[Token] = []
-        self.in_field = False  # of an f-string
 
     def run(self) -> list[Token]:
         """Read everything."""
@@ -158,8 +149,6 @@ class _Lexer:
             found = match(text, self.position, end)
             kind = found.lastgroup if found else None
             if found is None or kind is None:
-                if self.in_field and text[self.position : end].lstrip(" \t\f")[:1] == "!":
-                    return self.finish(text.index("!", self.position))
                 raise self.bad_character()
             start, self.position = found.span(kind)
             if kind in ("name", "operator", "number"):
@@ -167,8 +156,6 @@ class _Lexer:
                 word = found[kind]
                 token = Token(kind, word, self.line, column, self.line, column + len(word))
                 if kind == "operator":
-                    if self.in_field and word[0] in ":}" and len(self.brackets) == 1:
-                        return self.finish(start)
                     if word in "()[]{}":
                         self.bracket(token)
                 elif kind == "number" or not word.isascii():
@@ -199,12 +186,11 @@ class _Lexer:
         """Close the last line and every block."""
         self.position = end
         column = end - self.line_start
-        if not self.in_field:
-            if self.brackets:
-                opening = self.brackets[-1]
-                raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
-            if self.tokens and self.tokens[-1].kind not in ("newline", "dedent"):
-                self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
+        if self.brackets:
+            opening = self.brackets[-1]
+            raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
+        if self.tokens and self.tokens[-1].kind not in ("newline", "dedent"):
+            self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
         # A last line that ends with its newline leaves the end of the file on a line of its own.
         self.tokens += [Token("dedent", "", self.line, 0, self.line, 0) for _ in self.indents[1:]]
         self.tokens.append(Token("end", "", self.line, column, self.line, column))
@@ -312,8 +298,6 @@ class _Lexer:
         message, hint = f"{shown} is not part of the language", LOOKALIKES.get(character, "")
         if character == "\0":
             message = "the program contains a null byte"
-        elif character == "\\" and self.in_field:
-            message, hint = "a backslash inside {} of an f-string", "compute the value before"
         elif character == "\\":
             message = "a backslash may only end a line"
         return self.error(message, start, start + 1, hint)

@@ -51,7 +51,7 @@ LEFT_OUT = {
     "py_star_args": (5, "a parameter behind `*` is not supported"),
     "py_decorator": (9, "decorators are not supported"),
     "py_list_methods": (6, "there is no insert() here"),
-    "py_float_format": (6, "`!` in an f-string is not supported"),
+    "py_float_format": (6, "a field of an f-string holds one value"),
     "py_generator_function": (8, "`yield` is not supported"),
     "py_nested_try": (12, "`except` is not supported"),
     "py_percent_format": (5, "`%` formats no text"),
