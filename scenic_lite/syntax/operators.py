@@ -10,7 +10,6 @@ both. Read next: `syntax.statements`.
 from __future__ import annotations
 
 import ast
-import copy
 from collections.abc import Callable
 
 from scenic_lite.errors import ScenicError
@@ -321,33 +320,15 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Form) -> ast.ex
     if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
+    if infix.name == "in" and c.form(INFIX):  # no region is computed by what binds looser: it is a comparison
+        return conditional(c, continued(c, operator, Level.OR, start), start)
     whole = conditional(c, continued(c, value, Level.OR, begins[-1]), begins[-1])
     specifier = c.at(place, Specifier(infix.name.removesuffix(" from"), [*before, whole]))
     specifiers = more_specifiers(c, [specifier])
     node = c.at(start, New(cls, specifiers))
-    if len(specifiers) == 1:
-        node.certain = False
-        node.operator = grafted(whole, value, operator)
+    if len(specifiers) == 1 and whole is value:
+        node.certain, node.operator = False, operator
     return node
-
-
-# Where an operator between values keeps the first of them.
-LEFT = {ast.BinOp: "left", ast.Compare: "left", ast.IfExp: "body", ast.BoolOp: "values", Operator: "operands"}
-
-
-def grafted(whole: ast.expr, old: ast.expr, new: ast.expr) -> ast.expr:
-    """Return a copy of `whole` with `new` for its leftmost value `old`: how precedence would have grouped it."""
-    if whole is old:
-        return new
-    grown, name = copy.copy(whole), LEFT[type(whole)]
-    left = whole.__dict__[name]
-    new = grafted(left[0] if isinstance(left, list) else left, old, new)
-    if isinstance(grown, ast.Compare) and isinstance(new, ast.Compare):  # two in a row become one chain
-        grown.left, grown.ops, grown.comparators = new.left, new.ops + grown.ops, new.comparators + grown.comparators
-    else:
-        grown.__dict__[name] = [new, *left[1:]] if isinstance(left, list) else new
-    grown.lineno, grown.col_offset = new.lineno, new.col_offset
-    return grown
 
 
 def starts_instance(c: Cursor) -> bool:

@@ -120,10 +120,10 @@ INSTANCES = [
     ("Ball offset along h by v", "Ball<offset along h v>?(offset along Ball h v)"),
     ("Ball visible from v", "Ball<visible v>?(visible from Ball v)"),
     ("Ball not visible from v", "Ball<not visible v>?(not visible from Ball v)"),
-    ("Ball at x relative to y", "Ball<at (relative to x y)>?(relative to (at Ball x) y)"),
-    ("Ball at x if a else y", "Ball<at x if a else y>?(if a (at Ball x) y)"),
-    ("Ball in r and b", "Ball<in r and b>?Ball in r and b"),
-    ("Ball in r < s", "Ball<in r < s>?Ball in r < s"),
+    ("Ball at x relative to y", "Ball<at (relative to x y)>"),
+    ("Ball at x if a else y", "Ball<at x if a else y>"),
+    ("Ball in r and b", "Ball in r and b"),
+    ("Ball in r < s", "(Ball in r) < s"),
     ("a.Ball at x", "a.Ball<at x>?(at a.Ball x)"),
     ("Ball at x, with y 3", "Ball<at x, with 'y' 3>"),
     # In brackets a comma belongs to the instance as long as a specifier follows.
@@ -342,7 +342,7 @@ CURIOSITIES = [
     ("90 @ Uniform(-1, 1)", "90 @ Uniform(-1, 1)"),
     (
         "Point at self offset along (30 deg) by 0 @ 2",
-        "Point<at (offset along self (deg 30) 0 @ 2)>?(offset along (at Point self) (deg 30) 0 @ 2)",
+        "Point<at (offset along self (deg 30) 0 @ 2)>",
     ),
     (
         "team.append(LeftPlayer with role r, at -40 @ (10 * i - 15))",
