@@ -9,9 +9,6 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from scenic_lite.core.checks import FallibleOperation, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import (
     Behavior,
@@ -24,7 +21,6 @@ from scenic_lite.core.types import (
     RandomChoice,
     ScenicClass,
     broadcasts_over_choices,
-    choose,
     describe_kind,
     near,
     of_values,
@@ -147,10 +143,9 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
 
 
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
-    """`container[index]`; of a random list the index may be random too."""
+    """`container[index]`."""
     if isinstance(container, RandomChoice):
-        pick = item_at if isinstance(index, RandomExpr) else item_of
-        return container.each(lambda option: pick(scope, option, index))
+        return container.each(lambda option: item_of(scope, option, index))
     if isinstance(container, Region | VectorField):
         return regions.item_of(container, index)
     ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
@@ -170,33 +165,6 @@ def item_of(scope: Scope, container: Value, index: Value) -> Value:
     if isinstance(index, slice):
         scope.mode.budget.keep(result)
     return result
-
-
-def item_at(scope: Scope, container: Value, index: RandomExpr) -> Value:
-    """Return an item of a list at a random place; scenes where it has no such place are rejected."""
-    items = scope.elements(container, ast.Pass())
-    if isinstance(container, dict) or not items:
-        raise ScenicError("type", f"{describe_kind(container)} has no elements at random places")
-    place = RandomExpr(Within(len(items)), (index,))
-    scope.watch(place)
-    return choose(place, items)
-
-
-class Within(FallibleOperation):
-    """Places [N] in a list of `count` elements, counted from its end where negative."""
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-
-    def __call__(self, index: Any) -> Any:
-        return np.clip(np.where(index < 0, index + self.count, index), 0, self.count - 1)
-
-    def fails(self, result: Any, *inputs: Any) -> Any:
-        (index,) = inputs
-        return (index < -self.count) | (index >= self.count)
-
-    def error(self, row: int, *inputs: Any) -> ScenicError:
-        return as_error(IndexError("list index out of range"))
 
 
 # ------------------------------------------------------------ what is assigned to

@@ -37,7 +37,6 @@ from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH
 
 MOST_PRINTED = 1000  # lines that are kept
 MOST_SUBLISTS = 256  # of a list that is filtered by random tests
-DEEPEST = 50  # containers inside each other that are written out
 
 # ------------------------------------------------------------ truth
 
@@ -80,17 +79,6 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
     if count > scope.mode.budget.limits.elements:
         scope.mode.budget.container(count)
     return numbers
-
-
-def make_dictionary(scope: Scope, node: ast.AST, values: Value = (), **more: Value) -> dict:
-    """`dict(...)`: of pairs, or a copy of one."""
-    if isinstance(values, dict):
-        return values | more
-    pairs = [scope.elements(pair, node) for pair in scope.elements(values, node)]
-    if any(len(pair) != 2 for pair in pairs):
-        raise ScenicError("value", "a dictionary is made of pairs of a key and a value")
-    scope.mode.budget.whole([key for key, _ in pairs])
-    return dict(pairs) | more
 
 
 def sorted_list(scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False) -> list:
@@ -154,28 +142,16 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
 # ------------------------------------------------------------ texts
 
 
-class Written(str):
-    """A text that Python writes inside a container as it is."""
-
-    __repr__ = str.__str__
-
-
-def written(dialect: int, value: Value, depth: int = 0) -> Value:
-    """Return what Python writes as this value is written, for all that is not random."""
-    if depth > DEEPEST:
-        raise exceeded("a text of collections that are nested too deeply")
+def written(dialect: int, value: Value) -> str:
+    """Return how a value that is not random is written inside a collection."""
     if isinstance(value, list | tuple):
-        return type(value)(written(dialect, element, depth + 1) for element in value)
-    if isinstance(value, dict):
-        return {written(dialect, key, depth + 1): written(dialect, part, depth + 1) for key, part in value.items()}
+        parts = ", ".join(written(dialect, part) for part in value)
+        return f"[{parts}]" if isinstance(value, list) else f"({parts}{',' * (len(value) == 1)})"
     if isinstance(value, Vector):
-        return Written(f"({value.x} @ {value.y})" if dialect == 2 else f"Vector({value.x}, {value.y}, 0)")
+        return f"({value.x} @ {value.y})" if dialect == 2 else f"Vector({value.x}, {value.y}, 0)"
     if isinstance(value, Instance):
-        return Written(value.title())
-    if isinstance(value, int | float | str | range | type(None)):
-        return value
-    named = isinstance(value, ScenicClass) or (isinstance(value, Builtin) and value.types)
-    return Written(f"<class '{value.name}'>" if named else describe_kind(value))
+        return value.title()
+    return repr(value) if isinstance(value, int | float | str | None) else describe_kind(value)
 
 
 @broadcasts_over_choices(1)
@@ -195,7 +171,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
         message = "there is no text of a collection or vector with random values, or values of a match"
         raise ScenicError("unsupported", message, hint="write them one by one")
     scope.mode.budget.whole(value)  # a part that is shared is written each time
-    text = str(written(scope.state.dialect, value))
+    text = written(scope.state.dialect, value)
     scope.mode.budget.text(len(text))
     return text
 
@@ -277,7 +253,6 @@ TYPES: tuple[Builtin, ...] = (
     typed(range, integer_range),
     typed(list, lambda scope, node, values=(): scope.elements(values, node), over_choices=True),
     typed(tuple, lambda scope, node, values=(): tuple(scope.elements(values, node)), over_choices=True),
-    typed(dict, make_dictionary),
 )
 PYTHON: dict[str, Value] = {
     **{each.name: each for each in TYPES},
@@ -298,6 +273,7 @@ PYTHON: dict[str, Value] = {
         {
             "write a list": "set iter",
             "write a tuple": "frozenset",
+            "write {key: value for ...}": "dict",
             "write items[0]": "next",
             "call the function of the base by a name of its own": "super",
             "write a property with a default": "property",

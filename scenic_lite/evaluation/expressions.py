@@ -12,7 +12,7 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
-from scenic_lite.core.scope import Scope, in_row
+from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import LazyValue, RandomChoice, broadcasts_over_choices, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import attribute, item_of
@@ -251,9 +251,10 @@ def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
 
 
 def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    alike = isinstance(left, list | tuple) and type(left) is type(right) and len(left) == len(right)
-    if alike and any(isinstance(part, PARTS) for part in (*left, *right)):
-        return part_by_part(scope, sign, left, right)
+    both = isinstance(left, list | tuple) and isinstance(right, list | tuple)
+    if both and any(isinstance(part, PARTS) for part in (*left, *right)):
+        message = "collections of random values, vectors or collections are not compared"
+        raise ScenicError("unsupported", message, hint="compare their elements one by one")
     if isinstance(left, Vector) and isinstance(right, Vector):
         same = apply(AND, apply(EQUAL, left.x, right.x), apply(EQUAL, left.y, right.y))
         return same if isinstance(sign, ast.Eq) else apply(NOT, same)
@@ -262,17 +263,6 @@ def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
         if len(kinds) > 1 and "any" not in kinds and not kinds <= {"truth", "number"}:
             return isinstance(sign, ast.NotEq)
     return apply(COMPARISONS[type(sign)], left, right)
-
-
-def part_by_part(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """Equality of two collections of the same length, with random parts."""
-    result: Value = True
-    for pair in zip(left, right, strict=True):
-        a, b = pair if scope.mode.row is None else (in_row(part, scope.mode.row) for part in pair)
-        scope.refuse_comparison(ast.Pass(), a, b)
-        same = True if a is b else equality(scope, ast.Eq(), a, b)
-        result = apply(AND, result, same)
-    return result if isinstance(sign, ast.Eq) else apply(NOT, result)
 
 
 @broadcasts_over_choices(3)

@@ -9,7 +9,7 @@ import ast
 import re
 from collections.abc import Callable, Iterator
 from itertools import groupby
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
 from scenic_lite.syntax import grammar
 from scenic_lite.syntax.cursor import LOAD, Cursor
@@ -23,8 +23,7 @@ _STRING = re.compile(r"(\w*)('''|\"\"\"|'|\")(.*)\2", re.DOTALL)
 _ESCAPE = re.compile(
     r"\\(?:[\n\\'\"abfnrtv]|[0-7]{1,3}|x[0-9a-fA-F]{,2}|u[0-9a-fA-F]{,4}|U[0-9a-fA-F]{,8}|N(?:\{[^{}]*\})?)"
 )
-# Of an f-string: text, or a field with a value and perhaps a format.
-_PIECE = re.compile(r"(?:[^{}]|\{\{|\}\})+|\{(?P<value>[^{}:!]+)(?::(?P<form>[^][{}()]*))?\}")
+_TEXT = re.compile(r"(?:[^{}]|\{\{|\}\})+")  # between the fields of an f-string
 
 
 def atom(c: Cursor, token: Token) -> ast.expr:
@@ -120,27 +119,35 @@ def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end:
     """Yield the texts and FormattedValues of an f-string, whose content is program[position:end]."""
     program = c.source.text
     while position < end:
-        piece = _PIECE.match(program, position, end)
-        if piece is None or (piece["value"] or "x").isspace():
-            bad_field(c, position, program[position:end])
-        position = piece.end()
-        if piece["value"] is None:
-            yield unescaped(c, token, raw, piece[0].replace("{{", "{").replace("}}", "}"))
+        if text := _TEXT.match(program, position, end):
+            position = text.end()
+            yield unescaped(c, token, raw, text[0].replace("{{", "{").replace("}}", "}"))
             continue
-        value = field_value(c, lex_part(c.source, *piece.span("value")))
-        form = c.at(start, ast.JoinedStr([c.at(start, ast.Constant(piece["form"]))])) if piece["form"] else None
-        yield c.at(start, ast.FormattedValue(value, -1, form))
+        line, column = c.source.line_and_column(position)
+        brace = Token("operator", program[position], line, column, line, column + 1)
+        if brace.text == "}":
+            c.fail('a single "}" in an f-string', 'write "}}" for the character', at=brace)
+        stop = end_of_value(program, position + 1, end)
+        closing = program.find("}", stop, end)
+        form = program[stop + 1 : closing]
+        if closing < 0:
+            c.fail('a "{" in an f-string is never closed', 'write "{{" for the character', at=brace)
+        if program[stop] == "!" or "{" in form or not program[position + 1 : stop].strip():
+            c.refuse("{", brace)
+        value = field_value(c, lex_part(c.source, position + 1, stop))
+        position = closing + 1
+        spec = c.at(start, ast.JoinedStr([c.at(start, ast.Constant(form))])) if form else None
+        yield c.at(start, ast.FormattedValue(value, -1, spec))
 
 
-def bad_field(c: Cursor, position: int, text: str) -> NoReturn:
-    """Report a brace of an f-string that begins no field."""
-    line, column = c.source.line_and_column(position)
-    token = Token("operator", text[0], line, column, line, column + 1)
-    if text[0] == "}":
-        c.fail('a single "}" in an f-string', 'write "}}" for the character', at=token)
-    if "}" not in text:
-        c.fail('a "{" in an f-string is never closed', 'write "{{" for the character', at=token)
-    c.refuse("{", token)
+def end_of_value(text: str, start: int, end: int) -> int:
+    """Return where the value in the field of an f-string ends: at a sign that stands in no brackets."""
+    depth = 0
+    for at in range(start, end):
+        if depth == 0 and text[at] in ":!}" and text[at : at + 2] != "!=":
+            return at
+        depth += (text[at] in "([{") - (text[at] in ")]}")
+    return end
 
 
 def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:

@@ -159,10 +159,7 @@ BITS = frozenset({"&", "|", "^", "<<", ">>", "~"})
 # Forms of Python that the language leaves out: the message, and what to write instead.
 REFUSED = {
     "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
-    "{": (
-        "a field of an f-string holds one value",
-        'write {value} or {value:.2f}; what has ":", "!" or {} needs a name',
-    ),
+    "{": ("the {} of an f-string holds a value and a plain format", 'write "{value}" or "{value:.2f}"'),
     "**": ("`**` before a value or parameter is not supported", "write each name"),
     "* parameter": ("a parameter behind `*` is not supported", "write it before"),
     ":=": ("`:=` is not supported", "assign on a line of its own"),
