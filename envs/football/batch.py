@@ -15,6 +15,7 @@ from envs.football.constants import IDLE, NO_FAULT, NOBODY
 from envs.football.control.agents import num_agents
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
+from envs.football.physics.motion import take_stance
 from envs.football.physics.variation import vary_engine
 from envs.football.scenic.scripted_step import agents_action, run_program_behaviors, run_program_monitors
 from envs.football.scenic.world_table import THE_BALL
@@ -171,8 +172,7 @@ def restart(batch, settings, index):
     batch.registers[index] = batch.start_registers[index]
     if not settings.deterministic:
         batch.matches[index].random = stream
-    vary_engine(batch.matches[index])
-    remember_minimap(batch, index, settings.observation)
+    begin_episode(batch, index, settings)
 
 
 @kernel
@@ -181,8 +181,15 @@ def begin(batch, where, settings):
     for index in where:
         batch.matches[index] = batch.starts[index]
         batch.registers[index] = batch.start_registers[index]
-        vary_engine(batch.matches[index])
-        remember_minimap(batch, index, settings.observation)
+        begin_episode(batch, index, settings)
+
+
+@kernel
+def begin_episode(batch, index, settings):
+    """Draw what differs from episode to episode: the engine, and in what movement the whistle finds everybody."""
+    vary_engine(batch.matches[index])
+    take_stance(batch.matches[index])
+    remember_minimap(batch, index, settings.observation)
 
 
 @kernel

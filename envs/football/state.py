@@ -89,6 +89,7 @@ PLAYER_FIELDS = (
     ("facing_x", "f8", (), "", "unit vector, where the body looks"),
     ("facing_y", "f8", (), "", ""),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
+    ("stance_wait", "f8", (), "s", "until the body leaves the stance in which the first whistle finds it"),
     ("tiredness", "f8", (), "", "0 fresh .. 0.99"),
     ("stride", "f8", (), "s", "since he last played the ball that he leads; negative until he does, going for it"),
     ("lunge_loss", "f8", (), "m/s", "by which going for that touch holds him back, or negative drives him on"),

@@ -11,9 +11,10 @@ from typing import NamedTuple
 from envs.football.constants import NOBODY, STEP
 from envs.football.physics.dribble import run_with_ball
 from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.running import BRAKING, run_free
-from envs.football.physics.vectors import toward
+from envs.football.physics.running import BRAKING, STANCE, run_free
+from envs.football.physics.vectors import apart, toward
 from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
 
 
 class Slide(NamedTuple):
@@ -43,8 +44,23 @@ SLIDE, TIRING = Slide(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 AT_REST = 0.3  # m/s
 AT_FEET = 0.8  # m from the body to a free ball
+BEFORE_HIM = 1.5  # m, the same at the first whistle: he sets himself to it,
+SETS_HIMSELF = 0.05  # s
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
+
+
+@kernel
+def take_stance(match):
+    """Let the first whistle find every body somewhere in its idle movement; who has the ball before him sets himself
+    to it first.
+    """
+    for i in range(match.num_players):
+        player = match.players[i]
+        player.stance_wait = STANCE * uniform(match)
+        if apart(player, match.ball) < BEFORE_HIM:
+            player.stance_wait += SETS_HIMSELF
+            player.touch_wait = player.stance_wait
 
 
 @kernel
@@ -59,10 +75,11 @@ def plan_motion(match, i):
     elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
     else:
-        ready = int(player.turning == 0 and at_free_ball(match, player))
+        ready = int(player.turning == 0 and player.stance_wait == 0.0 and at_free_ball(match, player))
         player.turning += ready
         vx, vy = run_free(player, speed)
         player.turning -= min(ready, player.turning)
+    player.stance_wait = max(player.stance_wait - STEP, 0.0)
     player.vx, player.vy = vx, vy
     player.tiredness = min(
         player.tiredness + max(TIRING.per_metre - TIRING.fast * speed, 0.0) * speed * STEP, TIRING.most

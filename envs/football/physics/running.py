@@ -40,11 +40,12 @@ class Start(NamedTuple):
 # Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
 BRAKING, START = Braking(), Start()
 # Share of full effort in the steps since command and velocity differ: the body's lag.
-LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # who stands is under way a step later
+LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # who stands is under way a step later: STANCE / 2, in steps
 LAG_SLOW = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
+STANCE = 0.25  # s, the idle movement that a body ends before it starts; it stands anywhere in it at the first whistle
 READY = 4  # "turning" of a body that already answers: no lag
 # Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
 # rounding, which differs between directions, must not decide which of them holds.
@@ -64,7 +65,7 @@ def run_free(player, speed):
         player.turning = 0
         effort = 1.0
     else:
-        effort = lagging(effort_now(player.turning, speed), player.start_lag)
+        effort = lagging(effort_now(player, speed), player.start_lag)
         player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
@@ -84,9 +85,11 @@ def straight(player, speed):
 
 
 @kernel
-def effort_now(steps, speed):
-    """Return the share of full effort after so many steps of turning."""
-    steps = min(steps, 3)
+def effort_now(player, speed):
+    """Return the share of full effort with which a body answers in this step."""
+    steps = min(player.turning, 3)
+    if player.stance_wait > 0.0:
+        return max(1.0 - player.stance_wait / STEP, 0.0)
     if speed < UNDER_WAY:
         return LAG_FROM_REST[steps]
     if speed < BRAKING.slow:
