@@ -59,8 +59,8 @@ def test_the_first_whistle_finds_bodies_anywhere_in_their_idle_movement() -> Non
         run.append(np.abs(env.matches["players"]["x"][:, 0] - start))
     assert set(touched) <= {2, 3, 4, 5, 6} and {3, 4, 5} <= set(touched)
     assert touched.mean() == pytest.approx(3.75, abs=0.25)
-    assert np.mean(run[3]) == pytest.approx(0.62, abs=0.15)
-    assert np.std(run, axis=1)[[3, 7, 11]] == pytest.approx([0.26, 0.40, 0.49], abs=0.1)
+    assert np.mean(run[3]) == pytest.approx(0.62, abs=0.2)
+    assert np.std(run, axis=1)[[3, 7, 11]] == pytest.approx([0.26, 0.40, 0.49], abs=0.12)
 
 
 def test_keepers_run_up_to_their_high_line_at_a_sprint_after_a_step() -> None:
