@@ -168,19 +168,25 @@ def close_row(batch, outcome, seen, final, settings, index):
 def restart(batch, settings, index):
     """Start the next episode on the same level; its random stream goes on where the last one stopped."""
     stream = batch.matches[index].random
-    batch.matches[index] = batch.starts[index]
-    batch.registers[index] = batch.start_registers[index]
+    put_at_start(batch, index)
     if not settings.deterministic:
         batch.matches[index].random = stream
     begin_episode(batch, index, settings)
 
 
 @kernel
+def put_at_start(batch, index):
+    """Make match number `index` what it starts from."""
+    batch.matches[index] = batch.starts[index]
+    for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
+        batch.registers[index, register] = batch.start_registers[index, register]
+
+
+@kernel
 def begin(batch, where, settings):
     """Put the matches `where` (indices `[k]`) at their start."""
     for index in where:
-        batch.matches[index] = batch.starts[index]
-        batch.registers[index] = batch.start_registers[index]
+        put_at_start(batch, index)
         begin_episode(batch, index, settings)
 
 

@@ -183,13 +183,18 @@ def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
     played.clear()
 
 
-@kernel
-def draw_seeds(matches, where):
+def draw_seeds(matches: np.ndarray, where: np.ndarray) -> np.ndarray:
     """Draw a seed for the engine from each match's stream: `[k]` int64."""
     seeds = np.zeros(len(where), np.int64)
+    write_seeds(matches, where, seeds)
+    return seeds
+
+
+@kernel
+def write_seeds(matches, where, seeds):
+    """Draw a seed from the stream of each of the matches `where` [k] into `seeds` [k]."""
     for at in range(len(where)):
         seeds[at] = int(uniform(matches[where[at]]) * SEEDS)
-    return seeds
 
 
 @kernel

@@ -29,6 +29,7 @@ PACKAGES = ("scenic_lite", "envs")
 KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
 # Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
+OPTIONS = {"error_model": "numpy", "_nrt": False}  # the latter: without Numba's counting of references
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
 KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
 
@@ -39,7 +40,8 @@ _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))
 def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
     """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
 
-    Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in C.
+    Kernels make no arrays: so they need not count references to those that they are handed, which would cost them a
+    tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in C.
     With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
     """
 
@@ -59,10 +61,10 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
 def _dispatcher(function: Callable, parallel: bool) -> Any:
     """Return the function as Numba's own dispatcher, or as a `Kernel` where its inside is known."""
     if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
-        return numba.njit(cache=True, error_model="numpy", parallel=parallel)(function)
+        return numba.njit(cache=True, parallel=parallel, **OPTIONS)(function)
     from scenic_lite.kernels.numba_linking import Kernel
 
-    made = Kernel(function, {"nopython": True, "error_model": "numpy", "parallel": parallel})
+    made = Kernel(function, {"nopython": True, "parallel": parallel, **OPTIONS})
     made.enable_caching()
     return made
 

@@ -183,8 +183,13 @@ def normal_quantile(uniform: Any) -> Any:
     centred = uniform - 0.5
     inner = centred * rational(0.180625 - centred * centred, CENTRE)
     tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
-    outer = np.where(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
-    return np.where(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+    outer = either(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
+    return either(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+
+
+def either(condition: Any, first: Any, second: Any) -> Any:
+    """Return elementwise one or the other; the machine has its own for numbers."""
+    return np.where(condition, first, second)
 
 
 def rational(x: Any, coefficients: tuple[Sequence[float], Sequence[float]]) -> Any:

@@ -134,7 +134,8 @@ def must_move(player, rival):
 def guard_share(match, player):
     """Return how much a player guards whom he marks, 0 to 1: the more the less of the ball his team has."""
     attacker = MINDSET[match.players[player.post].role]
-    return min(max(GUARD.most[LINE[player.role]] - attacker - match.hold[player.team], 0.0), 1.0) ** GUARD.curve
+    share = GUARD.most[LINE[player.role]] - attacker - match.hold[player.team]
+    return share**GUARD.curve if 0.0 < share < 1.0 else min(max(share, 0.0), 1.0)
 
 
 @kernel

@@ -188,10 +188,13 @@ def block(match, team, role, attacking, ball_u, ball_v):
 @kernel
 def stretched(slot_x, attacking, ball_u):
     """Return a slot's depth: the middle ones are stretched towards where the team needs them."""
+    near_middle = 1.0 - abs(1.2 * slot_x)
+    if near_middle <= 0.0:
+        return slot_x
     ball = between(ball_u / HALF_LENGTH, -BLOCK.stretch_half, BLOCK.stretch_half)
     middle = blend(ATTACK.midfield, DEFENCE.midfield, attacking)
     middle += BLOCK.stretch_ball * (ball - middle)
-    share = BLOCK.stretch * smooth(max(1.0 - abs(1.2 * slot_x), 0.0), 1.0)
+    share = BLOCK.stretch * smooth(near_middle, 1.0)
     return slot_x + share * (2.0 * middle - 1.0 - slot_x)
 
 
@@ -222,7 +225,9 @@ def close_up_strength(attacking, ball_u):
     back.
     """
     side = 0.3 + 0.7 * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
-    share = blend(side**0.8, (1.0 - side) ** 0.6, attacking)
+    attack = side**0.8 if attacking > 0.0 else 0.0  # powers are dear, and mostly one of them counts
+    defence = (1.0 - side) ** 0.6 if attacking < 1.0 else 0.0
+    share = blend(attack, defence, attacking)
     share = CLOSE_UP.least + (1.0 - CLOSE_UP.least) * share
     return share * blend(ATTACK.close_up, DEFENCE.close_up, attacking)
 
@@ -232,7 +237,8 @@ def exchange_posts(match, on_ball):
     """Let every two mates exchange their slots if that shortens their ways (their squares, so that no way is long)."""
     for i in range(match.num_players):
         player = match.players[i]
-        player.slot_place_x, player.slot_place_y = post_place(match, player, i, on_ball)
+        if player.role != GK:
+            player.slot_place_x, player.slot_place_y = post_place(match, player, i, on_ball)
     for i in range(1, match.num_players):
         a = match.players[i]
         if a.role == GK or a.has_left:

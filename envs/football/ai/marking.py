@@ -131,11 +131,11 @@ def marking_quality(player, rival):
 
 @kernel
 def choose_hunters(match):
-    """Find each team's two players nearest to the opponent on the ball: they alone may hunt him."""
+    """Find the two players nearest to the opponent on the ball, of a team that is not: they alone may hunt him."""
     for team in (LEFT, RIGHT):
         match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
         on_ball = man_on_ball(match, 1 - team)
-        if on_ball != NOBODY:
+        if on_ball != NOBODY and match.team_in_possession != team:
             find_nearest_two(match, team, match.players[on_ball])
 
 

@@ -71,9 +71,10 @@ def choose_place(match, i):
 def own_place(match, i, first):
     """Return the place of player i's slot: near the ball of the one that he has for now, far off of his own."""
     player = match.players[i]
-    share = smooth(OWN.share[LINE[player.role]] * between(apart(player, match.players[first]), OWN.near, OWN.far), 1.0)
-    if player.post == i or share == 0.0:
+    far = between(apart(player, match.players[first]), OWN.near, OWN.far)
+    if player.post == i or far == 0.0:
         return post_place(match, player, player.post, first)
+    share = smooth(OWN.share[LINE[player.role]] * far, 1.0)
     x, y = post_place(match, player, i, first)
     if share < 1.0:
         post_x, post_y = post_place(match, player, player.post, first)

@@ -54,7 +54,9 @@ def head_for(match, player, x, y, rival):
     """Want to be at (x, y), with the effort that this and the distance to the opponent `rival` on the ball need."""
     dx, dy = x - player.x, y - player.y
     desired = EFFORT.urgency * math.sqrt(dx * dx + dy * dy)
-    go(player, dx, dy, gait_speed(player, lazy_speed(match, player, desired, rival)))
+    if desired >= GAIT_CHOICE.stands:
+        desired = lazy_speed(match, player, desired, rival)
+    go(player, dx, dy, gait_speed(player, desired))
 
 
 @kernel
@@ -71,6 +73,8 @@ def lazy_speed(match, player, desired, rival):
     speed *= 1.0 - lazy
     if desired >= DRIBBLE_SPEED:
         speed = max(speed, DRIBBLE_SPEED)
+    if speed <= EFFORT.sprint * (1.0 - lazy):
+        return speed  # for which anybody has breath enough
     breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
     return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 

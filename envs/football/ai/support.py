@@ -71,6 +71,7 @@ class Run(NamedTuple):
 FORCES, RUN = Forces(), Run()
 SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # hold above 0.5: from and to where the forces lead each line
 RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push
+LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's push
 BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's way pushes
 ONSIDE, ONSIDE_LEAD = 0.08, 0.24  # m before the line; s by which defenders are led
 RUNS_EVERY, HELPER_EVERY = 5, 15  # steps
@@ -148,7 +149,7 @@ def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
         ahead = forward(player.team)
         lane_y = -ahead * (FORCES.lane_aside if ahead * carrier_y >= 0.0 else -FORCES.lane_aside)
         near = 1.0 - between(abs(lane_y - at_y), 0.0, FORCES.lane_width)
-        push = FORCES.lane * smooth(near, 1.0) * attacker**1.5
+        push = FORCES.lane * smooth(near, 1.0) * LANE_SHARE[match.players[player.post].role]
     dx, dy = x + forward(player.team) * push - at_x, y - at_y
     far = min(length(dx, dy) / FORCES.slot_far, 1.0)
     return pulled(dx, dy, FORCES.slot * (FORCES.slot_near + (1.0 - FORCES.slot_near) * far))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, LONG_PASS, NOBODY, SHOT, SLIDING, STEP
 from envs.football.physics.possession import CHASE, ball_speed, meeting_time, owns
-from envs.football.physics.vectors import apart
+from envs.football.physics.vectors import squared_apart
 from scenic_lite.kernels.jit import kernel
 
 
@@ -102,29 +102,43 @@ def is_passed_to(match, team):
 @kernel
 def designate(match, team, active):
     """Choose whom the team designates: who is soonest at the ball, but only if clearly sooner than the present one."""
-    speed, best = ball_speed(match.ball), NOBODY
-    soonest, opponents = math.inf, math.inf
-    for i in range(match.num_players):
-        player = match.players[i]
-        limit = soonest if player.team == team else opponents
-        if player.has_left or apart(match.ball, player) > (CHASE.speed + speed) * limit:
-            continue  # too far away even if the ball rolled towards him
-        time = time_to_ball(match, player, speed)
-        if player.team != team:
-            opponents = min(opponents, time)
-        elif time < soonest or (time == soonest and player.order < match.players[best].order):
-            best, soonest = i, time
-    present = match.designated[team]
-    if present == NOBODY or match.players[present].has_left:
+    speed, present = ball_speed(match.ball), match.designated[team]
+    is_there = present != NOBODY and not match.players[present].has_left
+    best, soonest = first_of_team(match, team, present if is_there else NOBODY, speed)
+    if not is_there:
         match.designated[team] = best
     elif best != present:
         time = time_to_ball(match, match.players[present], speed)
         rating = (soonest + DESIGNATION.patience) / (time + DESIGNATION.patience)
         rating *= standing(match, best, active) / standing(match, present, active)
-        if best != active and time < opponents - DESIGNATION.ahead:
-            rating = DESIGNATION.ahead_times * (rating + DESIGNATION.ahead_more)
+        if best != active:
+            _, opponents = first_of_team(match, 1 - team, match.chaser[1 - team], speed)
+            if time < opponents - DESIGNATION.ahead:
+                rating = DESIGNATION.ahead_times * (rating + DESIGNATION.ahead_more)
         if rating < DESIGNATION.rating:
             match.designated[team] = best
+
+
+@kernel
+def first_of_team(match, team, likely, speed):
+    """Return the player of `team` who is soonest at the ball, -1 none, and in how many s.
+
+    The `likely` one, -1 for none, is tried first: then most of the others are seen to be too far away.
+    """
+    best, soonest = likely, math.inf
+    if likely != NOBODY:
+        soonest = time_to_ball(match, match.players[likely], speed)
+    for i in range(match.num_players):
+        player = match.players[i]
+        reach = (CHASE.speed + speed) * soonest  # m, of who could be as soon if the ball rolled towards him
+        if i == likely or player.team != team or player.has_left:
+            continue
+        if squared_apart(player, match.ball.x, match.ball.y) > reach * reach:
+            continue
+        time = time_to_ball(match, player, speed)
+        if time < soonest or (time == soonest and player.order < match.players[best].order):
+            best, soonest = i, time
+    return best, soonest
 
 
 @kernel

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from envs.football.physics.ball import AIR, rolled
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.vectors import apart, length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
 
@@ -86,18 +86,30 @@ def meeting_time(match, player, speed):
 @kernel
 def find_chasers(match):
     """Find for each team the player who can be first at the ball, the carrier or by meeting time, and how soon."""
-    for team in (LEFT, RIGHT):
-        match.chaser[team], match.arrival[team] = NOBODY, NEVER
     speed = ball_speed(match.ball)
+    for team in (LEFT, RIGHT):
+        last = match.chaser[team]
+        match.chaser[team], match.arrival[team] = NOBODY, NEVER
+        if last != NOBODY:
+            consider_chaser(match, last, speed)  # who mostly still is: then all the others are seen to be too far away
     for i in range(match.num_players):
-        player = match.players[i]
-        time = 0.0
-        if match.carrier != i:
-            if apart(match.ball, player) > (CHASE.speed + speed) * match.arrival[player.team]:
-                continue  # too far away even if the ball rolled towards him
-            time = meeting_time(match, player, speed) + player.down_wait
-        if time < match.arrival[player.team] or match.carrier == i:
-            match.chaser[player.team], match.arrival[player.team] = i, time
+        consider_chaser(match, i, speed)
+
+
+@kernel
+def consider_chaser(match, i, speed):
+    """Make player i his team's chaser if he is sooner at the ball, which rolls at `speed` m/s, than who is so far."""
+    player = match.players[i]
+    chaser, soonest = match.chaser[player.team], match.arrival[player.team]
+    if match.carrier == i:
+        match.chaser[player.team], match.arrival[player.team] = i, 0.0
+        return
+    reach = (CHASE.speed + speed) * soonest
+    if squared_apart(player, match.ball.x, match.ball.y) > reach * reach:
+        return  # too far away even if the ball rolled towards him
+    time = meeting_time(match, player, speed) + player.down_wait
+    if time < soonest or (time == soonest and i < chaser):
+        match.chaser[player.team], match.arrival[player.team] = i, time
 
 
 @kernel

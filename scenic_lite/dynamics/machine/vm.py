@@ -243,7 +243,7 @@ def computed(code, registers, opcode, b, c):
     if opcode == op.IN_RINGS:
         return (1.0 if in_rings(registers, code.lists, c) else 0.0), True
     if opcode == op.QUANTILE:
-        return quantile(x)[()], True  # an array without axes, as of all that asks `np.where`
+        return float(quantile(x)), True
     return 0.0, False
 
 

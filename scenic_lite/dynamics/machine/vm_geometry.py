@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
 
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.values import formulas
@@ -21,6 +21,12 @@ in_rectangle = kernel(formulas.in_rectangle)
 rectangles_meet = kernel(formulas.rectangles_meet)
 sector_meets_rectangle = kernel(formulas.sector_meets_rectangle)
 quantile = kernel(formulas.normal_quantile)
+
+
+@overload(formulas.either)
+def either(condition, first, second):
+    """Choose between two numbers: `np.where` would make an array, which kernels must not."""
+    return lambda condition, first, second: first if condition else second
 
 
 @kernel
