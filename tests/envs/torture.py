@@ -316,7 +316,8 @@ def torment(matches, starts, befores, styles, actions, steps, played):
                 styles[e] = int(STYLES * uniform(match))
             choose_actions(match, styles[e], actions[e])
             if match.num_agents[0] + match.num_agents[1] > 0:
-                actions[e] = actions[e] % 19  # agents have no built-in AI's action, and cannot stand
+                for i in range(actions.shape[1]):
+                    actions[e, i] %= 19  # agents have no built-in AI's action, and cannot stand
             if uniform(match) < 0.001:
                 foul_at_random(match)
             befores[e] = match
