@@ -29,7 +29,7 @@ PACKAGES = ("scenic_lite", "envs")
 KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
 # Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
-OPTIONS = {"error_model": "numpy", "_nrt": False}  # the latter: without Numba's counting of references
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # the latter: without Numba's counting of references
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
 KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
 
@@ -41,8 +41,8 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
     """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
 
     Kernels make no arrays: so they need not count references to those that they are handed, which would cost them a
-    tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in C.
-    With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
+    tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in
+    C. With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
     """
 
     def decorate(undecorated: Callable) -> Any:
