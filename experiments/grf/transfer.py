@@ -64,9 +64,8 @@ class Result:
     policy: str
     ours: dict[str, Any]
     grf: dict[str, Any]
-    leaves_ours: dict[str, Any]  # a Leaving, as are the others
-    leaves_training_ours: dict[str, Any]
-    leaves_training_grf: dict[str, Any]
+    leaves_ours: dict[str, Any]  # a Leaving, as is the other
+    leaves_training: dict[str, Any]
 
     @property
     def engines(self) -> dict[str, dict[str, Any]]:
@@ -93,19 +92,23 @@ class Played:
             "ours": summary(self.ours, self.roster),
             "grf": summary(self.grf, self.roster),
             "leaves_ours": asdict(self.leaves_ours()),
-            "leaves_training_ours": asdict(self.leaves_training(self.ours)),
-            "leaves_training_grf": asdict(self.leaves_training(self.grf)),
+            "leaves_training": asdict(self.leaves_training()),
         }
 
     def leaves_ours(self) -> Leaving:
         """When features leave what they are in our episodes."""
+        return leaving(self._outside_ours(), self.names)
+
+    def leaves_training(self) -> Leaving:
+        """When they also are FAR standard deviations from their mean in training."""
+        far = np.abs(self.grf.observations - self.mean) > FAR * self.deviation
+        return leaving(far & self._outside_ours(), self.names)
+
+    def _outside_ours(self) -> np.ndarray:
+        """Return which features of the engine's episodes are outside, `[E, T, F]`."""
         seen = self.ours.observations.reshape(-1, len(self.unit))
         low, high = np.nanmin(seen, 0) - SLACK * self.unit, np.nanmax(seen, 0) + SLACK * self.unit
-        return leaving((self.grf.observations < low) | (self.grf.observations > high), self.names)
-
-    def leaves_training(self, episodes: Episodes) -> Leaving:
-        """When features are FAR standard deviations from their mean in training."""
-        return leaving(np.abs(episodes.observations - self.mean) > FAR * self.deviation, self.names)
+        return (self.grf.observations < low) | (self.grf.observations > high)
 
 
 def leaving(outside: Any, names: Sequence[str]) -> Leaving:
@@ -176,7 +179,7 @@ class BothEngines:
         self._stack = ExitStack()
         engines = (
             EngineConfig(engine="regista").instead_of(config.env),
-            plan.other.instead_of(replace(config.env, engine="grf")),
+            replace(plan.other, engine=plan.other.engine or "grf").instead_of(config.env),
         )
         self.envs = [self._make(program, env, count) for env, count in zip(engines, plan.episodes, strict=True)]
         space = self.envs[0].single_observation_space

@@ -141,7 +141,7 @@ def details(each: Result) -> str:
             f"{each.run}, {each.policy}",
             f"  keys, ours (grf): {keys}",
             f"  features leave what ours shows: {Leaving(**each.leaves_ours).line()}",
-            f"  features leave what training showed: {Leaving(**each.leaves_training_grf).line()}",
+            f"  and what training showed, too: {Leaving(**each.leaves_training).line()}",
             *(f"  goals, {engine}: {goals.line(numbers['goals_from'])}" for engine, numbers in each.engines.items()),
         ]
     )

@@ -12,6 +12,7 @@ from tests.envs.grf.fixtures import fake_python
 
 GAMES = ["academy/pass_and_shoot_with_keeper", "1v1Restricted"]
 SHORT = ["--total-env-steps", "32", "--num-envs", "4", "--num-steps", "8", "--episodes", "3", "--grf-episodes", "2"]
+SPREAD = ["--engine-spread", "0.15"]  # of our simulator alone
 
 
 @pytest.fixture
@@ -25,7 +26,7 @@ def words(monkeypatch, tmp_path):
     monkeypatch.setattr(study, "train_all", train_all)
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     few = ["--seeds", "1", "--representations", "features"]
-    return ["study", "transfer", "--games", *GAMES, *few, *SHORT, "--out", str(tmp_path / "out")]
+    return ["study", "transfer", "--games", *GAMES, *few, *SHORT, *SPREAD, "--out", str(tmp_path / "out")]
 
 
 def test_a_study_trains_plays_and_tabulates_and_keeps_what_is_there(words, capsys, tmp_path):
