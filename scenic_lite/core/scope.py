@@ -49,7 +49,7 @@ class Scope(Environment):
     def at(mode: Mode, environment: Environment) -> Scope:
         """Return the same names in a mode."""
         scope = Scope(mode, environment.source, environment.locals, environment.outer)
-        scope.globals, scope.assigned = environment.globals, environment.assigned
+        scope.assigned = environment.assigned
         return scope
 
     def requiring(self) -> Scope:
@@ -187,8 +187,6 @@ class Scope(Environment):
     def lookup(self, name: str) -> Value:
         """Return the value of a name. Raises ScenicError of kind `name` with the nearest spelling."""
         for at in self.outwards():
-            if name in at.globals:
-                break
             if name in at.locals:
                 return at.locals[name]
             if name in at.assigned:
@@ -206,7 +204,7 @@ class Scope(Environment):
         return [*self.handlers.builtins, "ego", "workspace", *(name for at in self.outwards() for name in at.locals)]
 
     def assign(self, name: str, value: Value) -> None:
-        self.names_of(name)[name] = value
+        self.locals[name] = value
         name_draws(name, value)
 
 

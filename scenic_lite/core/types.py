@@ -44,13 +44,12 @@ class Source:
 class Environment:
     """The variables of one module, function, comprehension or class body, inside those around it."""
 
-    __slots__ = ("assigned", "globals", "locals", "module_names", "outer", "source")
+    __slots__ = ("assigned", "locals", "module_names", "outer", "source")
 
     def __init__(self, source: Source, names: dict[str, Value], outer: Environment | None = None) -> None:
         self.source = source
         self.locals = names
         self.outer = outer
-        self.globals: set[str] = set()  # declared `global` here
         self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
@@ -60,10 +59,6 @@ class Environment:
         while at is not None:
             yield at
             at = at.outer
-
-    def names_of(self, name: str) -> dict[str, Value]:
-        """Return where an assignment to the name goes."""
-        return self.module_names if name in self.globals else self.locals
 
     def place(self, node: ast.AST) -> SourceSpan:
         if not isinstance(node, ast.expr | ast.stmt):

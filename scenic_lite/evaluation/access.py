@@ -236,24 +236,18 @@ def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
 
 
 def unpack(scope: Scope, target: ast.expr, value: Value) -> None:
-    """Assign to a target, or to several at once: `a, (b, *c) = value`."""
+    """Assign to a target, or to several at once: `a, (b, c) = value`."""
     if not isinstance(target, ast.Tuple | ast.List):
         write(scope, target, *located(scope, target), value)
         return
     for part, item in zip(target.elts, spread(scope, target, scope.elements(value, target)), strict=True):
-        unpack(scope, part.value if isinstance(part, ast.Starred) else part, item)
+        unpack(scope, part, item)
 
 
 def spread(scope: Scope, target: ast.Tuple | ast.List, items: list[Value]) -> list[Value]:
-    """Return one value for each of several targets; what stands behind a star takes those that are left."""
-    count = len(target.elts)
-    star = next((i for i, each in enumerate(target.elts) if isinstance(each, ast.Starred)), None)
-    if star is not None and len(items) >= count - 1:
-        after = len(items) - (count - star - 1)
-        items = [*items[:star], items[star:after], *items[after:]]
-    if len(items) != count:
-        least = "" if star is None else "at least "
-        raise scope.error("value", f"{len(items)} values for {least}{count - bool(least)} names", target)
+    """Return one value for each of several targets."""
+    if len(items) != len(target.elts):
+        raise scope.error("value", f"{len(items)} values for {len(target.elts)} names", target)
     return items
 
 

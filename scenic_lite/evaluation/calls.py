@@ -214,19 +214,16 @@ def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
 def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
     """Return the names that a function makes its own by assigning them."""
     names: set[str] = set()
-    elsewhere: set[str] = set(TRACKED_NAMES)
     pending: list[ast.AST] = list(body)
     while pending:
         node = pending.pop()
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             names.add(node.id)
-        elif isinstance(node, ast.Global):
-            elsewhere.update(node.names)
         elif isinstance(node, NAMING) and node.name:
             names.add(node.name)
         if not isinstance(node, OWN_SCOPES):
             pending.extend(ast.iter_child_nodes(node))
-    return frozenset(names - elsewhere)
+    return frozenset(names.difference(TRACKED_NAMES))
 
 
 def new(scope: Scope, node: nodes.New) -> Value:

@@ -132,10 +132,6 @@ def nothing(scope: Scope, node: ast.AST) -> None:
     """`pass`; and `simulator ...`, which names a program of another installation."""
 
 
-def declare_global(scope: Scope, node: ast.Global) -> None:
-    scope.globals.update(node.names)
-
-
 def check_assertion(scope: Scope, node: ast.Assert) -> None:
     if not scope.truth(node.test):
         message = "" if node.msg is None else f": {text_of(scope, scope.value(node.msg))}"
@@ -289,7 +285,6 @@ STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.Continue: continue_loop,
     ast.Return: return_value,
     ast.Pass: nothing,
-    ast.Global: declare_global,
     ast.FunctionDef: define_function,
     ast.ClassDef: define_class,
     nodes.Behavior: define_behavior,

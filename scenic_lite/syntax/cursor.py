@@ -155,13 +155,13 @@ class Cursor:
 
     def stored(self, target: ast.expr) -> ast.expr:
         """Turn what was read as a value into what is assigned to."""
-        if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Starred | ast.Tuple | ast.List):
+        if isinstance(target, ast.Starred):
+            self.refuse("* variable", target)
+        if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Tuple | ast.List):
             self.fail(f"cannot assign to {kind_of(target)}", at=target)
         target.ctx = STORE
         for part in target.elts if isinstance(target, ast.Tuple | ast.List) else ():
             self.stored(part)
-        if isinstance(target, ast.Starred):
-            self.stored(target.value)
         return target
 
     def deeper(self) -> None:

@@ -206,11 +206,6 @@ def dotted_name(c: Cursor, what: str) -> str:
     return ".".join(parts)
 
 
-def variables(c: Cursor) -> list[str]:
-    """Read `name, name, ...`."""
-    return [token.text for token in listed(c, lambda c: c.name("a variable"))]
-
-
 def refused(c: Cursor, start: Token) -> NoReturn:
     """Refuse a statement of Python that the language leaves out."""
     c.refuse(start.text, start)
@@ -344,10 +339,9 @@ SIMPLE = {
     "continue": Rule(lambda c, start: ast.Continue()),
     "return": Rule(lambda c, start: ast.Return(None if c.ends_statement() else expressions.row(c))),
     "assert": Rule(lambda c, start: ast.Assert(condition(c), c.expression() if c.accept(",") else None)),
-    "global": Rule(lambda c, start: ast.Global(variables(c))),
     "import": Rule(import_statement),
     "from": Rule(import_from_statement),
-    **dict.fromkeys(("raise", "yield", "async", "del", "nonlocal"), Rule(refused)),
+    **dict.fromkeys(("raise", "yield", "async", "del", "global", "nonlocal"), Rule(refused)),
     **dict.fromkeys(("elif", "else", "except", "finally", "in", "is", "and", "or", "as"), Rule(misplaced)),
 }
 BLOCKS = {

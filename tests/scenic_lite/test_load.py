@@ -50,8 +50,7 @@ def test_arguments_that_mean_nothing(wrong):
 def folder(tmp_path):
     """A program's folder with modules, and packages in it."""
     files = {
-        "shop.scenic": "param shared = 3\nsize = 4\n_own = 1\ncount = 0\n"
-        "def bump():\n    global count\n    count += 1\n    return count\n",
+        "shop.scenic": "param shared = 3\nsize = 4\n_own = 1\ncount = 0\ndef bump():\n    return count + 1\n",
         "world.scenic": "param time = 12, sky = 'grey'\nkind = 'world'\n",
         "other.scenic": "param time = 13\nkind = 'other'\n",
         "hero.scenic": "ego = new Object at 40 @ 0\n",
@@ -72,7 +71,7 @@ def params_of(folder, text, **arguments):
 
 
 MODULES = [
-    ("from shop import *\nimport shop\nshop.bump()\nparam value = (size, count, shop.count)", (4, 0, 1)),
+    ("from shop import *\nimport shop\nparam value = (size, count, shop.bump())", (4, 0, 1)),
     ("import shop\nshop.count = 5\nparam value = shop.bump()", 6),
     ("import pack.one as one\nfrom pack.sub.two import deep as d\nparam value = (one.one, d)", (20, 10)),
     ("model world\nparam value = (kind, globalParameters.time)", ("world", 12)),

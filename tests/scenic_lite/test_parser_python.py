@@ -26,7 +26,16 @@ WORDS = ("to", "at", "on", "of", "by", "new", "do", "until", "require")
 # Python's forms that the language leaves out.
 LEFT_OUT = (
     *(ast.Match, ast.Try, ast.TryStar, ast.Raise, ast.Yield, ast.YieldFrom, ast.Await, ast.With, ast.Set, ast.SetComp),
-    *(ast.AsyncFunctionDef, ast.AsyncFor, ast.AsyncWith, ast.Delete, ast.Nonlocal, ast.NamedExpr, ast.AnnAssign),
+    *(
+        ast.AsyncFunctionDef,
+        ast.AsyncFor,
+        ast.AsyncWith,
+        ast.Delete,
+        ast.Nonlocal,
+        ast.NamedExpr,
+        ast.AnnAssign,
+        ast.Global,
+    ),
     *(ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift, ast.Invert),
 )
 
@@ -43,6 +52,8 @@ def is_left_out(node):
         return bool(node.posonlyargs or node.kwonlyargs or node.kwarg)
     if isinstance(node, ast.keyword):
         return node.arg is None
+    if isinstance(node, ast.Starred):
+        return isinstance(node.ctx, ast.Store)
     if isinstance(node, ast.ImportFrom):
         return node.level > 0
     if isinstance(node, ast.Dict):
@@ -136,11 +147,11 @@ SNIPPETS = [
     "x = f''; y = f'a' 'b'; z = 'a' u'b'; w = u'a' 'b'\n",
     "f(x for x in y); f(*a, b, *c, d=1); f(a, (x for x in y))\n",
     "a[1], a[1:2], a[::3], a[1:2, 3], a[:, 1], a[*b]\n",
-    "x = y = z, = 1,\n*a, b = c\n(x) = 1\n",
+    "x = y = z, = 1,\na, b = c\n(x) = 1\n",
     "if n > 5 and not m or 1 < 2 <= 3 != 4 is not 5 not in 6: pass\nelif a: b\nelif c: d\nelse: e\n",
-    "for i, *j in a, *b: break\nelse: continue\n",
+    "for i, j in a, *b: break\nelse: continue\n",
     "while 1: pass\nelse: pass\n",
-    "global x, y\nassert a, b\n",
+    "assert a, b\n",
     "from b.c import (d as e, f,)\nimport a.b as c, d\nfrom a import *\n",
     "class E(F, *g, metaclass=H):\n  'doc'\n  x: int\n",
     "{}; {1: 2, 3: 4,}; {i: j for i, j in k if l if m}; [*a, b]; (a,); ()\n",

@@ -82,9 +82,7 @@ class CompiledScope(Scope):
             super().run((node,))
 
     def assign(self, name: str, value: Value) -> None:
-        """Assign a variable. Raises ScenicError for one that is not the behavior's or function's own."""
-        if name in self.globals:
-            raise ScenicError("unsupported", f"a match cannot change '{name}', which is not of this {OWN}", hint=SHARED)
+        """Assign a variable of the behavior or function."""
         self.unset.discard(name)
         variable = self.variables.get(name)
         if variable is None:

@@ -74,7 +74,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
         parts = spread(scope, target, elements(c, scope, value, target))
         parts = [snapshot(c.code, each) for each in parts]  # `a, b = b, a`
         for each, part in zip(target.elts, parts, strict=True):
-            bind(c, scope, each.value if isinstance(each, ast.Starred) else each, part)
+            bind(c, scope, each, part)
     elif isinstance(target, ast.Attribute):
         set_attribute(c, scope, target, scope.value(target.value), value)
     elif isinstance(target, ast.Subscript):
@@ -331,7 +331,7 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
     elif isinstance(target, ast.Tuple | ast.List):
         for each in target.elts:
             yield from base_names(each)
-    elif isinstance(target, ast.Starred | ast.Subscript):
+    elif isinstance(target, ast.Subscript):
         yield from base_names(target.value)
 
 

@@ -238,7 +238,7 @@ behavior Main(n=2):
     scores = {mate: 1, foe: 2}
     for i, (o, s) in enumerate(scores.items()):
         take f"{i} {s} {o.position.x:.4g}"
-    a, *rest = [1, 2, 3]
+    a, b, c = [1, 2, 3]
     words = ["x", "y", "z"]
     for w in words:
         if w == 'y': continue

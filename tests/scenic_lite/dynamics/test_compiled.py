@@ -255,10 +255,6 @@ REFUSED = {
         "behavior Main():\n    seen = [o for o in things if o.position.y > 2]\n    seen.pop()\n    take len(seen)\n",
         r"pop\(\) of a list whose length the match decides",
     ),
-    "a variable of the module": (
-        "n = 0\nbehavior Main():\n    global n\n    n += 1\n    take n\n",
-        "a match cannot change 'n', which is not of this behavior or function",
-    ),
     "a list of the module": (
         "seen = []\nbehavior Main():\n    seen.append(self.position.y)\n    take len(seen)\n",
         "a match cannot append to 'seen'",

@@ -217,14 +217,13 @@ late = Range(0, 1)
 
 
 COUNTING = """
-count = 0
+counted = []
 behavior Count():
-    global count
     self.tag = 0
     while True:
-        count += 1
+        counted.append(1)
         self.tag += 2
-        take f'{count}{self.tag}'
+        take f'{len(counted)}{self.tag}'
 ego = new Object at 0 @ 3, with behavior Count()
 """
 
@@ -269,7 +268,7 @@ def test_the_program_is_as_it_was_loaded_outside_of_episodes():
     run(first_table(program, np.zeros(0)), Reference(program, np.zeros(0), toy_world()), 4, 1.0)
     assert vars(session) == before
     assert (ego.properties["position"].y, ego.attributes) == (3, {})
-    assert program.behaviors["Count"].scope.lookup("count") == 0
+    assert program.behaviors["Count"].scope.lookup("counted") == []
 
 
 # ------------------------------------------------------------ faults
