@@ -54,7 +54,6 @@ def load(
     own = source_of(text, file, folder)
     run_file(mode, text, own)
     set_up_main(mode, own, scenario)
-    warn_of_overrides(state, own)
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
@@ -113,18 +112,6 @@ def override(state: LoadState, file: str, params: Mapping[str, object], model: s
     state.model = model
 
 
-def warn_of_overrides(state: LoadState, own: Source) -> None:
-    """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
-    unset = own.start
-    known = {name for name, place in state.param_places.items() if place != unset}
-    known |= state.domain.params if state.domain else frozenset()
-    for name in sorted(state.fixed_params - known):
-        hint = near(name, known)
-        if hint:
-            message = f"the program sets no parameter '{name}', which its caller overrides"
-            state.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
-
-
 def is_plain(value: object) -> bool:
     """Return whether a value is one that the text of a program could hold too."""
     if isinstance(value, list | tuple):
@@ -135,14 +122,8 @@ def is_plain(value: object) -> bool:
 
 
 def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
-    """Return what the evaluation warns of, and what the parser does, unless the classes settle that; once each."""
-    warnings = {(warning.place, warning.message): warning for warning in state.warnings}
-    warned = {place for place, _ in warnings}
-    for diagnostic in state.diagnostics:
-        settled = diagnostic.place in state.declared and diagnostic.hint.startswith("did you mean")
-        if diagnostic.place not in warned and not settled:
-            warnings[diagnostic.place, diagnostic.message] = diagnostic
-    return tuple(warnings.values())
+    """Return what the evaluation warns of, and what the parser does; once each."""
+    return tuple({(warning.place, warning.message): warning for warning in state.warnings + state.diagnostics}.values())
 
 
 def refuse_without_ego(state: LoadState, source: Source) -> None:

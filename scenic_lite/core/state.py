@@ -97,8 +97,7 @@ class LoadState:
     fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
     warnings: list[ScenicError] = field(default_factory=list)
     printed: list[str] = field(default_factory=list)
-    diagnostics: list[ScenicError] = field(default_factory=list)  # warnings of the parser, which knows no classes
-    declared: set[SourceSpan] = field(default_factory=set)  # `with` specifiers of properties that the class declares
+    diagnostics: list[ScenicError] = field(default_factory=list)  # warnings of the parser
     watching: RuntimeChecks = field(default_factory=RuntimeChecks)
     ego: Instance | None = None
     workspace: Value = None

@@ -152,8 +152,6 @@ def define_class(scope: Scope, node: ast.ClassDef) -> None:
     body = scope.inner({})
     for statement in node.body:
         if isinstance(statement, nodes.PropertyDefault):
-            if statement.name in cls.defaults:
-                raise scope.error("syntax", f"the property '{statement.name}' is declared twice", statement)
             if any("final" in default.attributes for default in base.defaults_of(statement.name)):
                 raise scope.error("specifier", f"the property '{statement.name}' of {base.name} is final", node)
             cls.defaults[statement.name] = default_of(scope, statement)
@@ -268,11 +266,6 @@ def keep_record(scope: Scope, node: nodes.Record) -> None:
     scope.state.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 
-def only_in_behavior(scope: Scope, node: ast.AST) -> None:
-    word = type(node).__name__.lower()
-    raise ScenicError("syntax", f"`{word}` belongs into a behavior")
-
-
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     ast.Assign: assign,
     ast.AugAssign: augmented,
@@ -297,10 +290,4 @@ STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {
     nodes.Mutate: mutate,
     nodes.Record: keep_record,
     nodes.Scenario: define_scenario,
-    nodes.Take: only_in_behavior,
-    nodes.Wait: only_in_behavior,
-    nodes.Do: only_in_behavior,
-    nodes.Abort: only_in_behavior,
-    nodes.Terminate: only_in_behavior,
-    nodes.Override: only_in_behavior,
 }

@@ -3,12 +3,11 @@
 A condition is evaluated where it stands, so that its errors stand there too; if objects are given noise it is evaluated
 again after the last statement, since it speaks of the scene with the noise.
 
-Temporal requirements are linear temporal logic over finite episodes, with four truth values. After each step a formula
-is true, presumably true, presumably false or false: `False` and `True` say that no further step can change it,
-`Presumably` what it would be if the episode ended now. A formula is carried along by progression: `after(step)` is what
-remains to be required of the steps to come. So `always p` stays itself while p holds, and `eventually p` until it does.
-`next` is strong: it is presumably false at the last step. An `until` whose left side has failed is false at once
-(Scenic waits for its right side, and rejects in the end all the same).
+Temporal requirements are linear temporal logic over finite episodes. A formula is carried along by progression:
+`after(step)` is what remains to be required of the steps to come. So `always p` stays itself while p holds, and
+`eventually p` until it does. What remains is settled once no further step can change it; else `at_end` says whether it
+would hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
+failed is false at once (Scenic waits for its right side, and rejects in the end all the same).
 
 The operands of `and`, `or`, `not`, `implies` that contain no temporal operator are one expression, evaluated as
 anywhere else, with short circuits. Every such expression that what remains mentions is evaluated once in a step. A
@@ -20,7 +19,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
 from functools import reduce
 
 from scenic_lite.core.per_sample import Bindings, per_sample_condition
@@ -45,8 +43,6 @@ def require(scope: Scope, node: nodes.Require) -> None:
     if scope.mode.symbolic:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
     probability = 1.0 if node.probability is None else scope.value(node.probability)
-    if not is_number(probability) or not 0 <= probability <= 1:
-        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
     number = len(state.requirements)
     with state.watching.within(number):
         condition = condition_of(scope, node.condition)
@@ -162,15 +158,6 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
 
 
 # ------------------------------------------------------------ temporal logic
-
-
-class Truth(Enum):
-    """What is known of a formula after a step."""
-
-    TRUE = 4
-    PRESUMABLY_TRUE = 3
-    PRESUMABLY_FALSE = 2
-    FALSE = 1
 
 
 class Formula:
@@ -313,8 +300,8 @@ class Check:
     def __init__(self, formula: Formula) -> None:
         self.rest = formula
 
-    def step(self, step: Step) -> Truth:
-        """Take in what holds now, and return what is known then."""
+    def step(self, step: Step) -> None:
+        """Take in what holds now."""
         known: dict[int, bool] = {}
 
         def once(expression: ast.expr) -> bool:
@@ -323,9 +310,6 @@ class Check:
             return known[id(expression)]
 
         self.rest = self.rest.after(once)
-        if isinstance(self.rest, Settled):
-            return Truth.TRUE if self.rest.value else Truth.FALSE
-        return Truth.PRESUMABLY_TRUE if self.rest.at_end() else Truth.PRESUMABLY_FALSE
 
     @property
     def holds(self) -> bool:

@@ -226,7 +226,6 @@ def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, va
     """Warn of a property that the class does not declare, if it looks like a slip."""
     known = cls.property_names()
     if name in known:
-        scope.state.declared.add(scope.place(node))
         return
     hint = near(name, known)
     is_behavior = isinstance(scope.module_names.get(name), Behavior)

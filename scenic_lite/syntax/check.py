@@ -1,8 +1,8 @@
 """Rules of the language that need the whole tree: what may stand where, what may occur only once, what never ends.
 
-All findings are returned together, sorted by place. What is allowed but surely not meant is a warning: Scenic lets an
-object have any property, so a slip such as `with bahavior B()` is silently without effect. Names that are defined
-nowhere are not looked for here: that needs the imported library. Read next: `loader`, which runs the static half.
+All findings are returned together, sorted by place. What is allowed but surely not meant is a warning. Names and
+properties that are defined nowhere are not looked for here: that needs the imported library. Read next: `loader`, which
+runs the static half.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import nodes
-from scenic_lite.syntax.grammar import nearest
 from scenic_lite.syntax.lexer import Source
 
 DYNAMIC = ("behavior", "monitor", "compose")
@@ -28,7 +27,6 @@ BUILT_IN = frozenset(
     }
 )
 ANGLES = frozenset({"facing", "apparently facing", "heading", "yaw", "viewAngle"})
-MAX_NAMES = 500  # of properties that are compared with the known ones
 
 
 class Context(NamedTuple):
@@ -87,8 +85,6 @@ class _Checker:
     def __init__(self, tree: ast.Module, source: Source, dialect: int) -> None:
         self.source, self.dialect = source, dialect
         self.errors: list[ScenicError] = []
-        self.properties = set(BUILT_IN)
-        self.spelling: dict[str, str] = {}  # of the properties given: what was meant, perhaps
         self.monitors: dict[str, nodes.Behavior] = {}
         self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
         self.names: set[str] = set()  # that are read or set
@@ -96,8 +92,6 @@ class _Checker:
         for node in ast.walk(tree):
             if isinstance(node, ast.Name):
                 self.names.add(node.id)
-            elif isinstance(node, nodes.PropertyDefault):
-                self.properties.add(node.name)
             elif isinstance(node, nodes.Behavior):
                 if node.kind == "monitor":
                     self.monitors[node.name] = node
@@ -188,10 +182,6 @@ class _Checker:
 
     def require(self, node: nodes.Require, context: Context) -> None:
         condition = node.condition
-        if isinstance(condition, ast.Call) and isinstance(condition.func, ast.Name):
-            name = condition.func.id
-            if name in self.monitors:
-                self.report(condition, f'"{name}" is a monitor', f'write "require monitor {name}(...)"')
         if node.probability is not None and nodes.is_temporal(condition):
             self.report(condition, "a temporal requirement cannot have a probability")
         pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether only logic is around it
@@ -206,19 +196,10 @@ class _Checker:
             pending.extend((child, logical and logic) for child in ast.iter_child_nodes(part))
 
     def specifier(self, node: nodes.Specifier, context: Context) -> None:
-        """Doubt a property that no class has, and a heading without `deg`."""
-        name, value = node.name, node.arguments[0] if node.arguments else None
-        if name == "with":
-            place, value = node.arguments
-            name = str(place.value) if isinstance(place, ast.Constant) else ""
-            if isinstance(value, ast.Tuple) and not value.elts and name[:1].isupper():
-                message = f'this sets a property called "{name}" to an empty tuple'
-                return self.doubt(node, message, f'write "with behavior {name}()"')
-            if name not in self.spelling:
-                known = name in self.properties or len(self.spelling) > MAX_NAMES
-                self.spelling[name] = "" if known else nearest(name, self.properties)
-            if self.spelling[name]:
-                self.doubt(node, f'no class has the property "{name}"', self.spelling[name])
+        """Doubt a heading without `deg`."""
+        name, value = node.name, node.arguments[-1] if node.arguments else None
+        if name == "with" and isinstance(node.arguments[0], ast.Constant):
+            name = str(node.arguments[0].value)
         if name in ANGLES and (turns := _turns(value)):
             message = f"angles are in radians, and this one makes {turns:.0f} turns"
             self.doubt(node, message, 'degrees are written "90 deg"')

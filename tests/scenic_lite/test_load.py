@@ -122,13 +122,6 @@ def test_the_ego_of_a_module(folder):
     assert params_of(folder, "import hero\nparam value = ego.position.x")["value"] == 0
 
 
-def test_a_misspelt_parameter_of_the_caller_is_warned_of():
-    text = "param gravity = -9\nego = Object"
-    (warning,) = load(text, params={"gravty": -3}).warnings
-    assert "'gravty'" in warning.message and warning.hint == "did you mean 'gravity'?"
-    assert not load(text, params={"gravity": -3, "weather": "dry"}).warnings
-
-
 def test_what_a_program_prints_is_kept_and_goes_nowhere_else(capsys):
     text = """
 print("lanes:", 3, [1, 2.5])

@@ -31,7 +31,7 @@ from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
 from scenic_lite.evaluation.calls import scenario_frame
-from scenic_lite.language.requirements import Check, Truth, formula_of
+from scenic_lite.language.requirements import FALSE, Check, formula_of
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
@@ -222,8 +222,8 @@ class Scenario:
         with self.current():
             for watched, watch in self._temporal:
                 with watched.bindings.restored(self.episode.state):
-                    known = watch.step(self._scope_of(watched).truth)
-                if known is Truth.FALSE:
+                    watch.step(self._scope_of(watched).truth)
+                if watch.rest == FALSE:
                     raise Rejected(watched.label)
             if self._limit is not None and self._elapsed >= self._limit:
                 return self.stop("reached time limit")
