@@ -136,18 +136,16 @@ parameters_of = lru_cache(maxsize=512)(inspect.signature)
 def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value]) -> None:
     """Raise ScenicError in the program's words if the arguments do not fit."""
     try:
-        signature = parameters_of(function.function)
-    except ValueError:  # some methods of Python's containers have none
+        parameters_of(function.function).bind(*inputs, **keywords)
+    except ValueError:  # some methods of Python's containers have no signature
         return
-    try:
-        signature.bind(*inputs, **keywords)
     except TypeError:
-        names = [str(parameter).split(":")[0].split("=")[0] for parameter in signature.parameters.values()]
-        names = names[2:] if function.needs_context else names
-        count = len(inputs) - (2 if function.needs_context else 0) + len(keywords)
-        usage = f"write {function.name}({', '.join(names)})"
-        number = "1 argument" if count == 1 else f"{count} arguments"
-        raise ScenicError("type", f"{function.name} does not take {number}", hint=usage) from None
+        own = 2 if function.needs_context else 0
+        parameters = list(parameters_of(function.function).parameters.values())[own:]
+        names = ", ".join(str(parameter).split(":")[0].split("=")[0] for parameter in parameters)
+        count = len(inputs) - own + len(keywords)
+        message = f"{function.name} does not take {count} argument{'s' * (count != 1)}"
+        raise ScenicError("type", message, hint=f"write {function.name}({names})") from None
 
 
 def call_function(

@@ -62,8 +62,6 @@ COMPARISONS: dict[type, Operation] = {
 
 def constant(scope: Scope, node: ast.Constant) -> Value:
     scope.mode.budget.keep(node.value)
-    if isinstance(node.value, complex) or node.value is Ellipsis:
-        raise ScenicError("unsupported", f"{type(node.value).__name__} constants are not supported")
     if isinstance(node.value, float) and math.isinf(node.value):
         raise ScenicError("value", "this number is too large", hint="write math.inf for what is endless")
     return node.value

@@ -377,27 +377,20 @@ FIELDS: dict[str, Callable[[Any], Value]] = {
     "area": area,
     "size": area,
     "dimensionality": lambda self: None if is_endless(self) else self.dimension,
-    "inradius": polygons.depth_of_middle,
     "AABB": lambda self: tuple((*corner, 0.0) for corner in bounds(self)),
 }
 RECTANGLE_FIELDS: dict[str, Callable[[Any], Value]] = {
     **{name: attrgetter(name) for name in ("position", "heading", "width", "length")},
     "corners": lambda self: tuple(self.corners()),
-    "hw": lambda self: self.width / 2,
-    "hl": lambda self: self.length / 2,
-    "radius": lambda self: Vector(self.width / 2, self.length / 2).length(),
-    "circumcircle": lambda self: (self.position, RECTANGLE_FIELDS["radius"](self)),
 }
 SECTOR_FIELDS: dict[str, Callable[[Any], Value]] = {
     **{name: attrgetter(name) for name in ("center", "heading", "radius", "angle")},
     "position": attrgetter("center"),
-    "circumcircle": lambda self: (self.center, self.radius),
 }
 LINE_FIELDS: dict[str, Callable[[Any], Value]] = {
     "length": attrgetter("length"),
     "points": lambda self: tuple(self.vertices()),
     "segments": segments,
-    "lineString": lambda self: self,
     "start": lambda self: end_of(self, 0),
     "end": lambda self: end_of(self, -1),
 }

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.state import LoadState
+from scenic_lite.core.state import LoadState, Sight
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
@@ -168,7 +168,7 @@ def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
             batched.append(containment_of(region, where, stays))
         else:
             nodes += [(stay, region.contains_corners(outline(each))) for stay, each in zip(stays, held, strict=True)]
-    nodes += [*sometimes_apart(objects), *visibility(state, objects), *sights(state, objects)]
+    nodes += [*sometimes_apart(objects), *visibility(state, objects)]
     for requirement in state.requirements:
         if requirement.condition is not True:
             constraint = Constraint(requirement.label, requirement.place, "require", requirement.probability)
@@ -214,30 +214,19 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
 
 
 def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """Yield what the ego must see, unless `requireVisible` is switched off."""
-    ego = state.ego
-    for instance in objects:
-        required = instance.properties["requireVisible"]
-        if required is False or ego is None or instance is ego:
-            continue
-        seen = can_see(ego, instance, state.dialect)
-        if isinstance(required, RandomExpr):
-            seen = apply(OR, seen, apply(NOT, required))
-        if seen is not True:
-            label = f"{instance.title()} is not visible from {ego.title()}"
-            yield Constraint(label, instance.place, "visibility"), seen
-
-
-def sights(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """Yield what the specifiers `visible` and `not visible` of dialect 3 demand of objects that came to be."""
+    """Yield what the ego must see by `requireVisible`, and what the specifiers `visible` and `not visible` demand."""
     made = {id(instance) for instance in objects}
-    for instance, (viewer, visible) in state.sights:
-        if id(instance) not in made:
-            continue
-        seen = can_see(viewer, instance, state.dialect)
-        label = f"{instance.title()} is {'not ' if visible else ''}visible from {viewer.title()}"
+    demands = [(instance, sight, True) for instance, sight in state.sights if id(instance) in made]
+    if state.ego is not None:
+        others = (instance for instance in objects if instance is not state.ego)
+        demands = [*((each, Sight(state.ego, True), each.properties["requireVisible"]) for each in others), *demands]
+    for instance, (viewer, visible), required in demands:
+        seen = can_see(viewer, instance, state.dialect) if required is not False else visible
         holds = seen if visible else apply(NOT, seen)
+        if isinstance(required, RandomExpr):
+            holds = apply(OR, holds, apply(NOT, required))
         if holds is not True:
+            label = f"{instance.title()} is {'not ' if visible else ''}visible from {viewer.title()}"
             yield Constraint(label, instance.place, "visibility"), holds
 
 

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -80,9 +80,10 @@ class Program:
         self.requirements = self._constraints.all
         self.read_in_episodes = values_read_in_episodes(state, objects)
         refuse_huge_values(state, objects)
-        roots = list(random_roots(state, objects, self._constraints, self.read_in_episodes))
-        self.layout = lay_out_theta(state, objects, [node for node, _ in roots], self.file)
-        self.tape = tape_of(state, roots, self.layout.columns)
+        roots = random_roots(state, objects, self._constraints, self.read_in_episodes)
+        self.layout = lay_out_theta(state, objects, roots, self.file)
+        with state.placing(source.start):
+            self.tape = Tape(roots, self.layout.columns, state.budget.limits.operations)
         self._constraints.read_from(self.tape)
         rules = constraint_of_requirement(state, self._constraints)
         self._checks = checks_on(self.tape, state.watching.checks.values(), rules)
@@ -311,31 +312,11 @@ def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
 
 def random_roots(
     state: LoadState, objects: list[Instance], constraints: Constraints, read_in_episodes: list[Value]
-) -> Iterator[tuple[RandomExpr, SourceSpan | None]]:
-    """Yield the random nodes that scenes and episodes are made of, each with the statement that makes it needed."""
-    for instance in objects:
-        yield from ((node, instance.place) for node in randoms_in(instance))
-    for name, value in state.params.items():
-        yield from ((node, state.param_places[name]) for node in randoms_in(value))
-    yield from ((value, constraint.place) for constraint, value in constraints.nodes if isinstance(value, RandomExpr))
-    for value in read_in_episodes:
-        yield from ((node, None) for node in randoms_in(value))
-
-
-def tape_of(state: LoadState, roots: list[tuple[RandomExpr, SourceSpan | None]], columns: list[ThetaColumn]) -> Tape:
-    """Return the tape of all roots. Raises ScenicError, at the first statement that needs too much of it."""
-    reached: list[SourceSpan | None] = []
-
-    def nodes() -> Iterator[RandomExpr]:
-        for node, place in roots:
-            reached.append(place)
-            yield node
-
-    try:
-        return Tape(nodes(), columns, state.budget.limits.operations)
-    except ScenicError as error:
-        with state.placing(reached[-1]):
-            raise error from None
+) -> list[RandomExpr]:
+    """Return the random nodes that scenes and episodes are made of."""
+    conditions = [value for _, value in constraints.nodes]
+    values = [*objects, *state.params.values(), *conditions, *read_in_episodes]
+    return [node for value in values for node in randoms_in(value)]
 
 
 def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> ThetaLayout:

@@ -354,32 +354,21 @@ def arguments(c: Cursor) -> tuple[list[ast.expr], list[ast.keyword]]:
 
 
 def index(c: Cursor) -> ast.expr:
-    """Read `[index]`, `[low:high:step]`, `[a, b]`."""
+    """Read `[index]`, `[a, b]`, `[low:high:step]`."""
     opened(c)
     start = c.token
     if start.text == "]":
         c.fail("an index is missing between the brackets")
-    values = listed(c, index_element, "]")
-    value = values[0]
-    if c.previous.text == "," or len(values) > 1 or isinstance(value, ast.Starred):
-        value = c.at(start, ast.Tuple(values, LOAD))
+    value: ast.expr | None = None if start.text == ":" else row(c, element)
+    if c.token.text == ":":
+        bounds: list[ast.expr | None] = [value, None, None]
+        for k in (1, 2):
+            if c.accept(":") and c.token.text not in (":", "]"):
+                bounds[k] = c.expression()
+        value = c.at(start, ast.Slice(*bounds))
     close(c, "]")
+    assert value is not None
     return value
-
-
-def index_element(c: Cursor) -> ast.expr:
-    """Read an index, a slice, or `*values`."""
-    start = c.token
-    lower = None if start.text == ":" else element(c)
-    if c.token.text != ":" and lower is not None:
-        return lower
-    bounds: list[ast.expr | None] = [None, None]
-    for k in range(2):
-        if not c.accept(":"):
-            break
-        if c.token.text not in (":", ",", "]"):
-            bounds[k] = c.expression()
-    return c.at(start, ast.Slice(lower, *bounds))
 
 
 def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:

@@ -331,14 +331,3 @@ def size_of(region: Region) -> Value:
     if isinstance(region, PointSetRegion):
         return len(region.points)
     return number_by(shapely.area if region.dimension == 2 else shapely.length, region.shape())
-
-
-def depth_of_middle(region: Region) -> Value:
-    """Return how far the middle of a region's bounds is from its boundary; 0 outside."""
-    return number_by(middle_depths, region.shape())
-
-
-def middle_depths(shape: Any) -> Any:
-    low_x, low_y, high_x, high_y = np.moveaxis(shapely.bounds(shape), -1, 0)
-    middle = shapely.points((low_x + high_x) / 2, (low_y + high_y) / 2)
-    return np.where(shapely.contains(shape, middle), shapely.distance(shapely.boundary(shape), middle), 0.0)

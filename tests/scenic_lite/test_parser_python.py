@@ -146,7 +146,7 @@ SNIPPETS = [
     "x = f'{(lambda x: x)(1)} {a != b} {[c for c in d]:3} {\"x\"}'\n",
     "x = f''; y = f'a' 'b'; z = 'a' u'b'; w = u'a' 'b'\n",
     "f(x for x in y); f(*a, b, *c, d=1); f(a, (x for x in y))\n",
-    "a[1], a[1:2], a[::3], a[1:2, 3], a[:, 1], a[*b]\n",
+    "a[1], a[1:2], a[::3], a[1, 3], a[:]\n",
     "x = y = z, = 1,\na, b = c\n(x) = 1\n",
     "if n > 5 and not m or 1 < 2 <= 3 != 4 is not 5 not in 6: pass\nelif a: b\nelif c: d\nelse: e\n",
     "for i, j in a, *b: break\nelse: continue\n",
