@@ -145,7 +145,7 @@ def test_odds_of_tackles_decide_who_has_the_ball() -> None:
         matches = position(players, (35.4, 0.0), config(tackle_odds=odds), range(100))
         taken = np.zeros(100, bool)
         for _ in range(20):
-            play(matches, [0])
+            play(matches, [DIRECTION_RIGHT])
             taken |= matches["carrier"] == 1
         won.append(taken.mean())
     assert won[0] < won[1] - 0.2

@@ -28,7 +28,7 @@ def test_a_policy_sprints_right_and_then_shoots():
     policy = policy_named("sprint_right_shot_0.85")
     policy.begin(2, 0)
     keys = []
-    for step in range(14):
+    for step in range(18):
         now = policy(stage.matches, step)
         keys.append(int(now[0]))
         actions = np.full((2, stage.num_players), -1)

@@ -16,7 +16,7 @@ from envs.football.constants import (
 )
 from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import ball_speed, man_on_ball, meeting_time
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.hands import HOLD_STEPS
 from envs.football.skills.saves import dive
 from envs.football.skills.steering import chase
@@ -51,6 +51,9 @@ class ComeOut(NamedTuple):
     on_ball: float = 0.6  # weight of the ball against the opponent who has it,
     off_ball: float = 0.4  # or will
     stops_short: float = 0.5  # m
+    slide_lead: float = 0.2  # s by which he and the ball are led,
+    slide_near: float = 1.2  # m between them then: an opponent's ball to which he throws himself
+    unshielded: float = 0.4  # cosine at its carrier between the ways to it and to him, at least
     given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
 
 
@@ -85,7 +88,7 @@ def choose_keeper_command(match, i):
         dive(match, player)
     elif match.carrier == i:
         kick_out(match, i)
-    elif goes_for_loose_ball(match, i):
+    elif goes_for_loose_ball(match, i) or throws_himself(match, player):
         chase(match, i, player.top_speed)
     else:
         share = boldness(match, i)
@@ -168,6 +171,21 @@ def goes_for_loose_ball(match, i):
         return True
     speed = ball_speed(ball)
     return meeting_time(match, player, speed) + OUT.claim_margin < meeting_time(match, match.players[rival], speed)
+
+
+@kernel
+def throws_himself(match, player):
+    """Return whether an opponent's ball is about to be within a keeper's reach, with nothing between them."""
+    ball = match.ball
+    if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
+        return False
+    carrier = match.players[match.carrier]
+    lead = OUT.slide_lead
+    x, y = player.x + lead * player.vx, player.y + lead * player.vy
+    near = length(ball.x + lead * ball.vx - x, ball.y + lead * ball.vy - y) < OUT.slide_near
+    to_x, to_y = toward(x - carrier.x, y - carrier.y)
+    ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
+    return near and to_x * ball_x + to_y * ball_y > OUT.unshielded
 
 
 @kernel
@@ -268,7 +286,7 @@ def stand(match, i):
 def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
     """Go this share of the way to a place, from before the goal, where it halves the angle from the ball to the posts.
 
-    Back towards the goal on that way he only runs.
+    Back towards the goal on that way he only runs, unless the place is behind him.
     """
     goal_x = own_goal_x(player.team)
     foot_x = goal_x - math.copysign(STAND.foot, goal_x)
@@ -279,6 +297,7 @@ def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
     x, y = foot_x + out * dx, foot_y + out * dy
     off = abs(dx * (player.y - foot_y) - dy * (player.x - foot_x)) / way
     back = length(goal_x - x, y) < length(goal_x - player.x, player.y)
+    back = back and (to_x - player.x) * dx + (to_y - player.y) * dy > 0.0
     hurry_to(player, x, y, RUN_SPEED if back and off < STAND.on_way else player.top_speed)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from envs.football.constants import NOBODY, STEP
 from envs.football.physics.dribble import run_with_ball
 from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.running import BRAKING, STANCE, run_free
+from envs.football.physics.running import BRAKING, STANCE, TOES, run_free
 from envs.football.physics.vectors import apart, toward
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -43,9 +43,10 @@ class Tiring(NamedTuple):
 SLIDE, TIRING = Slide(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 AT_REST = 0.3  # m/s
-AT_FEET = 0.8  # m from the body to a free ball
-BEFORE_HIM = 1.5  # m, the same at the first whistle: he sets himself to it,
+AT_FEET = 0.8  # m from the body to a ball that he has
+BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
 SETS_HIMSELF = 0.05  # s
+NEAR_BALL = 16.0  # m: nearer, who stands is on his toes
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
@@ -57,8 +58,10 @@ def take_stance(match):
     """
     for i in range(match.num_players):
         player = match.players[i]
-        player.stance_wait = STANCE * uniform(match)
-        if apart(player, match.ball) < BEFORE_HIM:
+        away = apart(player, match.ball)
+        drawn = uniform(match)
+        player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < NEAR_BALL else STANCE * drawn
+        if away < BEFORE_HIM:
             player.stance_wait += SETS_HIMSELF
             player.touch_wait = player.stance_wait
 
@@ -75,7 +78,7 @@ def plan_motion(match, i):
     elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
     else:
-        ready = int(player.turning == 0 and player.stance_wait == 0.0 and at_free_ball(match, player))
+        ready = int(player.turning == 0 and player.stance_wait == 0.0 and on_his_toes(match, player))
         player.turning += ready
         vx, vy = run_free(player, speed)
         player.turning -= min(ready, player.turning)
@@ -92,10 +95,10 @@ def plan_motion(match, i):
 
 
 @kernel
-def at_free_ball(match, player):
-    """Return whether a free ball lies at a player's feet: he is off at once."""
-    away_x, away_y = match.ball.x - player.x, match.ball.y - player.y
-    return match.carrier == NOBODY and away_x * away_x + away_y * away_y < AT_FEET * AT_FEET
+def on_his_toes(match, player):
+    """Return whether a player who stands is off at once: the ball is near, but no free ball just before him."""
+    away = apart(match.ball, player)
+    return away < NEAR_BALL and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
 
 
 @kernel

@@ -46,6 +46,7 @@ LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
 STANCE = 0.25  # s, the idle movement that a body ends before it starts; it stands anywhere in it at the first whistle
+TOES = 0.03  # s, the same of who is on his toes because the ball is near: at least, twice as long at most
 READY = 4  # "turning" of a body that already answers: no lag
 # Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
 # rounding, which differs between directions, must not decide which of them holds.

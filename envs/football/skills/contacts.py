@@ -53,19 +53,34 @@ class Claim(NamedTuple):
     most: float = 0.95  # but at most
     wait: float = 1.2  # s when beaten, until he can touch the ball again
     down: float = 1.0  # s on the ground then; a carrier who stands does not leave him there
-    feet: float = 0.85  # of the chance that is left with the feet alone
     swerve: float = 10.0  # m/s across his reach at which he cannot have it
     robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
 
 
-class Poke(NamedTuple):
-    """A ball knocked loose with the feet; documented of Google Research Football."""
+class Feet(NamedTuple):
+    """A keeper without hands at the feet of a carrier: he slides and kicks the ball far away, or pokes it loose.
 
-    run: float = 0.5  # share of the keeper's velocity that it gets,
-    speed: float = 4.0  # and m/s away from him,
-    rise: float = 0.5  # and m/s up,
-    rise_spread: float = 1.0  # and as many more at most
-    wait: float = 0.4  # s until he can touch it again
+    Of 120 measured meetings outside the box 116 were his, 72 in a slide. Pokes are as documented, kicks fitted.
+    """
+
+    chance: float = 0.96  # to have it
+    slides: float = 0.63  # share of those that he has in a slide
+    poke_run: float = 0.5  # share of his velocity that a poked ball gets,
+    poke_speed: float = 4.0  # and m/s away from him,
+    poke_rise: float = 0.5  # and m/s up,
+    poke_rise_spread: float = 1.0  # and as many more at most
+    slow: float = 9.0  # m/s of a ball kicked out of a slide, at least,
+    fast: float = 15.0  # and at most,
+    rise: float = 0.78  # and this share of that up
+    kick_run: float = 0.3  # s by which his run draws its way aside
+    wait: float = 0.5  # s until he can touch it again
+    due: float = 0.2  # s since the carrier has played it, from when on his body stops it:
+    stopped: float = 0.7  # share of its speed that it then keeps, forward,
+    height: float = 0.6  # m,
+    drop: float = 1.8  # m/s down
+    blunted: float = 0.3  # share of the carrier's run that is left when he has run into the slide,
+    stumble: float = 0.15  # s until he gathers speed again, at least,
+    stumble_spread: float = 0.27  # s, and longer at most
 
 
 class Catch(NamedTuple):
@@ -83,7 +98,7 @@ class Catch(NamedTuple):
 
 
 # Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, families keeper and passes.
-TRAP, CLAIM, POKE, CATCH = Trap(), Claim(), Poke(), Catch()
+TRAP, CLAIM, FEET, CATCH = Trap(), Claim(), Feet(), Catch()
 MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
 
@@ -176,34 +191,64 @@ def claim(match, i):
     """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
     player, carrier = match.players[i], match.players[match.carrier]
     speed = length(carrier.vx, carrier.vy)
-    stands = speed < STANDING
+    stands, hands = speed < STANDING, has_hands(match, i)
     chance = CLAIM.standing
     if not stands:
-        chance = min(CLAIM.sure - CLAIM.hurried * speed, CLAIM.most)
-        chance *= (0.5 + 0.5 * player.skill) * within_reach(match, i, CLAIM.swerve)
-    hands = has_hands(match, i)
-    if uniform(match) < (chance if hands else CLAIM.feet * chance):
-        carrier.touch_wait = CLAIM.robbed_wait
+        chance = FEET.chance
         if hands:
-            hold(match, i)
-        else:
-            poke(match, i)
+            chance = min(CLAIM.sure - CLAIM.hurried * speed, CLAIM.most) * (0.5 + 0.5 * player.skill)
+        chance *= within_reach(match, i, CLAIM.swerve)
+    if uniform(match) >= chance:
+        player.touch_wait = CLAIM.wait if hands else FEET.wait
+        player.down_wait = CLAIM.down if hands and not stands else 0.0
         return
-    player.touch_wait, player.down_wait = CLAIM.wait, 0.0 if stands else CLAIM.down
+    carrier.touch_wait = CLAIM.robbed_wait
+    if hands:
+        hold(match, i)
+    else:
+        knock_loose(match, i, match.carrier)
 
 
 @kernel
-def poke(match, i):
-    """Let keeper i knock the ball loose with his feet, away from him."""
-    player, ball = match.players[i], match.ball
+def knock_loose(match, i, j):
+    """Let keeper i play the ball away from himself off carrier j's feet."""
+    player, carrier, ball = match.players[i], match.players[j], match.ball
+    since = carrier.stride
     take(match, i)
     if match.carrier != i:
         return
-    away_x, away_y = toward(ball.x - player.x, ball.y - player.y)
-    ball.vx, ball.vy = POKE.run * player.vx + POKE.speed * away_x, POKE.run * player.vy + POKE.speed * away_y
-    ball.vz = POKE.rise + POKE.rise_spread * uniform(match)
     match.carrier = NOBODY
-    player.touch_wait = POKE.wait
+    player.touch_wait = FEET.wait
+    away_x, away_y = ball.x - player.x, ball.y - player.y
+    if uniform(match) >= FEET.slides:
+        away_x, away_y = toward(away_x, away_y)
+        ball.vx = FEET.poke_run * player.vx + FEET.poke_speed * away_x
+        ball.vy = FEET.poke_run * player.vy + FEET.poke_speed * away_y
+        ball.vz = FEET.poke_rise + FEET.poke_rise_spread * uniform(match)
+        return
+    away_x, away_y = toward(away_x + FEET.kick_run * player.vx, away_y + FEET.kick_run * player.vy)
+    speed = FEET.slow + (FEET.fast - FEET.slow) * uniform(match)
+    ball.vx, ball.vy, ball.vz = speed * away_x, speed * away_y, FEET.rise * speed
+    player.down_wait = FEET.wait
+    if since > FEET.due:
+        bounce_off(match, j)
+    carrier.vx, carrier.vy = FEET.blunted * carrier.vx, FEET.blunted * carrier.vy
+    carrier.down_wait = FEET.stumble + FEET.stumble_spread * uniform(match)
+
+
+@kernel
+def bounce_off(match, j):
+    """Let the ball bounce low off the body of player j, at whom it has been kicked from close by, the way he runs."""
+    player, ball = match.players[j], match.ball
+    ahead_x, ahead_y = toward(player.vx, player.vy)
+    along = ball.vx * ahead_x + ball.vy * ahead_y
+    if along >= 0.0:
+        return
+    ball.vx, ball.vy = ball.vx - 2.0 * along * ahead_x, ball.vy - 2.0 * along * ahead_y
+    size = FEET.stopped * math.sqrt(1.0 + FEET.rise * FEET.rise)
+    ball.vx, ball.vy = size * ball.vx, size * ball.vy
+    ball.vz, ball.z = -FEET.drop, FEET.height
+    match.last_touch = j
 
 
 @kernel

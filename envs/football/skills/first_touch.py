@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY, STEP
 from envs.football.physics.dribble import push_on
-from envs.football.physics.running import READY, START
+from envs.football.physics.running import READY, START, SURE
 from envs.football.physics.vectors import length
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
@@ -45,7 +45,9 @@ class Control(NamedTuple):
     lift: float = 4.0  # m/s
     loose: float = 0.5  # a ball that jumps further off than this is anybody's
     slows: float = 0.9  # m/s that taking it along in the run costs
-    turns: float = 0.5  # share of a run elsewhere that this touch turns
+    turns: float = 0.5  # share of a run elsewhere that this touch turns;
+    back_speed: float = 2.3  # m/s of the ball where the keys lead back,
+    back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
 
 
@@ -89,13 +91,19 @@ def surprised(match, player):
 def take_along(ball, player):
     """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace.
 
-    The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way.
+    The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way; if that leads
+    back he stops first.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
     player.desired_vx, player.desired_vy = want * ux, want * uy
     keep = max(speed - CONTROL.slows, 0.0) / max(speed, 1e-9)
     along = player.vx * ux + player.vy * uy
+    if along < -SURE:
+        player.vx, player.vy = CONTROL.back_keeps * player.vx, CONTROL.back_keeps * player.vy
+        player.turning = READY
+        ball.vx, ball.vy = CONTROL.back_speed * ux, CONTROL.back_speed * uy
+        return
     aside_x, aside_y = player.vx - along * ux, player.vy - along * uy
     along = keep * max(along, CONTROL.turns * speed)
     share = keep * (1.0 - CONTROL.turns)
