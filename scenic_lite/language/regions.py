@@ -64,40 +64,15 @@ def size(name: str, value: Value) -> Value:
 
 
 def polygon(
-    scope: Scope,
-    node: ast.AST,
-    points: Value = None,
-    polygon: Value = None,
-    z: Value = 0,
-    orientation: Value = None,
-    name: Value = None,
+    scope: Scope, node: ast.AST, points: Value, z: Value = 0, orientation: Value = None, name: Value = None
 ) -> Region:
-    """Make a polygon by its corners, or of the shape of one or several regions (`polygon=other.polygons`)."""
-    field = field_or_none(orientation)
-    if polygon is None:
-        return polygon_through(corners_of(scope, node, points, 3, "a polygon"), field)
-    parts = [polygon] if isinstance(polygon, Region) else scope.elements(polygon, node)
-    for part in parts:
-        if not (isinstance(part, Region) and part.dimension == 2):
-            raise ScenicError("type", f"polygon= takes the polygons of a region, not {describe_kind(part)}")
-    return polygons.region_of(union_of(parts).shape(), field)
+    return polygon_through(corners_of(scope, node, points, 3, "a polygon"), field_or_none(orientation))
 
 
-def polyline(
-    scope: Scope,
-    node: ast.AST,
-    points: Value = None,
-    polyline: Value = None,
-    orientation: Value = True,
-    name: Value = None,
-) -> Region:
-    """Make one by its points, or of other polylines (`polyline=`); `orientation` True: along the segments."""
+def polyline(scope: Scope, node: ast.AST, points: Value, orientation: Value = True, name: Value = None) -> Region:
+    """Make one by its points; `orientation` True: along the segments."""
     field = True if orientation is True else field_or_none(orientation)
-    if polyline is None:
-        return PolylineRegion([fixed_points(scope, node, points, 2, "a polyline")], field)
-    if not isinstance(polyline, PolylineRegion):
-        raise ScenicError("type", f"polyline= takes a polyline, not {describe_kind(polyline)}")
-    return PolylineRegion(polyline.chains, field)
+    return PolylineRegion([fixed_points(scope, node, points, 2, "a polyline")], field)
 
 
 def point_set(
@@ -296,13 +271,6 @@ def is_endless(self: Region) -> bool:
     return False
 
 
-def area_only(self: Region) -> Region:
-    """Return a region as its polygons."""
-    if self.dimension != 2 or is_endless(self):
-        raise ScenicError("name", f"{describe_kind(self)} without an area has no polygons")
-    return self
-
-
 def area(self: Region) -> Value:
     return None if is_endless(self) else polygons.size_of(self)
 
@@ -371,8 +339,6 @@ FIELDS: dict[str, Callable[[Any], Value]] = {
     "orientation": attrgetter("orientation"),
     "name": lambda self: None,
     "z": lambda self: 0.0,
-    "polygons": area_only,
-    "polygon": area_only,
     "boundary": polygons.boundary,
     "area": area,
     "size": area,

@@ -35,28 +35,6 @@ def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, len
     return (abs(across) <= width / 2 + CLOSENESS) & (abs(along) <= length / 2 + CLOSENESS)
 
 
-def from_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
-    """Return the distance of points from an oriented rectangle, 0 inside."""
-    across, along = in_frame(x - cx, y - cy, heading)
-    return np.hypot(np.maximum(np.abs(across) - width / 2, 0.0), np.maximum(np.abs(along) - length / 2, 0.0))
-
-
-def stays_aside(x: Any, y: Any, end_x: Any, end_y: Any, *corners: Any) -> Any:
-    """Return whether no edge of a rectangle crosses the segment from (x, y) to (end_x, end_y)."""
-    p, q = (x, y), (end_x, end_y)
-    points = [(corners[i], corners[i + 1]) for i in range(0, 8, 2)]
-    crossed: Any = False
-    for a, b in zip(points, points[1:] + points[:1], strict=True):
-        apart = turn_of(p, q, a) * turn_of(p, q, b) < -CLOSENESS
-        crossed = crossed | (apart & (turn_of(a, b, p) * turn_of(a, b, q) < -CLOSENESS))
-    return np.logical_not(crossed)
-
-
-def turn_of(a: Any, b: Any, c: Any) -> Any:
-    """Return twice the signed area of a triangle: positive if it runs anticlockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
 def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
     """Return whether points at (delta_x, delta_y) from the apex lie in a sector; arrays [N] or scalars."""
     bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading

@@ -15,7 +15,7 @@ import numpy as np
 
 from scenic_lite.errors import ScenicError
 from scenic_lite.values import shapes
-from scenic_lite.values.formulas import CLOSENESS, TURN, from_rectangle, sector_rings, stays_aside
+from scenic_lite.values.formulas import CLOSENESS, TURN, sector_rings
 from scenic_lite.values.geometry import Vector, coordinates, corners, cosine, sine
 from scenic_lite.values.graph import Value, all_of, apply, is_number, number_by, truth_by
 from scenic_lite.values.operations import IN_RECTANGLE, IN_SECTOR, MAXIMUM, SQUARE_ROOT, WHERE
@@ -120,9 +120,6 @@ class RectangularRegion(Region):
     def contains(self, point: Vector) -> Value:
         return apply(IN_RECTANGLE, point.x, point.y, *self.parameters())
 
-    def distance(self, point: Vector) -> Value:
-        return number_by(from_rectangle, point.x, point.y, *self.parameters())
-
     def outlines(self) -> list[Any]:
         if not self.fixed():
             return super().outlines()
@@ -147,9 +144,7 @@ class SectorRegion(Region):
         return is_number(self.angle) and self.angle >= TURN
 
     def point(self, u: Value, v: Value) -> Vector:
-        return self._at(self.heading + (v - 0.5) * self.angle, self.radius * apply(SQUARE_ROOT, u))
-
-    def _at(self, turn: Value, reach: Value) -> Vector:
+        turn, reach = self.heading + (v - 0.5) * self.angle, self.radius * apply(SQUARE_ROOT, u)
         return Vector(self.center.x - reach * sine(turn), self.center.y + reach * cosine(turn))
 
     def contains(self, point: Vector) -> Value:
@@ -159,13 +154,9 @@ class SectorRegion(Region):
 
     def contains_corners(self, corners: list[Vector]) -> Value:
         """Return whether a rectangle lies inside, also where the sector is more than half a disc and so not convex."""
-        inside = super().contains_corners(corners)
         if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
-            return inside
-        for side in (self.heading + self.angle * 0.5, self.heading - self.angle * 0.5):
-            points = (self.center, self._at(side, self.radius), *corners)
-            inside = all_of(inside, truth_by(stays_aside, *coordinates(points)))
-        return inside
+            return super().contains_corners(corners)
+        return truth_by(shapes.holds_shapes, self.shape(), apply(shapes.POLYGON, *coordinates(corners)))
 
     def distance(self, point: Vector) -> Value:
         if self.round():
