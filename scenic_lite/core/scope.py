@@ -17,14 +17,12 @@ from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.state import LOAD, BranchPath, Mode
 from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
-from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
 CONTAINERS = (list, tuple, dict, str, range)
 LARGEST_NAMED = 100  # elements of a container
-WORDS: dict[type, str] = {nodes.TryInterrupt: "interrupt when"}
 
 
 class Scope(Environment):
@@ -93,7 +91,7 @@ class Scope(Environment):
             self.mode.budget.step()
             handler = self.handlers.statements.get(type(node))
             if handler is None:
-                word = WORDS.get(type(node), type(node).__name__.lower())
+                word = type(node).__name__.lower()
                 raise self.error("unsupported", f"`{word}` is not supported outside behaviors", node)
             try:
                 handler(self, node)

@@ -12,7 +12,7 @@ import ast
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn, TypeVar
 
-from scenic_lite.syntax.grammar import PYTHON_KEYWORDS, REFUSED, SCENIC_KEYWORDS, Form, Forms, kind_of
+from scenic_lite.syntax.grammar import PYTHON_KEYWORDS, REFUSED, SCENIC_KEYWORDS, Form, Forms
 from scenic_lite.syntax.lexer import Place, Source, Token, lex
 
 Node = TypeVar("Node", bound=ast.AST)
@@ -158,7 +158,7 @@ class Cursor:
         if isinstance(target, ast.Starred):
             self.refuse("* variable", target)
         if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Tuple | ast.List):
-            self.fail(f"cannot assign to {kind_of(target)}", at=target)
+            self.fail("this cannot be assigned to", at=target)
         target.ctx = STORE
         for part in target.elts if isinstance(target, ast.Tuple | ast.List) else ():
             self.stored(part)

@@ -242,19 +242,6 @@ UNFINISHED = {
     "print": 'a function is called with brackets: "print(...)"',
 }
 
-_KINDS: dict[type[ast.expr], str] = {
-    ast.Call: "a call",
-    ast.Constant: "a constant",
-    ast.Compare: "a comparison",
-    **dict.fromkeys((ast.BinOp, ast.UnaryOp, ast.BoolOp), "an operation"),
-    ast.JoinedStr: "a string",
-    ast.Lambda: "a lambda",
-    ast.IfExp: "a conditional expression",
-    ast.Dict: "a dictionary",
-    **dict.fromkeys((ast.GeneratorExp, ast.ListComp), "a comprehension"),
-    ast.Starred: "a starred expression",
-}
-
 
 def nearest(word: str, candidates: Iterable[str]) -> str:
     """Return the hint 'did you mean "..."?', or nothing when none is near; a table tells what each stands for."""
@@ -272,10 +259,3 @@ def statement_hint(word: str) -> str:
 def specifier_hint(word: str) -> str:
     """Return the specifier that a word was perhaps meant to begin, or all there are."""
     return nearest(word, _SPELLINGS) or LIST_OF_SPECIFIERS
-
-
-def kind_of(node: ast.expr) -> str:
-    """Return what an expression is, in words."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, bool | None):
-        return str(node.value)
-    return _KINDS.get(type(node), "this")

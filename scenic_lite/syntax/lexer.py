@@ -107,16 +107,11 @@ def unified(text: str) -> str:
     return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
-def tokens(text: str, file: str = "<program>") -> list[Token]:
-    """Split a program into tokens; the last one is of kind `end`.
+def lex(source: Source) -> list[Token]:
+    """Return the tokens of a whole program; the last one is of kind `end`.
 
     Raises ScenicError (`syntax`, or `budget` for a text of more than 2 million characters).
     """
-    return lex(Source(text, file))
-
-
-def lex(source: Source) -> list[Token]:
-    """Return the tokens of a whole source."""
     if len(source.text) > MAX_CHARACTERS:
         message = f"the program has {len(source.text):,} characters; at most {MAX_CHARACTERS:,} are read"
         raise source.error(message, (1, 0, 1, 1), kind="budget")

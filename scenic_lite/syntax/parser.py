@@ -26,7 +26,7 @@ from scenic_lite.syntax.expressions import (
     strings,
 )
 from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
-from scenic_lite.syntax.lexer import Source, Token, tokens
+from scenic_lite.syntax.lexer import Source, Token, lex
 from scenic_lite.syntax.operators import (
     begins_operand,
     begins_specifier,
@@ -88,7 +88,7 @@ def makes_instances_with_new(text: str, file: str) -> bool:
     """Return whether the word `new` is used as Scenic 3 does: before the name of a class, and not as a name itself."""
     if "new" not in text:
         return False
-    found = tokens(text, file)
+    found = lex(Source(text, file))
     for before, word, after in zip([None, *found], found, found[1:], strict=False):
         follows_dot = before is not None and before.text == "."
         if word.text == "new" and after.kind == "name" and not keyword.iskeyword(after.text) and not follows_dot:

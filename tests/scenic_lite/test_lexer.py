@@ -7,7 +7,7 @@ import tokenize
 import pytest
 
 from scenic_lite.errors import ScenicError
-from scenic_lite.syntax.lexer import MAX_CHARACTERS, tokens
+from scenic_lite.syntax.lexer import MAX_CHARACTERS, Source, lex
 
 KINDS = {
     tokenize.NAME: "name",
@@ -19,6 +19,10 @@ KINDS = {
     tokenize.DEDENT: "dedent",
     tokenize.ENDMARKER: "end",
 }
+
+
+def tokens(text):
+    return lex(Source(text, "<program>"))
 
 
 def ours(text):

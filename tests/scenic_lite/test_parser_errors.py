@@ -208,7 +208,7 @@ x = f"{a"
           ^
 ---
 f(x) = 3
->>> 1:1: cannot assign to a call
+>>> 1:1: this cannot be assigned to
     f(x) = 3
     ^^^^
 """
