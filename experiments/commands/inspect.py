@@ -235,12 +235,12 @@ def render_code(program: Program, football: bool) -> str:
 
 def print_text(path: Path, config: InspectConfig) -> None:
     """Print the tokens or the tree of a program's text."""
-    from scenic_lite.syntax.lexer import tokens
+    from scenic_lite.syntax.lexer import Source, lex
     from scenic_lite.syntax.parser import dialect_of, parse
 
     text = path.read_text()
     if config.show == "tokens":
-        for token in tokens(text, str(path)):
+        for token in lex(Source(text, str(path))):
             place = f"{token.line}:{token.column + 1}"
             print(f"{place:<8}{token.kind:<10}{token.text!r}")
         return
