@@ -114,14 +114,15 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
             register_of(code, RegisterValue(c.reason(f"scenarioComplete: {statement}")), COMPLETE)
         code.row(op.JUMP, c=part.kill if whole else part.over)
         return
-    if c.site.agent is not None or whole or part is None:
-        who = "Behavior" if c.site.agent is not None else "Monitor"
-        on = Label()
-        code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.site.slot, on)
-        code.put(on)
-    else:  # when all monitors have run
-        register_of(code, RegisterValue(c.reason(f"terminatedByMonitor: {statement}")), part.ending)
-        pause(c)
+    who, on, less = "Monitor" if c.site.agent is None else "Behavior", Label(), Label()
+    if part is not None and c.site.agent is None and whole:
+        register_of(code, 1, part.halted)
+    elif part is not None and c.site.agent is None:
+        code.row(op.JUMP_IF, part.halted, c=less)
+    code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.site.slot, on)
+    code.put(less)
+    suspend(c, on)
+    code.put(on)
     check_invariants(c, scope)
 
 
@@ -155,17 +156,12 @@ def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
         c.keep(("object", c.site.agent.label, LATELY[c.program.dialect]), actions)
 
 
-def forget(c: Compilation, agents: list[Instance]) -> None:
-    """Note at the start of a step, in dialect 3, that nobody has done anything yet."""
+def renew(c: Compilation, agents: list[Instance]) -> None:
+    """Note that nobody has done anything yet: as a step begins; in dialect 2 as it ends, and others see what was."""
     for each in agents:
-        c.keep(("object", each.label, "lastActions"), ())
-
-
-def reveal(c: Compilation, agents: list[Instance]) -> None:
-    """Let others see what was done at the end of a step, in dialect 2 only now."""
-    for each in agents:
-        lately = ("object", each.label, LATELY[2])
-        c.keep(("object", each.label, "lastActions"), c.shared_variable(lately).load() or ())
+        lately = ("object", each.label, LATELY[c.program.dialect])
+        if c.program.dialect == 2:
+            c.keep(("object", each.label, "lastActions"), c.shared_variable(lately).load() or ())
         c.keep(lately, ())
 
 

@@ -159,15 +159,16 @@ class ScenarioInstance:
 
     It runs while the register `running` is not 0. Labels: `stop`, a routine that returns to the register `back`;
     `over`, where its own step goes when it ends; `kill`, where a `terminate simulation` in it goes; `after`, where its
-    compose block goes when it lets time pass; `progress`, where its temporal requirements see a step.
+    compose block goes when it lets time pass; `progress`, where its temporal requirements see a step. `halted`: a
+    monitor of its own has ended the simulation, which counts more than one that ends the scenario.
     """
 
     def __init__(self, code: Assembler, parent: ScenarioInstance | None, call: BehaviorCall | None) -> None:
         self.parent, self.call = parent, call
         self.name = "scenario" if call is None else call.behavior.name
         first = code.fixed.take(4)
-        self.running, self.back, self.slot, self.ending = range(first, first + 4)  # ending: why a monitor ends it
-        for i, word in enumerate(("running", "back", "compose", "ending")):
+        self.running, self.back, self.slot, self.halted = range(first, first + 4)
+        for i, word in enumerate(("running", "back", "compose", "halted")):
             code.notes[first + i] = f"{self.name}.{word}"
         self.stop, self.over, self.kill, self.after, self.beginning, self.progress = (Label() for _ in range(6))
         self.site = Site(part=self)

@@ -35,7 +35,7 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
-from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, forget, reveal, run_behavior
+from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, renew, run_behavior
 from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, ScenarioInstance, Thread
 from scenic_lite.dynamics.compiler.emit import register_of
@@ -47,7 +47,7 @@ from scenic_lite.dynamics.compiler.scenarios import BEHAVIOR, NOBODY, SETTING_UP
 from scenic_lite.dynamics.compiler.statements import STATEMENTS
 from scenic_lite.dynamics.compiler.watchers import ends_of_match, limit_of, record, see_steps
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.dynamics.machine.bytecode import REWARD, TERMINATED
+from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError, SourceSpan
@@ -212,7 +212,10 @@ def walk(c: Compilation) -> list[Thread]:
     every(c, records, "record", partial(record, c, main, "each"))
     behaviors = behavior_threads(c, main, agents)
     monitors: list[Thread] = []
-    write_monitors(c, monitors, main)
+    for part in main.family():
+        for monitor in part.monitors:
+            write_body(c, monitor, part)
+            monitors.append(monitor)
     ends: list[Thread] = []
     every(c, ends, "terminate simulation when", partial(ends_of_match, c, main), needed=True)
     every(c, ends, "at the end", partial(end_all, c, main), needed=True)
@@ -238,7 +241,7 @@ def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread
     threads: list[Thread] = []
     movers = [each.agent for each in agents if each.agent and (each.call or each.agent.label in c.drivers)]
     if c.remembering and c.program.dialect == 3:
-        every(c, threads, "lastActions", partial(forget, c, movers))
+        every(c, threads, "lastActions", partial(renew, c, movers))
     for thread in agents:
         assert thread.agent is not None
         if thread.agent.label in c.drivers:
@@ -251,7 +254,7 @@ def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread
         threads.append(thread)
         c.output.starting[thread.slot] = thread.entry
     if c.remembering and c.program.dialect == 2:
-        every(c, threads, "lastActions", partial(reveal, c, movers))
+        every(c, threads, "lastActions", partial(renew, c, movers))
     return threads
 
 
@@ -276,42 +279,6 @@ def driven(c: Compilation, thread: Thread, drivers: list[Thread], main: Scenario
     for each in drivers:
         c.output.titles[each.entry] = each.title
         write_body(c, each, main)
-
-
-def write_monitors(c: Compilation, threads: list[Thread], part: ScenarioInstance) -> None:
-    """Write those of a scenario, those of the scenarios inside it, then its end if one of its own has asked for it."""
-    where = "" if part.parent is None else f" of {part.name}"
-    trees = [each.call.behavior.node for each in part.monitors if each.call is not None]
-    ending = any(isinstance(each, nodes.Terminate) for tree in trees for each in ast.walk(tree))
-    before = c.code.fixed.take()
-    if ending:
-        every(c, threads, f"before the monitors{where}", partial(save_end, c, before))
-    for monitor in part.monitors:
-        write_body(c, monitor, part)
-        threads.append(monitor)
-    for each in part.parts:
-        write_monitors(c, threads, each)
-    if ending:
-        every(c, threads, f"after the monitors{where}", partial(end_asked_for, c, part, before))
-
-
-def save_end(c: Compilation, before: int) -> None:
-    """Save what others have asked for so far, to see whether a monitor of a scenario or inside it asks for an end."""
-    register_of(c.code, RegisterValue(TERMINATED), before)
-    register_of(c.code, 0, TERMINATED)
-
-
-def end_asked_for(c: Compilation, part: ScenarioInstance, before: int) -> None:
-    """Do what a monitor's `terminate` asks when all have run: any other end that was asked for inside counts more."""
-    out = Label()
-    with c.code.when(part.ending):
-        if part.parent is not None:
-            part.call_stop(c.code)
-        c.code.row(op.JUMP_IF, TERMINATED, c=out)
-        register_of(c.code, RegisterValue(part.ending), TERMINATED)
-    c.code.row(op.JUMP_IF, TERMINATED, c=out)
-    register_of(c.code, RegisterValue(before), TERMINATED)
-    c.code.put(out)
 
 
 def end_all(c: Compilation, main: ScenarioInstance) -> None:

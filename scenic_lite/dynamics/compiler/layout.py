@@ -1,4 +1,4 @@
-"""The last step of the compiler: short cuts, then final numbers for rows and registers.
+"""The last step of the compiler: final numbers for rows and registers.
 
 Read next: `dynamics.machine.compiled`.
 """
@@ -9,7 +9,6 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation, Thread
-from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing
 from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.machine.opcodes import OPCODES
@@ -22,7 +21,7 @@ from scenic_lite.values.graph import Tape, Value
 def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     """Lay out the rows and registers of one walk."""
     code, program = c.code, c.program
-    rows = placed(shortened(code.rows))
+    rows = placed(code.rows)
     layout = Layout(code)
     tape = Tape(
         [node for _, node in code.inputs.values()], program.layout.columns, program.mode.budget.limits.operations
@@ -138,49 +137,6 @@ class Layout:
             lists += [self(each) for each in row.c.registers]
             return a, b, len(lists) - len(row.c.registers)
         return a, b, self(row.c) if form[2] in "abc" else row.c
-
-
-# ------------------------------------------------------------ short cuts
-
-
-def shortened(rows: list[Row]) -> list[Row]:
-    """Return the rows without jumps that lead to the next row; jumps to a jump lead where that leads."""
-    first = following(rows)
-    kept: list[Row] = []
-    for i, row in enumerate(rows):
-        if isinstance(row.c, Label) and row.opcode != LABEL:
-            target = final(row.c, rows, first)
-            if row.opcode in SKIPPING and first[i + 1] == first[target.row]:
-                continue
-            row = row._replace(c=target)
-        kept.append(row)
-    return kept
-
-
-SKIPPING = frozenset({op.JUMP, op.JUMP_IF, op.JUMP_UNLESS, op.JUMP_EQUAL, op.JUMP_NOT_EQUAL})
-
-
-def following(rows: list[Row]) -> list[int]:
-    """Return for each position the first real row at it or behind; labels note where they stand."""
-    first = [len(rows)] * (len(rows) + 1)
-    for i, row in reversed(list(enumerate(rows))):
-        first[i] = first[i + 1] if row.opcode == LABEL else i
-        if row.opcode == LABEL:
-            assert isinstance(row.c, Label)
-            row.c.row = i
-    return first
-
-
-def final(label: Label, rows: list[Row], first: list[int]) -> Label:
-    """Return where a jump to a label ends up."""
-    for _ in range(20):
-        at = first[label.row]
-        if at >= len(rows) or rows[at].opcode != op.JUMP:
-            return label
-        target = rows[at].c
-        assert isinstance(target, Label)
-        label = target
-    return label
 
 
 def placed(rows: list[Row]) -> list[Row]:

@@ -156,7 +156,8 @@ def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
             scope.run(side)
             unset |= scope.unset if c.code.reachable else set()
             if side is node.body:
-                c.code.row(op.JUMP, c=end)
+                if node.orelse:
+                    c.code.row(op.JUMP, c=end)
                 c.code.put(no)
     scope.unset = unset
     c.code.put(end)
