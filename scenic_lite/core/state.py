@@ -62,7 +62,7 @@ class Watched(NamedTuple):
     scope: Environment
     label: str = ""  # its name, or its text
     bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
-    duration: Value = None  # of a `terminate after` of the program itself: its draws are columns of θ
+    duration: Value = None  # of a `terminate after`; if it is the program's own, draws are columns of θ
 
 
 @dataclass(eq=False)

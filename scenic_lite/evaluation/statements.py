@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from scenic_lite.core.scope import Scope, name_draws
-from scenic_lite.core.state import LOAD, Watched
+from scenic_lite.core.state import Watched
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -250,15 +250,15 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    """Keep a condition for whoever runs the episode; a duration is a value of the scene, like any other."""
+    """Keep a condition for whoever runs the episode; a duration is evaluated now, like any other value."""
     duration, name = None, node.name if isinstance(node, nodes.TerminateWhen) else None
     if isinstance(node, nodes.TerminateAfter):
         duration = scope.value(node.duration)
         if not is_number(duration) and not isinstance(duration, RandomExpr):
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
-    watched = Watched(node, scope.place(node), scope, name or f"termination condition on line {node.lineno}")
-    scope.state.terminations.append(watched._replace(duration=duration) if scope.mode.phase == LOAD else watched)
+    label = name or f"termination condition on line {node.lineno}"
+    scope.state.terminations.append(Watched(node, scope.place(node), scope, label, duration=duration))
 
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:

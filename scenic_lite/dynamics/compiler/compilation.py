@@ -128,7 +128,6 @@ class CompiledScope(Scope):
 class Thread:
     """A part of the program that goes on where its slot says, a register that holds a row; 0 while it does not run.
 
-    `flag`: the register that says whether the match has come to the statement that makes it, if that is not certain;
     `number`: its place among those of its scenario, or what its agent has while it has this behavior.
     """
 
@@ -136,7 +135,6 @@ class Thread:
     slot: int
     call: BehaviorCall | None = None
     agent: Instance | None = None
-    flag: int | None = None
     number: int = 0
     entry: Label = field(default_factory=Label)
 
@@ -144,8 +142,8 @@ class Thread:
 class WatchedItem(NamedTuple):
     """A statement that watches a scenario while it runs.
 
-    `register`: of `terminate` and `record` whether the match has come to it, None if that is certain; of a requirement
-    the state of its automaton. `scope`: the frame of its names, None if that is the statement's.
+    Of a requirement: `register`, the state of its automaton; `scope`: the frame of its names, None if that is the
+    statement's.
     """
 
     watched: Watched

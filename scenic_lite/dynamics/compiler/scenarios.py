@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -62,7 +61,7 @@ def main_part(c: Compilation) -> ScenarioInstance:
         part.scope = CompiledScope(c, loaded.source, loaded.locals, loaded.outer, inlined)
         part.scope.assigned = behavior.assigned
     for call in program.monitors:
-        monitor = add_monitor(c, part, call, None)
+        monitor = add_monitor(c, part, call)
         c.output.starting[monitor.slot] = monitor.entry
     part.terminations = [WatchedItem(each) for each in program.terminations]
     part.records = [WatchedItem(each) for each in program.records]
@@ -113,7 +112,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
         with c.within(part, setting_up=True):
             part.scope.run(call.behavior.scenario.setup)
             while c.state.monitors:  # in Scenic 2 a definition starts its monitor
-                add_monitor(c, part, c.state.monitors.pop(0), None)
+                add_monitor(c, part, c.state.monitors.pop(0))
         register_of(code, 1, part.running)
         if acts(part):
             code.row(op.SET_SLOT, part.slot, c=part.beginning)
@@ -231,19 +230,11 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
 # ------------------------------------------------------------ what a setup makes
 
 
-def flag_if_live(c: Compilation, scope: CompiledScope) -> int | None:
-    """Return a register that says whether a match has come to a statement; None if that is certain."""
-    if not scope.inlined.live:
-        return None
-    flag = own_part(c).register(c.code)
-    register_of(c.code, 1, flag)
-    return flag
-
-
-def own_part(c: Compilation) -> ScenarioInstance:
-    """Return the scenario that keeps what a statement makes. Raises ScenicError if it may be executed again."""
-    if c.site.repeating:
-        raise ScenicError("unsupported", "this cannot be repeated in a match", hint="write it before the loop")
+def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
+    """Return the scenario that keeps what a statement makes. Raises ScenicError if that may be made never or twice."""
+    where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
+    if uncertain:
+        raise ScenicError("unsupported", f"no match can make this in a {where}", hint=f"write it before the {where}")
     assert c.site.part is not None
     return c.site.part
 
@@ -252,14 +243,14 @@ def watch(
     c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter | nodes.Record
 ) -> None:
     """Let the scenario watch a condition, a time limit or a value."""
-    assert c.site.part is not None
+    part = own_part(c, scope)
     if isinstance(node, nodes.Record):
         keep_record(scope, node)
-        kept, items = c.state.records, c.site.part.records
+        part.records.append(WatchedItem(c.state.records.pop()))
     else:
         keep_termination(scope, node)
-        kept, items = c.state.terminations, c.site.part.terminations
-    items.append(WatchedItem(kept.pop(), flag_if_live(c, scope)))
+        watched = c.state.terminations.pop()
+        part.terminations.append(WatchedItem(watched._replace(duration=store_in_register(c.code, watched.duration))))
 
 
 def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMonitor) -> None:
@@ -267,12 +258,9 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
     value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
         raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
-    call = with_own_arguments(c, value)
-    if c.site.setting_up:
-        assert c.site.part is not None
-        add_monitor(c, c.site.part, call, flag_if_live(c, scope))
-    else:
-        launch(c, add_monitor(c, own_part(c), call, None))
+    thread = add_monitor(c, own_part(c, scope), with_own_arguments(c, value))
+    if not c.site.setting_up:
+        launch(c, thread)
 
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
@@ -280,19 +268,18 @@ def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
     return replace(call, arguments={name: store_in_register(c.code, each) for name, each in call.arguments.items()})
 
 
-def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall, flag: int | None) -> Thread:
+def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall) -> Thread:
     where = "" if part.parent is None else f" of {part.name}"
     title = f"monitor {call.behavior.name}{where}"
-    part.monitors.append(Thread(title, part.register(c.code), call, flag=flag, number=len(part.monitors)))
+    part.monitors.append(Thread(title, part.register(c.code), call, number=len(part.monitors)))
     c.code.notes[part.monitors[-1].slot] = f"{call.behavior.name}.slot"
     return part.monitors[-1]
 
 
 def launch(c: Compilation, thread: Thread) -> None:
     """Check the guards of a monitor or behavior, and let it begin."""
-    with nullcontext() if thread.flag is None else c.code.when(thread.flag):
-        check_first(c, thread)
-        c.code.row(op.SET_SLOT, thread.slot, c=thread.entry)
+    check_first(c, thread)
+    c.code.row(op.SET_SLOT, thread.slot, c=thread.entry)
 
 
 def check_first(c: Compilation, thread: Thread) -> None:
@@ -373,7 +360,7 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """Make a temporal requirement during the match: its scenario watches it from the next step on."""
-    part, own = own_part(c), with_present_names(c, scope, node)
+    part, own = own_part(c, scope), with_present_names(c, scope, node)
     watched = Watched(node, scope.place(node), own, node.name or source_text(scope, node))
     state = part.register(c.code, -1)
     part.temporal.append(WatchedItem(watched, state, Automaton(formula_of(node.condition)), own))

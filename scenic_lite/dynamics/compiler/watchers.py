@@ -6,9 +6,8 @@ truths of the expressions that the state mentions choose the next one. Read next
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import product
 
@@ -45,11 +44,6 @@ def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
 
 
-def while_noted(c: Compilation, item: WatchedItem) -> AbstractContextManager[None]:
-    """Rows written inside are for a statement that the match has come to."""
-    return nullcontext() if item.register is None else c.code.when(item.register)
-
-
 @contextmanager
 def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
     """Rows written inside are for a scenario while it runs."""
@@ -62,20 +56,12 @@ def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
 
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
-    code = c.code
-    limits = [each for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
-    if not limits:
-        return
-    taken, allowed = part.limit = code.fixed.take(), code.fixed.take()
-    register_of(code, 0, taken)
-    register_of(code, math.inf, allowed)
-    for each in limits:
-        tree, duration = each.watched.tree, each.watched.duration  # of the scene, if it has one
-        with while_noted(c, each):
-            if duration is None:
-                duration = frame_for(c, each.watched).value(tree.duration)
-            needs_number(duration, "a duration")
-            register_of(code, duration if tree.unit == "steps" else duration / c.world.timestep, allowed)
+    limits = [each.watched for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
+    if limits:
+        taken, allowed = part.limit = c.code.fixed.take(), c.code.fixed.take()
+        register_of(c.code, 0, taken)
+        duration = needs_number(limits[-1].duration, "a duration")
+        register_of(c.code, duration if limits[-1].tree.unit == "steps" else duration / c.world.timestep, allowed)
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
@@ -84,7 +70,7 @@ def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callabl
         tree = each.watched.tree
         if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
             scope = frame_for(c, each.watched)
-            with c.code.statement(), while_noted(c, each), branch(c, scope, tree.condition):
+            with c.code.statement(), branch(c, scope, tree.condition):
                 end(each.watched.label)
 
 
@@ -117,13 +103,12 @@ def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
 
 def take_record(c: Compilation, item: WatchedItem) -> None:
     code, tree, label = c.code, item.watched.tree, item.watched.label
-    with while_noted(c, item):
-        value = in_registers(c, store_in_register(code, frame_for(c, item.watched).value(tree.value)))
-        taken = code.fixed.take()
-        code.begin_with(taken, -1)
-        code.notes[taken] = f"{label}.taken"
-        register_of(code, c.time(), taken)
-        c.output.records.append(Record(label, tree.when, taken, value))
+    value = in_registers(c, store_in_register(code, frame_for(c, item.watched).value(tree.value)))
+    taken = code.fixed.take()
+    code.begin_with(taken, -1)
+    code.notes[taken] = f"{label}.taken"
+    register_of(code, c.time(), taken)
+    c.output.records.append(Record(label, tree.when, taken, value))
 
 
 def in_registers(c: Compilation, value: Value) -> Value:

@@ -186,15 +186,11 @@ class Scenario:
         self._temporal.append((watched, Check(formula_of(watched.tree.condition))))
 
     def _time_limit(self) -> float | None:
-        limit = None
-        for watched in self.kept["terminations"]:
-            tree = watched.tree
-            if isinstance(tree, nodes.TerminateAfter):
-                duration = settled(watched.duration, self.episode.row)  # of the scene
-                scope = self._scope_of(watched)
-                duration = scope.value(tree.duration) if duration is None else duration
-                limit = self.episode.in_steps(duration, scope, tree.duration, tree.unit)
-        return limit
+        limits = [each for each in self.kept["terminations"] if isinstance(each.tree, nodes.TerminateAfter)]
+        if not limits:
+            return None
+        tree, scope = limits[-1].tree, self._scope_of(limits[-1])
+        return self.episode.in_steps(settled(limits[-1].duration, self.episode.row), scope, tree.duration, tree.unit)
 
     @contextmanager
     def current(self) -> Iterator[None]:

@@ -90,10 +90,7 @@ class Generator:
             self.write(indent, f"terminate after {self.random.randrange(1, 6)} steps")
 
     def setting(self, indent: int, names: list[str], name: str) -> None:
-        """One statement of a setup."""
-        if self.chance(0.15):
-            self.write(indent, f"if {self.truth(names)}:")
-            indent += 1
+        """One statement of a setup; in a branch one that happens at once."""
         thing, number = self.thing(), self.number()
         forms = [
             f"override {thing} with behavior Loop(f'{name}{{{self.value(names)}:.4g}}')",
@@ -121,6 +118,10 @@ class Generator:
                 f"override {thing} with behavior Ends({self.random.randrange(2, 9)})",
                 f"require {self.truth(names)} or ego.position.y < 8",
             ]
+        if self.chance(0.15):
+            self.write(indent, f"if {self.truth(names)}:")
+            indent += 1
+            forms = [form for form in forms if form.startswith("override")]
         self.write(indent, self.pick(*forms))
 
     # ------------------------------------------------------------ compose blocks

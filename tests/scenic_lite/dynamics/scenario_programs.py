@@ -162,19 +162,29 @@ do Part('a', 2)
 require monitor Stop(3)
 wait for 9 steps
 """,
-    "conditions in a branch": """
+    "conditions of what the match decides": """
 scenario Maybe(n):
     setup:
-        override ego with behavior Loop('m')
-        if n > 2:
-            terminate after 2 steps
-            record n as big
-            require monitor Pay(n)
-        else:
-            terminate when ego.position.y > n
+        if ego.position.y > 2:
+            override ego with behavior Loop('m')
+        big = n > 2
+        terminate after (2 if big else 9) steps
+        record n as big
+        require monitor Pay(n)
+        terminate when not big and ego.position.y > n
 ---
 for i in [1, 3, 8]:
     do Maybe(i)
+    wait
+""",
+    "a time limit drawn once": """
+scenario Drawn():
+    setup:
+        override ego with behavior Loop(f'{Range(0, 1):.6g}')
+        terminate after DiscreteRange(1, 5) steps
+---
+for i in range(3):
+    do Drawn()
     wait
 """,
     "requirements of a scenario": """

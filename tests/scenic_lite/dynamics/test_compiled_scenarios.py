@@ -104,7 +104,15 @@ REFUSED = {
     "an object": ("scenario Made():\n    setup:\n        new Thing at 9 @ 9\n---\ndo Made()", "by the reference only"),
     "a parameter": ("scenario Set():\n    setup:\n        param x = 3\n---\ndo Set()", "no meaning in a match"),
     "itself": ("scenario Again(n):\n    compose:\n        wait\n        do Again(n)\n---\ndo Again(1)", "calls itself"),
-    "a monitor in a loop": ("while ego.position.y < 9:\n    require monitor Pay(1)\n    wait", "cannot be repeated"),
+    "a monitor in a loop": (
+        "while ego.position.y < 9:\n    require monitor Pay(1)\n    wait",
+        "can make this in a loop",
+    ),
+    "a condition in a branch": (
+        "scenario Maybe():\n    setup:\n        if ego.position.y > 2:\n            terminate when mate.y > 3\n"
+        "---\ndo Maybe()",
+        "can make this in a branch",
+    ),
     "the ego of a match": ("wait\nego = mate\nwait", "no match can change ego here"),
 }
 
