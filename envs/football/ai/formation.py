@@ -202,8 +202,11 @@ def stretched(slot_x, attacking, ball_u):
 def focus(match, first, team, attacking, back):
     """Return the place to which everybody near closes up: before the ball in attack, behind it in defence."""
     ahead = forward(team)
-    slow_u, slow_v = ahead * mean_ball(match, CLOSE_UP.slow, 0), ahead * mean_ball(match, CLOSE_UP.slow, 1)
-    quick_u, quick_v = ahead * mean_ball(match, CLOSE_UP.quick, 0), ahead * mean_ball(match, CLOSE_UP.quick, 1)
+    slow_u, slow_v, quick_u, quick_v = 0.0, 0.0, 0.0, 0.0  # mostly only one of the two counts
+    if attacking > 0.0:
+        slow_u, slow_v = ahead * mean_ball(match, CLOSE_UP.slow, 0), ahead * mean_ball(match, CLOSE_UP.slow, 1)
+    if attacking < 1.0:
+        quick_u, quick_v = ahead * mean_ball(match, CLOSE_UP.quick, 0), ahead * mean_ball(match, CLOSE_UP.quick, 1)
     u = blend(slow_u, 0.5 * (quick_u + ahead * first.x), attacking)
     v = CLOSE_UP.inward * blend(slow_v, 0.5 * (quick_v + ahead * first.y), attacking)
     return blend(min(u + CLOSE_UP.ahead, HALF_LENGTH), max(u - CLOSE_UP.behind, back, -HALF_LENGTH), attacking), v

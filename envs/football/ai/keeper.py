@@ -15,7 +15,7 @@ from envs.football.constants import (
     RUN_SPEED,
 )
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import ball_speed, man_on_ball, meeting_time
+from envs.football.physics.possession import ball_speed, man_on_ball, time_to_meet
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.hands import HOLD_STEPS
 from envs.football.skills.saves import dive
@@ -170,7 +170,7 @@ def goes_for_loose_ball(match, i):
     if rival == NOBODY:
         return True
     speed = ball_speed(ball)
-    return meeting_time(match, player, speed) + OUT.claim_margin < meeting_time(match, match.players[rival], speed)
+    return time_to_meet(match, i, speed) + OUT.claim_margin < time_to_meet(match, rival, speed)
 
 
 @kernel

@@ -133,7 +133,8 @@ def pushed(dx, dy, power, reach, curve):
     distance = math.sqrt(dx * dx + dy * dy)
     if distance >= reach:
         return 0.0, 0.0, 0.0
-    power *= (1.0 - distance / reach) ** curve
+    near = 1.0 - distance / reach
+    power *= near if curve == 1.0 else near**curve
     share = -power / (distance + 1e-9)
     return share * dx, share * dy, power
 

@@ -93,7 +93,10 @@ def find_chasers(match):
         if last != NOBODY:
             consider_chaser(match, last, speed)  # who mostly still is: then all the others are seen to be too far away
     for i in range(match.num_players):
-        consider_chaser(match, i, speed)
+        player = match.players[i]
+        reach = (CHASE.speed + speed) * match.arrival[player.team]  # m, of who could be as soon at a ball rolled to him
+        if match.carrier == i or squared_apart(player, match.ball.x, match.ball.y) <= reach * reach:
+            consider_chaser(match, i, speed)
 
 
 @kernel
@@ -101,15 +104,18 @@ def consider_chaser(match, i, speed):
     """Make player i his team's chaser if he is sooner at the ball, which rolls at `speed` m/s, than who is so far."""
     player = match.players[i]
     chaser, soonest = match.chaser[player.team], match.arrival[player.team]
-    if match.carrier == i:
-        match.chaser[player.team], match.arrival[player.team] = i, 0.0
-        return
-    reach = (CHASE.speed + speed) * soonest
-    if squared_apart(player, match.ball.x, match.ball.y) > reach * reach:
-        return  # too far away even if the ball rolled towards him
-    time = meeting_time(match, player, speed) + player.down_wait
-    if time < soonest or (time == soonest and i < chaser):
+    time = 0.0 if match.carrier == i else meeting_time(match, player, speed) + player.down_wait
+    if match.carrier == i or time < soonest or (time == soonest and i < chaser):
         match.chaser[player.team], match.arrival[player.team] = i, time
+
+
+@kernel
+def time_to_meet(match, i, speed):
+    """Return `meeting_time` of player i in s, which is known of those who have just been found to be chasers."""
+    player = match.players[i]
+    if match.chaser[player.team] == i and match.carrier != i and player.down_wait == 0.0:
+        return match.arrival[player.team]
+    return meeting_time(match, player, speed)
 
 
 @kernel

@@ -9,7 +9,7 @@ import math
 
 from envs.football.constants import NOBODY
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, fall_time, meeting_time, travelled
+from envs.football.physics.possession import ball_speed, fall_time, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
@@ -38,7 +38,7 @@ def chase(match, i, speed):
     rolling = ball_speed(ball)
     share = 0.0
     if rolling > 0.5:
-        share = travelled(rolling, fall_time(ball), meeting_time(match, player, rolling)) / rolling
+        share = travelled(rolling, fall_time(ball), time_to_meet(match, i, rolling)) / rolling
     run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
 
 
