@@ -270,13 +270,10 @@ class Definition:
         """Return what is wrong with arguments that do not fit."""
         names = [each.name for each in self.signature.parameters.values() if each.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
-        twice = [name for name in names[: len(arguments)] if name in keywords]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
         if unknown and len(arguments) <= len(names):
             return ScenicError("type", f"{self.name}() has no argument '{unknown[0]}'", hint=near(unknown[0], names))
-        if twice:
-            return ScenicError("type", f"{self.name}() is given '{twice[0]}' twice")
-        said = f"'{missing[0]}' is missing" if missing else f"{len(arguments)} arguments were given"
+        said = f"'{missing[0]}' is missing" if missing else f"{len(arguments) + len(keywords)} arguments were given"
         return ScenicError("type", f"{self.name}({', '.join(names)}): {said}")
 
 
