@@ -97,11 +97,8 @@ def fly(ball):
 
 @kernel
 def swerve(ball, speed):
-    """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side.
-
-    Across the pitch it is the other way about, as in the original: top spin lifts, and passes along the ground fly.
-    """
-    wx, wy, wz = ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
+    """Bend the flight of a spinning ball (Magnus), most at about 37 m/s: top spin down, curl to its side."""
+    wx, wy, wz = -ball.spin_y / BALL_RADIUS, ball.spin_x / BALL_RADIUS, ball.curl
     if wx * wx + wy * wy + wz * wz < AIR.spin_least * AIR.spin_least or speed < 1.0:
         return
     force = AIR.swerve * math.sin(min(speed / AIR.fastest, 1.0) * AIR.swerve_turn) ** AIR.swerve_power * DT / speed
