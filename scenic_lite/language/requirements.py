@@ -72,10 +72,7 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
             raise
         condition = per_sample_condition(scope, node)
         scope.watch(condition)
-    if isinstance(condition, BehaviorCall):
-        hint = f"write require monitor {condition.behavior.name}()"
-        raise scope.error("type", "a monitor is no condition", node, hint)
-    if isinstance(condition, RandomChoice):
+    if isinstance(condition, RandomChoice | BehaviorCall):
         raise scope.error("type", "the condition of a requirement must be true or false", node)
     return condition if isinstance(condition, RandomExpr) else bool(condition)
 

@@ -182,6 +182,10 @@ class _Checker:
 
     def require(self, node: nodes.Require, context: Context) -> None:
         condition = node.condition
+        if isinstance(condition, ast.Call) and isinstance(condition.func, ast.Name):
+            name = condition.func.id
+            if name in self.monitors:
+                self.report(condition, f'"{name}" is a monitor', f'write "require monitor {name}(...)"')
         if node.probability is not None and nodes.is_temporal(condition):
             self.report(condition, "a temporal requirement cannot have a probability")
         pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether only logic is around it

@@ -68,6 +68,7 @@ WRONG = [
     ("while x:\n  def f():\n    continue", 3, 5, '"continue" may only stand in a loop'),
     ("class A:\n  width: 1\n  x: 2\n  width: 3", 4, 3, 'the property "width" occurs twice in the class "A"'),
     ("param a = 1, b = 2, 'a' = 3", 1, 21, 'the parameter "a" occurs twice in one statement'),
+    ("monitor M():\n  wait\nrequire M()", 3, 9, '"M" is a monitor'),
     ("require[0.5] always x", 1, 14, "a temporal requirement cannot have a probability"),
     ("require (always x) + 1 > 3", 1, 10, '"always" cannot be an operand here'),
     (
