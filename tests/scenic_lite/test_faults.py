@@ -28,7 +28,6 @@ def sampled(text: str):
         ("import math\nparam y = math.sqrt(x - 0.5)", 4, 10, "math domain error"),
         ("import math\nparam y = math.log(x, 2)", 4, 10, "math domain error"),
         ("param y = (x - 0.5) ** 0.5", 3, 10, "no real number"),
-        ("param y = Uniform([1, 2], [3, 4])[x * 2]", 3, 10, "list index out of range"),
         (BRANCHING + "require f(x) > 0", 5, 15, "division by zero"),
     ],
 )
