@@ -25,8 +25,8 @@ def play_frames(match):
     for _ in range(FRAMES):
         for i in range(match.num_players):
             advance_player(match.players[i])
-        if close != 0:
-            part_bodies(match, close)
+        if close:
+            part_bodies(match)
         if not in_play:
             continue
         if match.kicker != NOBODY and swing_frame(match):

@@ -88,6 +88,7 @@ PLAYER_FIELDS = (
     ("vy", "f8", (), "m/s", ""),
     ("facing_x", "f8", (), "", "unit vector, where the body looks"),
     ("facing_y", "f8", (), "", ""),
+    ("near_bits", "i8", (), "", "bit j: he could meet player j, who comes before him, within this step"),
     ("turning", "i8", (), "steps", "since velocity and command differ"),
     ("stance_wait", "f8", (), "s", "until the body leaves the stance in which the first whistle finds it"),
     ("tiredness", "f8", (), "", "0 fresh .. 0.99"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from envs.football.ai.attack import meet_free_ball, play_ball
 from envs.football.ai.balance import remember
 from envs.football.ai.defence import lay_traps, must_move, tackle, tackles
-from envs.football.ai.formation import exchange_posts
+from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts
 from envs.football.ai.keeper import choose_keeper_command
 from envs.football.ai.marking import choose_hunters, choose_markers, hunts
 from envs.football.ai.positions import take_position
@@ -21,7 +21,7 @@ from envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
-DECIDED_EVERY, MARKED_AT = 4, 3  # steps, of slots and of markers; which of them: at first nobody is marked
+MARKED_EVERY, MARKED_AT = 4, 3  # steps; which of them: at first nobody is marked
 LATE, LATE_SHARE = 0.2, 2.0  # s, and times the opponents' time to a free ball: who needs longer does not run for it
 
 
@@ -33,9 +33,9 @@ def read_game(match):
     remember(match)
     lay_traps(match)
     on_ball = first_at_ball(match)
-    if on_ball != NOBODY and match.step % DECIDED_EVERY == 0:
+    if on_ball != NOBODY and match.step % EXCHANGED_EVERY == 0:
         exchange_posts(match, on_ball)
-    if match.step % DECIDED_EVERY == MARKED_AT:
+    if match.step % MARKED_EVERY == MARKED_AT:
         choose_markers(match)
     choose_runners(match)
     choose_hunters(match)

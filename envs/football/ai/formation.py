@@ -96,6 +96,7 @@ ATTACK = Stance(0.868, 0.948, 0.52, 0.026, 0.2, 0.828, 0.826, 0.5)
 DEFENCE = Stance(0.71, 0.84, 0.54, 0.182, -0.2, 0.776, 0.938, 0.2)
 BLOCK, CLOSE_UP = Block(), CloseUp()
 LOOK_AHEAD = 0.5  # s by which runs are led where slots are exchanged
+EXCHANGED_EVERY = 4  # steps
 EXCHANGE = 0.95  # two mates exchange slots when that shortens their ways to less than this share
 
 
@@ -155,6 +156,15 @@ def post_place(match, player, post, on_ball):
     v += draw * CLOSE_UP.across * (focus_v - v)
     u, v = min(max(u, -HALF_LENGTH), HALF_LENGTH), min(max(v, -HALF_WIDTH), HALF_WIDTH)
     return ahead * u, ahead * v
+
+
+@kernel
+def slot_place(match, i, on_ball):
+    """Return the place in m of player i's own slot, which is known in the steps in which slots are exchanged."""
+    player = match.players[i]
+    if match.step % EXCHANGED_EVERY == 0:
+        return player.slot_place_x, player.slot_place_y
+    return post_place(match, player, i, on_ball)
 
 
 @kernel

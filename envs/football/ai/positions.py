@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
-from envs.football.ai.formation import LINE, between, post_place, smooth
+from envs.football.ai.formation import LINE, between, post_place, slot_place, smooth
 from envs.football.ai.run_speed import head_for
 from envs.football.ai.support import runs_behind, support_share, supporting_place
 from envs.football.constants import CF, NOBODY
@@ -72,10 +72,12 @@ def own_place(match, i, first):
     """Return the place of player i's slot: near the ball of the one that he has for now, far off of his own."""
     player = match.players[i]
     far = between(apart(player, match.players[first]), OWN.near, OWN.far)
-    if player.post == i or far == 0.0:
+    if player.post == i:
+        return slot_place(match, i, first)
+    if far == 0.0:
         return post_place(match, player, player.post, first)
     share = smooth(OWN.share[LINE[player.role]] * far, 1.0)
-    x, y = post_place(match, player, i, first)
+    x, y = slot_place(match, i, first)
     if share < 1.0:
         post_x, post_y = post_place(match, player, player.post, first)
         x, y = post_x + share * (x - post_x), post_y + share * (y - post_y)

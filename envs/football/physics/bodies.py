@@ -36,29 +36,31 @@ def keep_on_pitch(player):
 
 @kernel
 def crowded(match):
-    """Return a bit for every player who could meet another one within this step."""
-    bits = 0
+    """Find the pairs of players who could meet within this step; return whether there is one."""
+    found = False
     for i in range(1, match.num_players):
         a = match.players[i]
+        a.near_bits = 0
         for j in range(i):
             b = match.players[j]
             if abs(a.x - b.x) < BODIES_NEAR and abs(a.y - b.y) < BODIES_NEAR:
-                bits |= 1 << i | 1 << j
-    return bits
+                a.near_bits |= 1 << j
+        found = found or a.near_bits != 0
+    return found
 
 
 @kernel
-def part_bodies(match, bits):
-    """Push overlapping players among those named in `bits` apart and take away the speed with which they close in.
+def part_bodies(match):
+    """Push overlapping players apart and take away the speed with which they close in, of pairs that `crowded` found.
 
     Who runs faster gives way more, so that nobody is shoved about the pitch; who has been beaten is in nobody's way.
     """
     for i in range(1, match.num_players):
-        if bits >> i & 1 == 0:
-            continue
         a = match.players[i]
+        if a.near_bits == 0:
+            continue
         for j in range(i):
-            if bits >> j & 1 == 0:
+            if a.near_bits >> j & 1 == 0:
                 continue
             b = match.players[j]
             dx, dy = a.x - b.x, a.y - b.y
