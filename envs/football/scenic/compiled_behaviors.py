@@ -14,8 +14,6 @@ from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import recorded
 
-NOTHING = (op.END, op.WAIT)  # all that the threads of a program do in which nothing happens
-
 
 class CompiledBehaviors:
     """How the behaviors and monitors of a program take part in its matches.
@@ -32,7 +30,7 @@ class CompiledBehaviors:
     def __init__(self, program: Program) -> None:
         self.compiled = compile_program(program, FOOTBALL_WORLD)
         self.code = self.compiled.code
-        self.is_live = not np.isin(self.code.rows[:, 0], NOTHING).all()
+        self.is_live = not does_nothing(self.code.rows)
         self.num_registers = self.code.register_count
         self.has_records = bool(self.compiled.records)
 
@@ -52,3 +50,9 @@ class CompiledBehaviors:
         assert error is not None
         error.notes = (*error.notes, f"    in {where}")
         return error
+
+
+def does_nothing(rows: np.ndarray) -> bool:
+    """Return whether the threads of a program `[n, 4]` only end, wait, or jump on to where they do."""
+    opcodes, on = rows[:, 0], rows[:, 3] > np.arange(len(rows))
+    return bool((np.isin(opcodes, (op.END, op.WAIT)) | ((opcodes == op.JUMP) & on)).all())
