@@ -66,8 +66,8 @@ def part_bodies(match):
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
             if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and not (beaten(a) or beaten(b)):
-                if squared == 0.0:  # one steps back towards his goal
-                    dx, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
+                if squared == 0.0:  # each steps to his right, as in the original
+                    dy, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
                 part(a, b, dx, dy, math.sqrt(squared))
 
 

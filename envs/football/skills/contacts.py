@@ -205,6 +205,8 @@ def claim(match, i):
     carrier.touch_wait = CLAIM.robbed_wait
     if hands:
         hold(match, i)
+    elif stands:
+        take(match, i)  # off somebody's feet who only waits for him
     else:
         knock_loose(match, i, match.carrier)
 
