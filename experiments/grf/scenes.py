@@ -12,7 +12,9 @@ import numpy as np
 
 from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
 from envs.football.kick_off import MatchConfig, Roster
+from envs.football.physics.motion import take_stance
 from experiments.grf.stage import Stage
+from scenic_lite.kernels.jit import kernel
 
 Players = tuple[tuple[int, float, float], ...]  # role, x, y
 
@@ -78,4 +80,13 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
     roster = Roster([0] * len(scene.left) + [1] * len(scene.right), [role for role, _, _ in players])
     places = np.array([(x, y) for _, x, y in players]) * STRETCH
     settings = replace(config, game_duration=scene.duration)
-    return Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)
+    stage = Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)
+    take_stances(stage.matches)
+    return stage
+
+
+@kernel
+def take_stances(matches):
+    """Let the first whistle of every match find its bodies in stances of their own, as it does in an environment."""
+    for e in range(len(matches)):
+        take_stance(matches[e])

@@ -205,7 +205,8 @@ def test_a_random_policy_rarely_scores() -> None:
 
 
 def test_idling_before_a_keeper_loses_the_ball() -> None:
-    """No deadlock: he comes and takes it."""
+    """No deadlock: he comes and takes it, or kicks it as far as the striker's own keeper."""
     matches = play(duel((27.0, 0.0), (38.0, 1.0), range(50)), [0] * 300)
-    assert (matches["ended"] != RUNNING).all()
+    ended = matches["ended"] != RUNNING
+    assert ended.mean() > 0.9 and (ended | (matches["carrier"] == 2)).all()
     assert matches["score"].sum() == 0

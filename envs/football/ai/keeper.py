@@ -162,8 +162,10 @@ def goes_for_loose_ball(match, i):
     """Return whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
     player, ball = match.players[i], match.ball
     goal_x = own_goal_x(player.team)
-    if match.carrier != NOBODY or ball.x * goal_x <= 0.0:
+    if match.carrier != NOBODY:
         return False
+    if ball.x * goal_x <= 0.0:
+        return match.last_touch != NOBODY and lone(match, i)
     if abs(goal_x - ball.x) > OUT.claim_range * match.engine.keeper_range or match.chaser[player.team] != i:
         return lone(match, i)
     rival = match.chaser[1 - player.team]
@@ -190,7 +192,7 @@ def throws_himself(match, player):
 
 @kernel
 def lone(match, i):
-    """Return whether keeper i's team has no other player: every ball in his half is his."""
+    """Return whether keeper i's team has no other player: every loose ball is his, once play has begun."""
     mates = 0
     for j in range(match.num_players):
         mates += match.players[j].team == match.players[i].team and not match.players[j].has_left
