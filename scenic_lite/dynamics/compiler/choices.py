@@ -161,30 +161,22 @@ def is_condition(value: Value) -> bool:
 
 def conditional(c: Compilation, scope: Scope, node: ast.IfExp) -> Value:
     """Return the value of `a if test else b`."""
-    no = Label()
-    jump_on(c, scope, node.test, no, when=False)
-    if not no.used:
-        return scope.value(node.body)
-    if not c.code.reachable:
-        c.code.put(no)
-        return scope.value(node.orelse)
+    test = truth(scope.value(node.test))
+    if not isinstance(test, RandomExpr):
+        return scope.value(node.body if test else node.orelse)
+    test = materialize(c.code, test)
     with c.code.captured() as yes_rows:
         yes = scope.value(node.body)
     with c.code.captured() as no_rows:
-        other = scope.value(node.orelse)
-    return joined(c, no, (yes_rows, yes), (no_rows, other))
+        no = scope.value(node.orelse)
+    return either(c, test, (yes_rows, yes), (no_rows, no))
 
 
 def either(c: Compilation, test: Value, yes: Computed, no: Computed) -> Value:
     """Return yes if the test holds, else no; each with the rows that compute it."""
-    otherwise = Label()
+    otherwise, end = Label(), Label()
     jump(c.code, materialize(c.code, test), otherwise, when=False)
-    return joined(c, otherwise, yes, no)
-
-
-def joined(c: Compilation, otherwise: Label, yes: Computed, no: Computed) -> Value:
-    """Return the value after two ways: one that follows, one that begins at a label."""
-    place, end = place_for(c.code, [yes[1], no[1]]), Label()
+    place = place_for(c.code, [yes[1], no[1]])
     compute_into(c, place, yes)
     c.code.row(op.JUMP, c=end)
     c.code.put(otherwise)

@@ -154,7 +154,8 @@ class Assembler:
             following = Label()
             self.row(op.JUMP_NOT_EQUAL, register, self.constant(number), following)
             write()
-            self.row(op.JUMP, c=end)
+            if number != max(cases):
+                self.row(op.JUMP, c=end)
             self.put(following)
         self.put(end)
 

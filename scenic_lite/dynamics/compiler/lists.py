@@ -79,8 +79,15 @@ def many(items: Value) -> bool:
 
 
 @contextmanager
-def loop(code: Assembler, items: RegisterList | list | tuple) -> Iterator[tuple[Value, RegisterValue, Label]]:
+def loop(
+    code: Assembler, items: LiveRange | RegisterList | list | tuple
+) -> Iterator[tuple[Value, RegisterValue, Label]]:
     """Rows written inside are executed for each element; its place, and the label that begins the next round."""
+    if isinstance(items, LiveRange):
+        stop = register_of(code, items.stop, code.variables.take())
+        with code.rounds(stop, register_of(code, items.start), items.step) as (counter, following):
+            yield counter, counter, following
+        return
     count = items.registers[0] if isinstance(items, RegisterList) else code.constant(len(items))
     with code.rounds(count) as (counter, following):
         yield element_at(code, items, counter), counter, following
@@ -279,7 +286,7 @@ def extreme(
 def place_of_extreme(code: Assembler, items: Value, number: Callable[[Value], Value], least: bool) -> RegisterValue:
     """Return the place of the first element whose number is the least, or the greatest."""
     best = RegisterValue(code.variables.take())
-    chosen = RegisterValue(code.variables.take(), whole=True, lasting=False)
+    chosen = RegisterValue(code.variables.take(), whole=True)
     for item, place, following in rounds(code, items):
         mark, better = materialize(code, number(item)), Label()
         if isinstance(place, RegisterValue):

@@ -155,18 +155,9 @@ def place_for(code: Assembler, values: list[Value]) -> Place:
 
 def store_in_register(code: Assembler, value: Value) -> Value:
     """Return a value with everything in it that varies copied into registers of its own, where it lasts."""
-    return copied_to(code, value, code.variables)
-
-
-def snapshot(code: Assembler, value: Value) -> Value:
-    """Return a value as it is now, whatever is assigned before the statement ends."""
-    return copied_to(code, value, code.temporaries)
-
-
-def copied_to(code: Assembler, value: Value, area: Area) -> Value:
     if not varies(value):
         return value
-    place = Place(code, type_of(value), area)
+    place = Place(code, type_of(value), code.variables)
     place.store(value)
     return place.load()
 
@@ -178,14 +169,12 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
     """
     if isinstance(value, RegisterValue | RegisterList):
         read = value.registers if isinstance(value, RegisterList) else (value.register,)
-        passing = area is not None and max(read) >= TEMPORARIES
-        return copied_to(code, value, area) if area is not None and passing else value
+        return store_in_register(code, value) if area is not None and max(read) >= TEMPORARIES else value
     if not varies(value):
         return value
     if isinstance(value, RandomChoice) or flatten(value) is not None:
         return with_parts(value, lambda part: materialize(code, part, area))
-    register = register_of(code, value, None if area is None else area.take())
-    return RegisterValue(register, value.kind, is_whole(value), lasting=False)
+    return RegisterValue(register_of(code, value, None if area is None else area.take()), value.kind, is_whole(value))
 
 
 # ------------------------------------------------------------ variables

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from copy import copy
 from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
 from scenic_lite.dynamics.compiler.choices import jump_on
-from scenic_lite.dynamics.compiler.code import Assembler, Label
+from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.lists import (
@@ -25,11 +25,10 @@ from scenic_lite.dynamics.compiler.lists import (
     loop,
     many,
 )
-from scenic_lite.dynamics.compiler.registers import Variable, materialize, snapshot, store_in_register
+from scenic_lite.dynamics.compiler.registers import Variable, materialize, store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import REWARD
-from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
@@ -72,7 +71,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
         scope.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
         parts = spread(scope, target, elements(c, scope, value, target))
-        parts = [snapshot(c.code, each) for each in parts]  # `a, b = b, a`
+        parts = [store_in_register(c.code, each) for each in parts]  # `a, b = b, a`
         for each, part in zip(target.elts, parts, strict=True):
             bind(c, scope, each, part)
     elif isinstance(target, ast.Attribute):
@@ -192,20 +191,17 @@ def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
     items = scope.value(node.iter)
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
-    if isinstance(items, LiveRange):
-        rounds = numbers(c.code, items)
-    elif isinstance(items, RegisterList):
-        rounds = loop(c.code, store_in_register(c.code, items))  # the list is as it was when the loop began
-    else:
+    if isinstance(items, RegisterList):
+        items = store_in_register(c.code, items)  # the list is as it was when the loop began
+    elif not isinstance(items, LiveRange):
         items = elements(c, scope, items, node.iter)
         if not many(items) or needs_one_object(node):
             unroll(c, scope, node, items)
             return
-        rounds = loop(c.code, items)
     scope.pin(assigned_names(*node.body))
     exit_ = Label()
     with scope.in_dynamic_branch():
-        with rounds as (item, _, following):
+        with loop(c.code, items) as (item, _, following):
             bind(c, scope, node.target, item)
             in_loop(scope, Loop(exit_, following), node.body)
         scope.run(node.orelse)
@@ -222,14 +218,6 @@ def needs_one_object(node: ast.For) -> bool:
         return isinstance(each, nodes.Override | nodes.Do | nodes.RequireMonitor)
 
     return any(map(of_one, walk_own(*node.body)))
-
-
-@contextmanager
-def numbers(code: Assembler, numbers: LiveRange) -> Iterator[tuple[Value, RegisterValue, Label]]:
-    """Rows written inside are executed for each number; the label begins the next round."""
-    stop = register_of(code, numbers.stop, code.variables.take())
-    with code.rounds(stop, register_of(code, numbers.start), numbers.step) as (counter, following):
-        yield counter, counter, following
 
 
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:

@@ -17,15 +17,14 @@ from scenic_lite.values.graph import RandomExpr, Value
 class RegisterValue(RandomExpr):
     """A value that stands in a register while a match runs; the leaf of what the compiler computes with.
 
-    `whole`: it is an integer, which counts where it is written as text. `lasting`: the register belongs to a variable
-    or to the world, and may change; an intermediate result does not change before the end of its statement.
+    `whole`: it is an integer, which counts where it is written as text.
     """
 
-    __slots__ = ("lasting", "register", "whole")
+    __slots__ = ("register", "whole")
 
-    def __init__(self, register: int, kind: str = "number", whole: bool = False, lasting: bool = True) -> None:
+    def __init__(self, register: int, kind: str = "number", whole: bool = False) -> None:
         super().__init__(None, (), kind)
-        self.register, self.whole, self.lasting = register, whole, lasting
+        self.register, self.whole = register, whole
 
 
 class Listed(NamedTuple):
