@@ -160,14 +160,15 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
             compose(c, part)
     with c.within(part):
         conditions(c, part, "scenario", partial(ended, c, part))
-    code.row(op.JUMP, c=done)
-    code.put(part.over)
-    part.call_stop(code)
-    code.row(op.JUMP, c=done)
-    code.put(part.kill)
-    part.call_stop(code)
-    if part.parent is not None:
-        code.row(op.JUMP, c=part.parent.kill)
+    if part.over.used or part.kill.used:
+        code.row(op.JUMP, c=done)
+        code.put(part.over)
+        part.call_stop(code)
+        code.row(op.JUMP, c=done)
+        code.put(part.kill)
+        part.call_stop(code)
+        if part.parent is not None:
+            code.row(op.JUMP, c=part.parent.kill)
     code.put(done)
 
 
