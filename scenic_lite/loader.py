@@ -54,6 +54,7 @@ def load(
     own = source_of(text, file, folder)
     run_file(mode, text, own)
     set_up_main(mode, own, scenario)
+    warn_of_overrides(state, own)
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
@@ -119,6 +120,18 @@ def is_plain(value: object) -> bool:
     if isinstance(value, dict):
         return all(is_plain(part) for pair in value.items() for part in pair)
     return value is None or type(value) in (bool, int, float, str)
+
+
+def warn_of_overrides(state: LoadState, own: Source) -> None:
+    """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
+    unset = own.start
+    known = {name for name, place in state.param_places.items() if place != unset}
+    known |= state.domain.params if state.domain else frozenset()
+    for name in sorted(state.fixed_params - known):
+        hint = near(name, known)
+        if hint:
+            message = f"the program sets no parameter '{name}', which its caller overrides"
+            state.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
 
 
 def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:

@@ -14,7 +14,7 @@ from typing import Any
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import LoadState, Mode
-from scenic_lite.core.types import Namespace, Source, near
+from scenic_lite.core.types import Namespace, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.evaluation.functions import MODULES
 from scenic_lite.syntax import nodes
@@ -199,8 +199,14 @@ def import_from(scope: Scope, node: ast.ImportFrom) -> None:
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
-    """`from module import *`: all names that begin with no underscore."""
-    scope.locals.update((name, value) for name, value in module.names.items() if not name.startswith("_"))
+    """`from module import *`: the names in its `__all__`, or all that begin with no underscore."""
+    public = module.names.get("__all__", [name for name in module.names if not name.startswith("_")])
+    if not isinstance(public, list | tuple) or not all(isinstance(name, str) for name in public):
+        raise ScenicError("type", f"`__all__` of {module.name} is a list of names, not {describe_kind(public)}")
+    for name in public:
+        if name not in module.names:
+            raise ScenicError("import", f"{module.name} has no '{name}', which its `__all__` lists")
+        scope.locals[name] = module.names[name]
 
 
 IMPORTS: dict[type, Callable[[Scope, Any], None]] = {

@@ -158,3 +158,22 @@ def test_a_module_gives_all_names_but_those_with_an_underscore(tmp_path):
     (tmp_path / "main.scenic").write_text("from lib import *\nego = Object at a @ _b\n")
     with pytest.raises(ScenicError, match="name '_b' is not defined"):
         load(tmp_path / "main.scenic")
+
+
+def test_a_misspelt_parameter_of_the_caller_is_warned_of():
+    text = "param gravity = -9\nego = Object"
+    (warning,) = load(text, params={"gravty": -3}).warnings
+    assert "'gravty'" in warning.message and warning.hint == "did you mean 'gravity'?"
+    assert not load(text, params={"gravity": -3, "weather": "dry"}).warnings
+
+
+def test_a_module_that_lists_its_public_names_gives_no_others(tmp_path):
+    (tmp_path / "lib.scenic").write_text('__all__ = ["a", "_b"]\na = 1\n_b = 2\nc = 3\n')
+    (tmp_path / "main.scenic").write_text("from lib import *\nego = Object at a @ _b\n")
+    load(tmp_path / "main.scenic")
+    (tmp_path / "main.scenic").write_text("from lib import *\nego = Object at a @ c\n")
+    with pytest.raises(ScenicError, match="name 'c' is not defined"):
+        load(tmp_path / "main.scenic")
+    (tmp_path / "lib.scenic").write_text('__all__ = ["a"]\n')
+    with pytest.raises(ScenicError, match="lib has no 'a', which its `__all__` lists"):
+        load(tmp_path / "main.scenic")
