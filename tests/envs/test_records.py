@@ -19,7 +19,8 @@ def test_a_row_of_the_batch_records_what_one_environment_does():
     batch.reset(seed=4)
     level = batch.levels[0]
     one.reset(seed=0, options={"theta": level["theta"]})
-    one.batch._batch.matches["random"] = batch._batch.matches["random"][0]
+    for drawn in ("random", "players"):  # the stream, and the stances that it has given
+        one.batch._batch.matches[drawn] = batch._batch.matches[drawn][0]
     for step in range(STEPS):
         _, rewards, _, _, info = batch.step(np.zeros(3, int))
         _, reward, _, _, own = one.step(0)

@@ -37,6 +37,7 @@ from envs.football.constants import (
 from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.rules.fouls import report_foul
 from envs.football.simulator import step_match
+from envs.football.skills.contacts import FEET
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 from tests.envs.pitch import step_players
@@ -54,7 +55,7 @@ COMPLAINTS = (
     *("an agent and its player disagree", "a touch that is no kick made the ball fast", "a half that cannot be"),
 )
 STYLES = 8
-FASTEST_TOUCH = 14.0  # m/s that a touch can give the ball which is no kick: what a sprinter knocks on, and aside
+FASTEST_TOUCH = FEET.fast  # m/s that a touch can give the ball which is no kick: out of a keeper's slide
 
 
 @kernel

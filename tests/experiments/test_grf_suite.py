@@ -11,6 +11,7 @@ import pytest
 from envs.football.constants import CB, DIRECTION_RIGHT, IDLE, SHORT_PASS, STAND
 from envs.football.kick_off import Roster
 from experiments.__main__ import main
+from experiments.grf.measure import MEASURES
 from experiments.grf.report import FAMILIES, family_module, read_data, render_family
 from experiments.grf.rows import Row, by_distance, by_factor, by_share
 from experiments.grf.stage import Stage, keys, metres, units
@@ -34,7 +35,7 @@ def test_the_page_beside_the_data_names_every_file_and_every_column():
     assert {path.name for path in paths} == {name for name in described if name.endswith(".csv")}
     for path in paths:
         _, _, family, _, columns, _ = described[path.name]
-        assert family.strip() in FAMILIES
+        assert family.strip() in (*FAMILIES, *MEASURES)
         assert {f"`{column}`" for column in read_data(path.stem)[0]} <= set(re.findall("`[a-z_]+`", columns)), path.name
 
 
