@@ -1,10 +1,11 @@
-"""A probe world in the place of football, so that the command line is tested in seconds."""
+"""A probe world in the place of football, so that the command line is tested in seconds; engines to compare with."""
 
 from pathlib import Path
 
 import pytest
 
 from experiments.run import build
+from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 
 
@@ -21,3 +22,12 @@ def probe(monkeypatch):
     monkeypatch.setattr(build, "make_method", lambda config, upomdp: ProbeMethod(config, upomdp))
     monkeypatch.setattr(build, "make_painter", lambda program, lineup=None: ProbePainter())
     return Path
+
+
+@pytest.fixture(params=["ours twice", "stand-in", "real"])
+def engine(request, tmp_path):
+    """Flags of a second engine."""
+    if request.param == "ours twice":
+        return ["--engine", "regista"]
+    python = real_python() if request.param == "real" else str(fake_python(tmp_path))
+    return ["--grf-python", python, "--grf-workers", "1"]

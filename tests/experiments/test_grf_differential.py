@@ -11,7 +11,6 @@ from experiments.__main__ import main
 from experiments.grf.differential import OURS, Pair, as_json, compare, play_scenes, worst
 from experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
 from experiments.grf.episodes import Episodes, side_by_side
-from tests.envs.grf.fixtures import fake_python, real_python
 
 
 def straight(speed, lengths, ended=RUNNING):
@@ -86,15 +85,6 @@ def test_our_simulator_is_as_far_from_itself_as_it_is_from_itself():
     assert pair.ours.ball.shape[1] == pair.grf.ball.shape[1]
     assert (pair.ours.ball[:, 0] == pair.grf.ball[:, 0]).all()
     assert pair.apart(10, "players") < 1.0
-
-
-@pytest.fixture(params=["ours twice", "stand-in", "real"])
-def engine(request, tmp_path):
-    """Flags of a second engine."""
-    if request.param == "ours twice":
-        return ["--engine", "regista"]
-    python = real_python() if request.param == "real" else str(fake_python(tmp_path))
-    return ["--grf-python", python, "--grf-workers", "1"]
 
 
 def test_the_command_prints_json_and_writes_the_worst(engine, capsys, tmp_path):

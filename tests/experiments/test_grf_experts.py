@@ -14,7 +14,6 @@ from experiments.__main__ import main
 from experiments.grf.experts import OURS, Expert, Found, correlations, experts, play_expert, play_experts
 from minigames.suites import HERE
 from scenic_lite import load
-from tests.envs.grf.fixtures import fake_python, real_python
 
 NAMES = [each.name for each in experts()]
 SIDES = {"11_vs_gk": (11, 1), "avoid_pass_shoot": (3, 2), "pass_and_shoot": (3, 2), "run_to_score": (2, 6)}
@@ -64,15 +63,6 @@ def test_rates_and_ranks_are_told_of_both_engines():
     assert "0.42 [0.37, 0.48]" in found[0].line() and found[1].line()[4] == "0.51"  # of how many is not known
     alike = [Found(found[0].expert, found[0].ours, found[0].ours), Found(found[1].expert, found[1].ours, found[1].ours)]
     assert correlations(alike)["ours, grf"] in (1.0, pytest.approx(np.nan, nan_ok=True))
-
-
-@pytest.fixture(params=["ours twice", "stand-in", "real"])
-def engine(request, tmp_path):
-    """Flags of a second engine."""
-    if request.param == "ours twice":
-        return ["--engine", "regista"]
-    python = real_python() if request.param == "real" else str(fake_python(tmp_path))
-    return ["--grf-python", python, "--grf-workers", "1"]
 
 
 def test_the_command_tells_of_all_nine(engine, capsys):

@@ -17,7 +17,6 @@ from experiments.grf.episodes import NO_ACTION, Episodes, join
 from experiments.grf.goals import goals_of
 from experiments.grf.transfer import Played, Result, leaving, summary
 from experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
-from tests.envs.grf.fixtures import fake_python, real_python
 from ued import checkpoint
 
 STEPS = 4
@@ -143,15 +142,6 @@ def run(tmp_path_factory):
     short = ["--total-env-steps=64", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]
     assert main([*words, *short, "--out", str(out)]) == 0
     return out
-
-
-@pytest.fixture(params=["ours twice", "stand-in", "real"])
-def engine(request, tmp_path):
-    """Flags of a second engine."""
-    if request.param == "ours twice":
-        return ["--engine", "regista"]
-    python = real_python() if request.param == "real" else str(fake_python(tmp_path))
-    return ["--grf-python", python, "--grf-workers", "1"]
 
 
 def test_the_command_tells_of_both_engines(run, engine, capsys, tmp_path):
