@@ -151,6 +151,8 @@ def written(dialect: int, value: Value) -> str:
         return f"({value.x} @ {value.y})" if dialect == 2 else f"Vector({value.x}, {value.y}, 0)"
     if isinstance(value, Instance):
         return value.title()
+    if isinstance(value, dict):
+        raise ScenicError("unsupported", "there is no text of a dictionary", hint="write its elements one by one")
     return repr(value) if isinstance(value, int | float | str | None) else describe_kind(value)
 
 

@@ -148,6 +148,7 @@ LEFT_OUT = [
     ("x = [1].sort()", 5, "there is no sort() here", "write items = sorted(items)"),
     ("x = {}\nx.update({1: 2})", 1, "there is no update() here", "write d[key] = value"),
     ("x = str([Range(0, 1)])", 5, "there is no text of a collection", "write them one by one"),
+    ("x = str([{1: 2}])", 5, "there is no text of a dictionary", "write its elements one by one"),
     ("x = divmod(7, 2)", 5, "there is no divmod() here", "write a // b and a % b"),
     ("x = getattr(ego, 'width')", 5, "there is no getattr() here", "write x.name"),
     ("x = type(3)", 5, "there is no type() here", "write isinstance(x, ...)"),
