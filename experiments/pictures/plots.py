@@ -143,8 +143,13 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
 
 
 def label_steps(axes: Axes) -> None:
-    """Write what the horizontal axis counts, in numbers that are short: 500k, 2M."""
+    """Write what the horizontal axis counts, in short numbers."""
     axes.set_xlabel("simulated steps, all students")
+    shorten_steps(axes)
+
+
+def shorten_steps(axes: Axes) -> None:
+    """Write the numbers of the horizontal axis as 500k, 2M."""
     axes.xaxis.set_major_formatter(lambda value, _: count(value))
 
 
@@ -169,6 +174,7 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
             axes.set_title(heading)
             axes.set_ylabel(panel.unit)
             axes.margins(x=0.01)
+            shorten_steps(axes)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
