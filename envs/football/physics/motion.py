@@ -53,8 +53,8 @@ TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
 @kernel
 def take_stance(match):
-    """Let the first whistle find every body somewhere in its idle movement; who has the ball before him sets himself
-    to it first.
+    """Let the first whistle find every body somewhere in its idle movement, or on its toes where the ball is near; who
+    has the ball before him sets himself to it first.
     """
     for i in range(match.num_players):
         player = match.players[i]

@@ -17,14 +17,7 @@ from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import can_hold, has_hands, hold, parry
 from envs.football.skills.kicks import kick_first_time
 from envs.football.skills.saves import DIVE, foresee
-from envs.football.skills.tackles import (
-    STANDING,
-    goes_for_ball,
-    in_tackle_reach,
-    slide_into,
-    tackle,
-    within_reach,
-)
+from envs.football.skills.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
