@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from envs.football.constants import IDLE, NO_FAULT, NOBODY
-from envs.football.control.agents import num_agents
+from envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY, NUM_ACTIONS
+from envs.football.control.agents import num_agents, seen_by
+from envs.football.control.keys import key_of_command
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
 from envs.football.physics.motion import take_stance
 from envs.football.physics.variation import vary_engine
-from envs.football.scenic.scripted_step import agents_action, run_program_behaviors, run_program_monitors
+from envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
 from envs.football.scenic.world_table import THE_BALL
 from envs.football.simulator import choose_actions, play
 from envs.football.state import MATCH
@@ -47,6 +48,7 @@ class Outcome(NamedTuple):
     truncated: np.ndarray  # [N] bool
     ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `REJECTED`
     faults: np.ndarray  # [N] int64
+    agent_actions: np.ndarray  # [N, A] int64, what was done for each agent: one of the 19 actions, or NO_KEY
 
 
 class BatchSettings(NamedTuple):
@@ -77,6 +79,7 @@ def empty_outcome(count: int, agents: int) -> Outcome:
         np.zeros(count, bool),
         np.zeros(count, np.int64),
         np.zeros(count, np.int64),
+        np.full((count, agents), NO_KEY),
     )
 
 
@@ -128,9 +131,10 @@ def ask_program(matches, registers, commands, object_to_player, code, actions):
             command = commands[index, o]
             if object_to_player[o] == THE_BALL or command == NO_COMMAND:
                 continue
-            agent = match.players[object_to_player[o]].agent
-            if agent != NOBODY:
-                actions[index, agent] = agents_action(int(command))
+            player = match.players[object_to_player[o]]
+            if player.agent != NOBODY:
+                key = key_of_command(player, as_seen(player.team, int(command)))
+                actions[index, player.agent] = seen_by(player.team, key)
 
 
 @kernel
@@ -147,11 +151,14 @@ def close_row(batch, outcome, seen, final, settings, index):
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
+        outcome.agent_actions[index] = NO_KEY
         return
     match = batch.matches[index]
     outcome.rewards[index] = team_reward(match, settings.checkpoints)
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)
+        action = match.last_actions[agent]
+        outcome.agent_actions[index, agent] = action if action < NUM_ACTIONS else NO_KEY
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.ended[index] = match.ended

@@ -11,7 +11,7 @@ from envs.football.ai.keeper import kick_out_if_overdue
 from envs.football.ai.set_pieces import wait_for_restart
 from envs.football.constants import BUILTIN_AI, RUNNING, STAND
 from envs.football.control.active_player import settle_first_step
-from envs.football.control.agents import assign_actions, choose_controlled
+from envs.football.control.agents import assign_actions, choose_controlled, note_wishes, press_commanded_keys
 from envs.football.control.episode import end_episode
 from envs.football.control.keys import apply_action, release_keys
 from envs.football.control.reward import clear_rewards, pay_checkpoints
@@ -47,6 +47,7 @@ def choose_actions(match, actions, code, object_to_player, registers, commands):
         return False
     assign_actions(match, actions)
     command_players(match, object_to_player, commands)
+    press_commanded_keys(match)
     return True
 
 
@@ -57,6 +58,7 @@ def play(match):
         settle_first_step(match)
     if not wait_for_restart(match):
         play_on(match)
+    note_wishes(match)
     play_frames(match)
     advance_timers(match)
     apply_rules(match)

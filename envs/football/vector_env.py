@@ -14,8 +14,7 @@ from gymnasium.spaces import Discrete, MultiDiscrete
 
 from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
-from envs.football.constants import NO_FAULT, NUM_ACTIONS
-from envs.football.control.control_modes import release_agents
+from envs.football.constants import BUILTIN_AI, NO_FAULT, NUM_ACTIONS
 from envs.football.engine import Engine, Simulator
 from envs.football.observation.observer import RAW, Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
@@ -40,7 +39,8 @@ class FootballVectorEnv(UPOMDP):
     ball or out of play is terminated; one that reaches `game_duration` is truncated. A `terminate` of the program
     terminates a match; one that breaks a requirement of the program is truncated. `info["ended"]` `[N]` gives the
     reason, `constants.RUNNING` to `REJECTED`. What monitors set `scenic_reward` to is part of the reward:
-    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents. What
+    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents;
+    `info["agent_actions"]` `[N, A]` what was done, -1 where it is none of the 19 (`with_scripted_policy`). What
     the program has recorded in the step is in `info["records"]` by name: `[N]`, vectors `[N, 2]`, NaN (None, of what is
     no number) where nothing was.
 
@@ -86,7 +86,7 @@ class FootballVectorEnv(UPOMDP):
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
         self._started = False
-        self._scripted = False  # agents move nobody: the program plays their players, too
+        self._scripted = False  # agents move nobody: the program plays their players
         self.ended_matches: np.ndarray | None = None  # see `keep_endings`
 
     @property
@@ -119,10 +119,7 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch = self._batch
-        starts = self.lineup.starts(levels["theta"], levels["seed"])
-        if self._scripted:
-            release_agents(starts)
-        batch.starts[where] = starts
+        batch.starts[where] = self.lineup.starts(levels["theta"], levels["seed"])
         batch.start_registers[where] = self.behaviors.registers(levels["theta"])
         self._engine.begin(batch, where, self._settings)
         self._started = True
@@ -133,13 +130,14 @@ class FootballVectorEnv(UPOMDP):
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
-        self._engine.step(self._batch, self._checked(actions), out, seen, final, self._settings)
+        chosen = np.full_like(out.agent_actions, BUILTIN_AI) if self._scripted else self._checked(actions)
+        self._engine.step(self._batch, chosen, out, seen, final, self._settings)
         if out.faults.any():
             self._report_faults()
         ended = out.terminated | out.truncated
         last = self._observer.read(final, self._batch.matches)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
-        info["agent_rewards"] = out.agent_rewards.copy()
+        info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:
             info["records"] = self.behaviors.recorded(self._batch.registers)
         if not self._settings.restart and ended.any():
@@ -232,7 +230,9 @@ class FootballVectorEnv(UPOMDP):
         """Return a copy in which the program's behaviors play the agents' players, or the built-in AI where it has
         none.
 
-        It begins the same levels anew; its actions are ignored.
+        It begins the same levels anew; its actions are ignored. Agents keep their players and see what they see; what
+        is done for them comes as `info["agent_actions"]`. As agents they press one key a step, of a command of several
+        the one that says most; of what the built-in AI does, the nearest key is told.
         """
         twin = self.copy()
         twin._scripted = True

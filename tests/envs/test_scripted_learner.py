@@ -1,9 +1,12 @@
 """The learner's part played by the program: the yardstick of PAIRED with a scripted antagonist."""
 
 import numpy as np
+import pytest
 
 from envs.football.config import FootballConfig
+from envs.football.constants import SHORT_PASS, SHOT
 from envs.football.vector_env import FootballVectorEnv
+from minigames import MINIGAMES
 
 RUNNER = """
 model football.model
@@ -98,3 +101,69 @@ def test_a_program_without_behaviors_wants_nothing():
     env = FootballVectorEnv("model football.model\nego = LeftCF at 80 @ 0\nBall ahead of ego by 1\n", 2)
     env.reset(seed=0)
     assert (env.program_actions() == [0, 0]).all()
+
+
+# ---------------------------------------------------------------- what its agents see, and what was done for them
+
+
+@pytest.mark.parametrize(("program", "control"), [(HESITANT, "2"), (HESITANT, "closest1"), (RUNNER, "active")])
+def test_agents_keep_their_players_and_their_views_while_the_program_plays(program, control):
+    env = FootballVectorEnv(program, 3, config=FootballConfig(control=control))
+    env.reset(seed=1)
+    script = env.with_scripted_policy()
+    for _ in range(30):
+        seen, *_ = env.step(env.program_actions())
+        view, _, _, _, info = script.step(np.zeros(env.action_space.shape, int))
+        assert (view == seen).all() and np.abs(view).sum() > 0
+        assert (script.matches["agents"] == env.matches["agents"]).all()
+        assert (info["agent_actions"] >= 0).all()
+
+
+def test_what_was_done_for_an_agent_is_what_it_would_have_done():
+    env = FootballVectorEnv(HESITANT, 4, config=FootballConfig(control=2))
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    for _ in range(20):
+        wanted = script.program_actions()
+        assert (script.step(wanted)[4]["agent_actions"] == wanted).all()
+        assert (env.step(np.full((4, 2), 7))[4]["agent_actions"] == 7).all()  # and an agent's own
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        ("5, 13", [5, 13, 5, 5]),  # what changes something first, then all is as wanted
+        ("13, 5, 12", [12, 12, 12, 12]),
+        ("14", [14, 14, 14, 14]),
+        ("5, 14", [5, 5, 5, 5]),
+    ],
+)
+def test_of_several_keys_the_one_that_says_most_is_told(command, told):
+    program = f"model football.model\nbehavior B():\n    while True:\n        take {command}\n"
+    program += "ego = LeftCM at 20 @ 0, with behavior B()\nBall at 0 @ 20\nRightGK at 99 @ 0\n"
+    env = FootballVectorEnv(program, 1)
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    for key in told:
+        assert env.program_actions() == script.program_actions() == key
+        assert script.step(np.zeros(1, int))[4]["agent_actions"] == key
+        env.step(np.array([key]))
+
+
+@pytest.mark.parametrize("side", ["Left", "Right"])
+def test_the_built_in_players_wish_is_told_as_the_nearest_key(side):
+    x, control = (80, ("1", "none")) if side == "Left" else (-80, ("none", "1"))
+    program = f"model football.model\nego = {side}CF at {x} @ 0\nBall at {1.02 * x} @ 0\n"
+    env = FootballVectorEnv(program, 1, config=FootballConfig(control=control[0], right_control=control[1]))
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    told = [int(script.step(np.zeros(1, int))[4]["agent_actions"][0, 0]) for _ in range(12)]
+    assert told == [5, 5, 5, 13] * 3  # towards the goal that he attacks, at a sprint
+
+
+def test_kicks_of_built_in_players_are_told():
+    env = FootballVectorEnv(MINIGAMES["3v2FourBehaviors"].program, 32, config=FootballConfig(control="closest1"))
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    told = {int(a) for _ in range(80) for a in script.step(np.zeros(32, int))[4]["agent_actions"].ravel()}
+    assert {SHOT, SHORT_PASS} <= told <= {-1, *range(19)}

@@ -9,15 +9,28 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import ACTIVE, BAD_ACTION, BUILTIN_AI, CLOSEST, LEFT, NOBODY, NUM_ACTIONS, RIGHT
+from envs.football.constants import (
+    ACTIVE,
+    BAD_ACTION,
+    BUILTIN_AI,
+    CLOSEST,
+    LEFT,
+    NO_KEY,
+    NOBODY,
+    RIGHT,
+)
 from envs.football.control.active_player import choose_active
+from envs.football.control.keys import key_of_command, key_of_wish
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
 
 @kernel
 def assign_actions(match, actions):
-    """Give the agents' players their actions `[A]`, and everybody else the built-in AI's."""
+    """Give the agents' players their actions `[A]`, and everybody else the built-in AI's.
+
+    An agent's BUILTIN_AI leaves its player to the program, or to the built-in AI where the program leaves him.
+    """
     for i in range(match.num_players):
         match.players[i].action = BUILTIN_AI
     for agent in range(num_agents(match)):
@@ -25,12 +38,36 @@ def assign_actions(match, actions):
         if match.engine.sticky_noise > 0.0 and match.step > 0 and uniform(match) < match.engine.sticky_noise:
             action = match.last_actions[agent]
         match.last_actions[agent] = action
-        if not 0 <= action < NUM_ACTIONS:
+        if not 0 <= action <= BUILTIN_AI:
             match.fault = BAD_ACTION
             action = 0
         if match.agents[agent] != NOBODY:
             player = match.players[match.agents[agent]]
             player.action = seen_by(player.team, action)
+
+
+@kernel
+def press_commanded_keys(match):
+    """Let the agents that leave their players to the program press what it commands, one key a step as agents do."""
+    for agent in range(num_agents(match)):
+        i = match.agents[agent]
+        if match.last_actions[agent] == BUILTIN_AI and i != NOBODY and match.players[i].action != BUILTIN_AI:
+            player = match.players[i]
+            player.action = key_of_command(player, player.action)
+            match.last_actions[agent] = seen_by(player.team, player.action)
+
+
+@kernel
+def note_wishes(match):
+    """Note as an agent's action what comes nearest to what the built-in AI wants, where it has decided."""
+    for agent in range(num_agents(match)):
+        i = match.agents[agent]
+        if match.last_actions[agent] != BUILTIN_AI:
+            continue
+        match.last_actions[agent] = NO_KEY
+        if i != NOBODY:
+            player = match.players[i]
+            match.last_actions[agent] = seen_by(player.team, key_of_wish(player, match.step))
 
 
 @kernel

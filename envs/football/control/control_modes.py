@@ -68,12 +68,6 @@ def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> No
         matches["players"]["agent"][rows, matches["agents"][:, agent]] = agent
 
 
-def release_agents(matches: np.ndarray) -> None:
-    """Take their players from the agents of matches MATCH `[N]` about to begin; whoever is there plays himself."""
-    matches["control"] = NO_AGENTS
-    matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
-
-
 def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
     """Return who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
     if mode == "active":

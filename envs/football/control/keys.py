@@ -1,11 +1,16 @@
 """Actions into desired velocities: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
 
-Read next: `ai.decide`, which decides for everybody without a command, and `skills.kicks`, which carries the kicks out.
+And back: which of the 19 comes nearest to what a program (`key_of_command`) or the built-in AI (`key_of_wish`) has a
+player do. Read next: `ai.decide`, which decides for everybody without a command, and `skills.kicks`, which carries the
+kicks out.
 """
 
 from __future__ import annotations
 
+import math
+
 from envs.football.constants import (
+    BUILTIN_AI,
     DIRECTION_X,
     DIRECTION_Y,
     DRIBBLE,
@@ -13,6 +18,7 @@ from envs.football.constants import (
     IDLE,
     KICK_PATIENCE,
     LONG_PASS,
+    NO_KEY,
     NOBODY,
     NUM_COMMANDS,
     RELEASE_DIRECTION,
@@ -24,6 +30,7 @@ from envs.football.constants import (
     SPRINT,
 )
 from envs.football.physics.dribble import TOUCH
+from envs.football.physics.motion import SLIDE
 from envs.football.physics.possession import forget_kick
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.steering import chase, slide
@@ -32,6 +39,8 @@ from scenic_lite.kernels.jit import kernel
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
 PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
+STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
+PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
 
 
 @kernel
@@ -139,3 +148,73 @@ def key_speed(player, with_ball):
     if player.dribble:
         return CARRY_DRIBBLE if with_ball else DRIBBLE_SPEED
     return CARRY_RUN if with_ball else RUN_SPEED
+
+
+@kernel
+def key_of_command(player, command):
+    """Return the one of the 19 actions that says most of a command: a kick or a slide, else the first key that changes
+    something, else the first; none for the built-in AI's.
+    """
+    told = IDLE
+    while command > 0:  # from the last to the first
+        action = command % NUM_COMMANDS
+        command //= NUM_COMMANDS
+        says_more = changes(player, action) or not changes(player, told)
+        if told == IDLE or is_button(action) or excludes(action, told) or (says_more and not is_button(told)):
+            told = action
+    return IDLE if told == BUILTIN_AI else told
+
+
+@kernel
+def is_button(action):
+    """Return whether an action is a kick or a slide, which counts when it is pressed, not as long as it is held."""
+    return LONG_PASS <= action <= SHOT or action == SLIDING
+
+
+@kernel
+def excludes(action, other):
+    """Return whether two sticky keys say different things of the same: direction, sprint or dribble."""
+    if is_direction(action):
+        return is_direction(other)
+    low, high = min(action, other), max(action, other)
+    return (low == SPRINT and high == RELEASE_SPRINT) or (low == DRIBBLE and high == RELEASE_DRIBBLE)
+
+
+@kernel
+def is_direction(action):
+    """Return whether an action presses or releases the direction."""
+    return 1 <= action <= 8 or action == RELEASE_DIRECTION
+
+
+@kernel
+def changes(player, action):
+    """Return whether a key is not what the player's sticky keys say already."""
+    if 1 <= action <= 8:
+        return player.direction != action
+    if action == RELEASE_DIRECTION:
+        return player.direction != 0
+    if action in (SPRINT, RELEASE_SPRINT):
+        return player.sprint != (action == SPRINT)
+    return player.dribble != (action == DRIBBLE)
+
+
+@kernel
+def key_of_wish(player, step):
+    """Return the one of the 19 actions that comes nearest to what the built-in AI has a player do; NO_KEY while he is
+    down.
+
+    A wish has a direction and a pace: which of both is told, goes by the step.
+    """
+    if player.is_sliding and player.down_wait >= SLIDE.time:
+        return SLIDING
+    if player.down_wait > 0.0:
+        return NO_KEY
+    if player.kick != 0:
+        return player.kick
+    speed = length(player.desired_vx, player.desired_vy)
+    if speed < STANDS:
+        return RELEASE_DIRECTION
+    if step % PACE_EVERY == PACE_EVERY - 1:
+        return SPRINT if speed > SPRINTS else RELEASE_SPRINT
+    eighths = round(math.atan2(player.desired_vy, player.desired_vx) / (math.pi / 4))  # 0 along +x, anticlockwise
+    return (4 - eighths) % 8 + 1

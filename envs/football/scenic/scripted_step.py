@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from envs.football.constants import (
     BUILTIN_AI,
-    IDLE,
     NO_FAULT,
     NOBODY,
     NUM_COMMANDS,
@@ -69,7 +68,8 @@ def apply_program_verdict(match, registers):
 
 @kernel
 def command_players(match, object_to_player, commands):
-    """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent.
+    """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent, unless that
+    leaves him to the program.
 
     A command is an action, several of them (`core.world.packed`) or NO_COMMAND.
     """
@@ -79,17 +79,9 @@ def command_players(match, object_to_player, commands):
         i = object_to_player[o]
         if i == THE_BALL or commands[o] == NO_COMMAND:
             continue
-        if match.players[i].agent != NOBODY:
+        if match.players[i].agent != NOBODY and match.last_actions[match.players[i].agent] != BUILTIN_AI:
             continue
         match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
-
-
-@kernel
-def agents_action(command):
-    """Return the one action that an agent can take of a command: the first, none for the built-in AI's."""
-    while command >= NUM_COMMANDS:
-        command //= NUM_COMMANDS
-    return IDLE if command == BUILTIN_AI else command
 
 
 @kernel
