@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from envs.football.config import FootballConfig
-from envs.football.constants import SHORT_PASS, SHOT
+from envs.football.constants import DIRECTION_BOTTOM_LEFT, DIRECTION_TOP_LEFT, NO_KEY, RELEASE_DIRECTION, SHOT, SLIDING
+from envs.football.control.keys import key_of_wish
+from envs.football.physics.motion import SLIDE
+from envs.football.state import MATCH
 from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
 
 RUNNER = """
 model football.model
@@ -161,9 +163,19 @@ def test_the_built_in_players_wish_is_told_as_the_nearest_key(side):
     assert told == [5, 5, 5, 13] * 3  # towards the goal that he attacks, at a sprint
 
 
-def test_kicks_of_built_in_players_are_told():
-    env = FootballVectorEnv(MINIGAMES["3v2FourBehaviors"].program, 32, config=FootballConfig(control="closest1"))
-    env.reset(seed=0)
-    script = env.with_scripted_policy()
-    told = {int(a) for _ in range(80) for a in script.step(np.zeros(32, int))[4]["agent_actions"].ravel()}
-    assert {SHOT, SHORT_PASS} <= told <= {-1, *range(19)}
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        ({"kick": SHOT, "desired_vx": 8.0}, SHOT),  # as when he takes a set piece
+        ({"is_sliding": True, "down_wait": SLIDE.time}, SLIDING),
+        ({"down_wait": 0.3, "desired_vx": 8.0}, NO_KEY),
+        ({"desired_vx": 0.2}, RELEASE_DIRECTION),
+        ({"desired_vx": -3.0, "desired_vy": -3.1}, DIRECTION_BOTTOM_LEFT),
+        ({"desired_vx": -3.0, "desired_vy": 3.1}, DIRECTION_TOP_LEFT),
+    ],
+)
+def test_wishes_of_built_in_players_as_keys(fields, told):
+    player = np.zeros(1, MATCH).view(np.recarray)[0].players[0]
+    for name, value in fields.items():
+        player[name] = value
+    assert key_of_wish(player, 0) == told
