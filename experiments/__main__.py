@@ -19,6 +19,7 @@ COMMANDS = {
     "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
     "study": "train many games and play them all in both engines: the table of what carries over",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
+    "list": "show the minigames, what is measured on them elsewhere, and their test scenes",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",
     "play": "play one match, and write a film or a record of it",

@@ -1,21 +1,30 @@
 """The minigames, as literal tuples: a training program and the scenes on which its students are tested.
 
-Read next: the `.scenic` files, each a page at most.
+Read next: the `.scenic` files, each a page at most; `published`, what others have measured on them.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 HERE = Path(__file__).parent
+CHECKPOINTS = "scoring,checkpoints"
 
 
 class Minigame(NamedTuple):
     """A named training program with its test scenes.
 
-    `name`, with a `_` for a `/`, is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs, from
-    easy to hard; `control` is whom agents move unless told otherwise.
+    `name`, with a `_` for each `/`, is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs,
+    from easy to hard, each a game of its own, too.
+
+    Attributes:
+        control: whom one agent moves unless told otherwise.
+        rewards: what he is best paid for, a name of `FootballConfig.rewards`.
+        team_control: whom several agents move, each of these ways.
+        difficulty: what makes it hard, in a line.
+        expert: a semi-expert program that plays it with one agent: the same players in the same order, with behaviors.
+        team_expert: the same for a team.
     """
 
     name: str
@@ -23,6 +32,24 @@ class Minigame(NamedTuple):
     tests: tuple[tuple[str, Path], ...]
     description: str
     control: str = "closest1"
+    rewards: str = "scoring"
+    team_control: tuple[str, ...] = ()
+    difficulty: str = ""
+    expert: Path | None = None
+    team_expert: Path | None = None
+
+    def test_games(self) -> list[Minigame]:
+        """Return each test scene as a game of its own, without tests."""
+        told = (self.control, self.rewards, self.team_control)
+        return [
+            Minigame(f"{self.name}/{slug(label)}", path, (), f"{self.description}: {label}", *told)
+            for label, path in self.tests
+        ]
+
+
+def slug(label: str) -> str:
+    """Return what a test is called behind its game's name: `top_blocked` of "top blocked", `A` of "A: chases"."""
+    return label.partition(":")[0].replace(" ", "_")
 
 
 ONE_V_ONE_TESTS = (
@@ -69,6 +96,162 @@ MINIGAMES: dict[str, Minigame] = {
     )
 }
 
+
+def _page(name: str, description: str, difficulty: str, tested: bool = True, **others: Any) -> Minigame:
+    """Return the game of a page of this name, and of `<name>_test` beside it."""
+    tests = (("test", HERE / f"{name}_test.scenic"),) if tested else ()
+    return Minigame(name, HERE / f"{name}.scenic", tests, description, difficulty=difficulty, **others)
+
+
+EXPERTS = HERE / "experts"
+ATTACK: dict[str, Any] = {"team_control": ("allNonGK",)}
+DEFENCE: dict[str, Any] = {"team_control": ("all",)}
+
+# The benchmark of Scenic4RL, places and behaviors as there, one agent moving the player closest to the ball. 22 games.
+BENCHMARK: dict[str, Minigame] = {
+    game.name: game
+    for game in (
+        _page(
+            "offense/avoid_pass_shoot",
+            "a back between the carrier and the goal, a mate behind him",
+            "soon learned by rote; what is learned fails wherever else players stand",
+            expert=EXPERTS / "avoid_pass_shoot.scenic",
+            team_expert=EXPERTS / "team_avoid_pass_shoot.scenic",
+            **ATTACK,
+        ),
+        _page(
+            "offense/easy_crossing",
+            "the ball wide in the box, a mate on the other side, a back between",
+            "a shot from where the ball lies does as well as the cross; fails from the other side",
+            **ATTACK,
+        ),
+        _page(
+            "offense/hard_crossing",
+            "a winger by the line, two mates among three backs",
+            "the cross has to find a head between three backs; hardly anybody scores",
+            **ATTACK,
+        ),
+        _page(
+            "offense/11_vs_gk",
+            "eleven against a keeper, from the kick-off spot",
+            "ninety metres without a goal to learn from: scoring alone teaches one run in ten",
+            rewards=CHECKPOINTS,
+            team_control=("2", "3"),
+            expert=EXPERTS / "11_vs_gk.scenic",
+            team_expert=EXPERTS / "team_11_vs_gk.scenic",
+        ),
+        _page(
+            "offense/vision",
+            "a long pass to one of two forwards, whom one far back keeps onside or does not",
+            "what decides is far from the ball; 44 parameters",
+            rewards=CHECKPOINTS,
+            **ATTACK,
+        ),
+        _page(
+            "defense/gk_vs_opponent",
+            "a keeper alone against an attacker",
+            "the easiest defence: coming out is enough",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/2vs2",
+            "two backs against two attackers, the goal empty",
+            "the ball must be won before the shot; tests begin much nearer to the goal",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/2vs2_counterattack",
+            "a counterattack by two over the wing, the goal empty",
+            "a mate waits between the learner and his goal",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/2vs2_high_pass",
+            "a high pass from the wing to an attacker before the box",
+            "nobody is closest to a ball in the air for long",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/3vs2_counterattack",
+            "a counterattack by two against one back, two mates running home",
+            "two against one until the mates are back",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/3vs3_cross_from_side",
+            "a cross to one of two who wait before the goal",
+            "winning the ball is not the end: only a goal or the line is",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/3vs3_side_buildup",
+            "three against three from the side, the goal empty",
+            "a shot from afar is enough for them",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/hesitant_dribble",
+            "a back alone against the built-in attacker, the goal empty",
+            "the hardest defence: one duel, and it is a goal",
+            **DEFENCE,
+        ),
+        _page(
+            "defense/zigzag_dribble",
+            "a back and a keeper who stands still, against an attacker who goes round",
+            "he has room; tests begin a few metres from him",
+            **DEFENCE,
+        ),
+        _page("grf/empty_goal", "the ball in the middle, nobody in the way", "fifty metres of running", **ATTACK),
+        _page("grf/empty_goal_close", "the ball in the box, nobody in the way", "turn and shoot", **ATTACK),
+        _page(
+            "grf/run_to_score",
+            "an empty goal ahead, five chasers behind",
+            "sprint straight on; elsewhere the way is not straight",
+            rewards=CHECKPOINTS,
+            **ATTACK,
+        ),
+        _page(
+            "grf/run_to_score_with_keeper",
+            "the keeper ahead, five chasers behind",
+            "the keeper comes out: round him, or nothing",
+            rewards=CHECKPOINTS,
+            expert=EXPERTS / "run_to_score.scenic",
+            **ATTACK,
+        ),
+        _page(
+            "grf/pass_and_shoot_with_keeper",
+            "the ball wide and marked, a mate free before the goal",
+            "the pass at once; the test is its mirror image",
+            expert=EXPERTS / "pass_and_shoot.scenic",
+            team_expert=EXPERTS / "team_pass_and_shoot.scenic",
+            **ATTACK,
+        ),
+        _page(
+            "grf/run_pass_and_shoot_with_keeper",
+            "the ball wide and free, a back on the way to the mate",
+            "carry it in, or pass behind the back",
+            **ATTACK,
+        ),
+        _page(
+            "grf/3_vs_1_with_keeper",
+            "three attackers before the box against a back and the keeper",
+            "a shot from afar is caught: one has to come nearer, or pass",
+            tested=False,
+            **ATTACK,
+        ),
+        _page(
+            "grf/counterattack_easy",
+            "eleven a side, five attackers ahead of most opponents",
+            "the one that nobody learns from scoring alone",
+            tested=False,
+            rewards=CHECKPOINTS,
+            team_control=("3",),
+            expert=EXPERTS / "counterattack.scenic",
+            team_expert=EXPERTS / "team_counterattack.scenic",
+        ),
+    )
+}
+
 # Google Research Football's own academy, everybody where its scenario files have him, played as there.
 ACADEMY: dict[str, Minigame] = {
     f"academy/{name}": Minigame(f"academy/{name}", HERE / "academy" / f"{name}.scenic", (), description, "active")
@@ -83,4 +266,6 @@ ACADEMY: dict[str, Minigame] = {
         ("counterattack_easy", "eleven a side, five attackers ahead of most opponents"),
     )
 }
-ALL = MINIGAMES | ACADEMY
+ALL = MINIGAMES | BENCHMARK | ACADEMY
+# Whatever can stand where a program is asked for: games, and each of their test scenes as `<game>/<test>`.
+NAMED = ALL | {test.name: test for game in ALL.values() for test in game.test_games()}

@@ -16,11 +16,11 @@ import numpy as np
 from envs.football.config import FootballConfig
 from envs.football.vector_env import FootballVectorEnv
 from experiments.grf.episodes import Episodes, play
-from experiments.grf.report import read_data
 from experiments.run.evaluator import ENVIRONMENTS
 from experiments.run.report import two_digits
 from experiments.run.results import Counted, goal_rate
-from minigames.suites import HERE
+from minigames.published import find_published
+from minigames.suites import BENCHMARK, HERE
 from ued.statistics import spearman
 
 EPISODES = 50  # in either engine, at effort 1
@@ -84,11 +84,15 @@ class Found:
 
 
 def experts() -> list[Expert]:
-    """Return the programs, with what is published of them."""
-    return [
-        Expert(row["program"], row["team"] == "1", float(row["published"]), int(row["episodes"] or 0) or None)
-        for row in read_data("experts")
-    ]
+    """Return the programs, with what is published of them; those of one agent first."""
+    return [*_experts_of("expert"), *_experts_of("team_expert")]
+
+
+def _experts_of(kind: str) -> Iterator[Expert]:
+    for game in BENCHMARK.values():
+        told = find_published(game.name, kind)
+        if told is not None:
+            yield Expert(getattr(game, kind).stem, kind == "team_expert", told.goal_difference, told.episodes)
 
 
 def play_experts(

@@ -32,38 +32,38 @@ TRAINING_SCENE = "training distribution"  # uniform θ of the training program: 
 
 
 def find_minigame(name: str) -> Minigame:
-    """Return the minigame of this name; the path of a .scenic program counts as one without tests.
+    """Return the minigame of this name, or the test scene `<minigame>/<test>` as a game without tests of its own.
 
-    Raises `UsageError` for a name that is neither.
+    The path of a .scenic program counts as one without tests, too. Raises `UsageError` for other names.
     """
-    from minigames.suites import ALL, Minigame
+    from minigames.suites import NAMED, Minigame
 
-    if name in ALL:
-        return ALL[name]
+    if name in NAMED:
+        return NAMED[name]
     path = Path(name)
     if path.suffix == ".scenic":
         if not path.is_file():
             raise UsageError(f"there is no program {name}")
         return Minigame(path.stem, path, (), "a program of yours")
     raise UsageError(
-        f"unknown minigame {name!r}{nearest(name, ALL)}; known are {', '.join(ALL)}, or give a .scenic file"
+        f"unknown minigame {name!r}{nearest(name, NAMED, 3)}; regista list shows all, or give a .scenic file"
     )
 
 
 def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
-    from minigames.suites import ALL
+    from minigames.suites import NAMED
 
     program = find_minigame(name).program
-    return name if name in ALL else str(program.resolve())
+    return name if name in NAMED else str(program.resolve())
 
 
 def starting_point(preset: str, minigame: str) -> TrainConfig:
-    """Return the settings of a preset for a minigame, whose agents move whom they move there."""
+    """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that."""
     from experiments.run.config import presets
 
-    config = presets()[preset]
-    return replace(config, env=replace(config.env, control=find_minigame(minigame).control))
+    config, game = presets()[preset], find_minigame(minigame)
+    return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
 
 
 def find_method(name: str) -> str:

@@ -22,11 +22,16 @@ class UsageError(CommandError):
     exit_code = 2
 
 
-def nearest(word: str, words: Iterable[str]) -> str:
-    """Return ` (did you mean 'x'?)` for the word that `word` is probably meant to be, or nothing."""
+def nearest(word: str, words: Iterable[str], most: int = 1) -> str:
+    """Return ` (did you mean 'x'?)` for the words that `word` is probably meant to be, or nothing.
+
+    Of several, those that contain it come first.
+    """
     known = {candidate.lower(): candidate for candidate in words}
-    close = get_close_matches(word.lower(), known, n=1, cutoff=0.6)
-    return f" (did you mean '{known[close[0]]}'?)" if close else ""
+    inside = [name for name in known if word.lower() in name] if most > 1 else []
+    close = [*dict.fromkeys(inside + get_close_matches(word.lower(), known, n=most, cutoff=0.6))][:most]
+    shown = " or ".join(f"'{known[name]}'" for name in close)
+    return f" (did you mean {shown}?)" if close else ""
 
 
 def run_command(command: Callable[[list[str]], int], argv: Sequence[str]) -> int:

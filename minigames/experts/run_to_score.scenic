@@ -25,8 +25,8 @@ ball = Ball at 2 @ 0
 ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
 LeftCB at 0 @ 0, with behavior Runner()
 keeper = RightGK at 99 @ 0
-RightLB at -12 @ 20
-RightCB at -12 @ 10
-RightCM at -12 @ 0
+RightLB at -12 @ -20
 RightCB at -12 @ -10
-RightRB at -12 @ -20
+RightCM at -12 @ 0
+RightCB at -12 @ 10
+RightRB at -12 @ 20

@@ -31,7 +31,7 @@ behavior Receive():
 
 ego = Ball at 52 @ 0
 LeftGK at -98 @ 0
-forward = LeftCF at 80 @ -10, with behavior Receive()
 LeftAM at 50 @ 0, with behavior PassAndWait()
+forward = LeftCF at 80 @ -10, with behavior Receive()
 RightGK at 98 @ 0
 back = RightCB at 70 @ -5

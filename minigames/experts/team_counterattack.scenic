@@ -2,6 +2,9 @@
 
 from skills import *
 
+behavior Carrier():
+    do StartCounterattack(winger, True)
+
 ego = LeftGK at -99 @ 0
 LeftLB at -67.2 @ 19.576
 LeftCB at -75 @ 6.356
@@ -10,8 +13,8 @@ LeftRB at -67.2 @ -19.576
 LeftCM at -43.4 @ 10.568
 LeftCM at -43.4 @ -10.568
 LeftCM at 50 @ 31.61, with behavior CloseInAndShoot(True)
+LeftLM at 25 @ 10, with behavior Carrier()
 winger = LeftRM at 25 @ -10, with behavior CloseInAndShoot(True)
-LeftLM at 25 @ 10, with behavior StartCounterattack(winger, True)
 LeftCF at 35 @ -31.61
 
 RightGK at 99 @ 0

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["train", "1v1Restrictd"],
             2,
-            "regista: unknown minigame '1v1Restrictd' (did you mean '1v1Restricted'?); known are",
+            "regista: unknown minigame '1v1Restrictd' (did you mean '1v1Restricted'",
         ),
         (["train", "nowhere.scenic"], 2, "regista: there is no program nowhere.scenic"),
         (

@@ -1,0 +1,10 @@
+"""The ball anywhere on the right half, nobody in the way. theta: runner x, y."""
+
+from episode import *
+
+LeftGK at -99 @ 0
+runner = LeftCB on right_half_field
+
+RightGK at -99 @ -41
+
+ego = Ball ahead of runner by 2

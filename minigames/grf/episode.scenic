@@ -1,0 +1,10 @@
+"""What these games share: an episode ends with a goal, and as soon as the ball is lost or out of play."""
+
+model football.model
+
+param game_duration = 400
+param deterministic = False
+param offsides = False
+param end_episode_on_score = True
+param end_episode_on_out_of_play = True
+param end_episode_on_possession_change = True

@@ -1,0 +1,12 @@
+"""The ball wide and marked, a mate free before the goal. theta is empty."""
+
+from episode import *
+
+ego = Ball at 70 @ 28
+
+LeftGK at -99 @ 0
+LeftCB at 70 @ 0
+LeftCB at 70 @ 30
+
+RightGK at 99 @ 0
+RightCB at 75 @ 30
