@@ -24,7 +24,6 @@ FLOORS = {
         "dynamics.machine",  # what runs in the kernel
         "dynamics.compiler",  # behaviors -> its code
         "dynamics.reference",  # what behaviors mean
-        "dynamics.toy",
         "dynamics",
     ),
     "envs": (

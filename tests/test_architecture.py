@@ -174,7 +174,6 @@ def test_functions_are_short():
     } == LONG_FUNCTIONS
 
 
-@pytest.mark.xfail(strict=True, reason="the language is still being made compact")
 def test_the_language_stays_compact():
     files = modules("scenic_lite").values()
     lines = sum(len(path.read_text().splitlines()) for path in files)

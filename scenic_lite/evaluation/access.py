@@ -210,8 +210,8 @@ def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value) ->
     """Raise ScenicError for elements that cannot be assigned."""
     if not isinstance(owner, list | dict):
         raise scope.error("type", f"elements of {describe_kind(owner)} cannot be assigned here", target)
-    if isinstance(owner, list):
-        scope.refuse_random(key, target, "the index of a list must not be random")
+    what = "index of a list" if isinstance(owner, list) else "key of a dictionary"
+    scope.refuse_random(key, target, f"the {what} must not be random")
     scope.mode.budget.whole(key)
 
 

@@ -225,8 +225,20 @@ def is_of(value: Value, cls: Value) -> bool:
 
 
 def plain(of: type, *names: str) -> dict[str, Builtin]:
-    """Return methods of a Python container that cannot grow it and run no code of the program's."""
-    return {name: Builtin(name, vars(of)[name], over_choices=False) for name in names}
+    """Return methods of a Python container that cannot grow it and run no code of the program's.
+
+    They compare as Python does, which of random values would ask whether they are the same draw.
+    """
+
+    def method(name: str) -> Callable[..., Value]:
+        def do(scope: Scope, node: ast.AST, self: Value, *arguments: Value) -> Value:
+            scope.refuse_random_in(arguments[:1], node, "a random value cannot be looked up here")
+            scope.mode.budget.whole([self, *arguments])
+            return vars(of)[name](self, *arguments)
+
+        return do
+
+    return needs_context(**{name: method(name) for name in names})
 
 
 def typed(kind: type, function: Callable[..., Value], over_choices: bool = False) -> Builtin:

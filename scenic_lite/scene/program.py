@@ -36,7 +36,7 @@ from scenic_lite.scene.naming import (
     title_of_option,
 )
 from scenic_lite.scene.scenes import Area, ScenePlan, Scenes, areas_of, info_of, refuse_huge
-from scenic_lite.scene.theta import Inverse
+from scenic_lite.scene.theta import theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
@@ -243,7 +243,7 @@ class Program:
             default = np.clip(self.layout.checked(np.atleast_2d(default)), -1.0, 1.0)
         state = self.mode.state
         try:
-            return Inverse(state, self.instances, self.layout).theta(description, default)
+            return theta_of(state, self.instances, self.layout, description, default)
         except ScenicError as error:
             if error.place is not None:
                 error.source_line = state.sources[error.place.file].line(error.place.line)

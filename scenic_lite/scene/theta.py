@@ -1,8 +1,8 @@
 """From a scene back to θ: what is asked is compared with what the tape gives, and θ is moved until the two agree.
 
 Placements are affine in θ nearly everywhere, so that one step of least squares on a numerical Jacobian mostly does;
-a coarse scan of θ gives further starts, for choices and curved regions. Every answer is verified; what is not met, or
-not decided by what is asked, is refused. Read next: `values.graph`, the tape.
+random θ give further starts, for choices and curved regions. Every answer is verified; what is not met, or not decided
+by what is asked, is refused. Read next: `values.graph`, the tape.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, kind_of
 
 CLOSE = 1e-6  # relative, from 1 on: two numbers that agree so far are the same
-SCAN = 4096  # θ at which everything is computed once
-STARTS = 8  # of these, the nearest to a scene, from which steps lead on
+STARTS = 4096, 8  # random θ, and how many of them, the nearest to a scene, are starts
 ROUNDS = 60  # steps from one start
 NUDGE = 1e-7  # of [0, 1], for derivatives
+KINDS = {"number": "biuf", "truth": "b", "text": "OU"}  # of arrays that may be asked of a value
 
 
 class Target(NamedTuple):
@@ -36,118 +36,100 @@ class Target(NamedTuple):
     place: SourceSpan
 
 
-class Inverse:
-    """The way back from the scenes of one program: what can be asked of them, and the θ that gives it."""
+def theta_of(
+    state: LoadState,
+    objects: Sequence[Instance],
+    layout: ThetaLayout,
+    description: Mapping[Any, Any],
+    default: np.ndarray | None,
+) -> np.ndarray:
+    """Return theta [N, D] of some scenes; `default` [1, D] or [N, D] decides the draws of which nothing is asked.
 
-    def __init__(self, state: LoadState, objects: Sequence[Instance], layout: ThetaLayout) -> None:
-        self.layout = layout
-        drawn = zip(layout.draws, layout.columns, strict=True)
-        self.known: dict[Any, tuple[Value, SourceSpan]] = {d.name: (column.shown, d.place) for d, column in drawn}
-        self.known |= {name: (value, state.param_places[name]) for name, value in state.params.items()}
-        for key, instance in [*enumerate(objects), *((each.title(), each) for each in objects)]:
-            self.known[key] = instance, instance.place
+    Raises ScenicError naming the draws that nothing decides, or the value that is not met.
+    """
+    drawn = zip(layout.draws, layout.columns, strict=True)
+    known: dict[Any, tuple[Value, SourceSpan]] = {draw.name: (column.shown, draw.place) for draw, column in drawn}
+    known |= {name: (value, state.param_places[name]) for name, value in state.params.items()}
+    known |= {key: (each, each.place) for i, each in enumerate(objects) for key in (i, each.title())}
+    for key in description.keys() - known.keys():
+        names = [name for name in known if isinstance(name, str)]
+        hint = near(str(key), names) or f"it has {', '.join(names)}"
+        raise ScenicError("name", f"{layout.file} has no object, parameter or draw {key!r}", hint=hint)
+    targets = [target for key, asked in description.items() for target in targets_of(key, *known[key], asked)]
+    lengths = sorted({len(target.asked) for target in targets} - {1}) or [1]
+    if len(lengths) > 1:
+        message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
+        raise ScenicError("value", message)
+    if default is not None and len(default) not in (1, *lengths):
+        raise ValueError(f"default must be one row of theta or {lengths[0]} of them, not {len(default)}")
+    systems = systems_of(targets, layout.columns)
+    if default is None:
+        refuse_undecided(layout, {d for system in systems for d in system.at})
+    unit = np.full((lengths[0], len(layout.columns)), 0.5)  # [N, D], in [0, 1]
+    unit[:] = 0.5 if default is None else (default + 1) / 2
+    for system in systems:
+        unit[:, system.at] = system.solve(unit[:, system.at])
+    return 2 * unit - 1
 
-    def theta(self, description: Mapping[Any, Any], default: np.ndarray | None) -> np.ndarray:
-        """Find theta [N, D] of some scenes; `default` [1, D] or [N, D] decides the draws of which nothing is asked.
 
-        Raises ScenicError naming the draws that nothing decides, or the value that is not met.
-        """
-        targets = [target for key, asked in description.items() for target in self._targets(key, asked)]
-        lengths = sorted({len(target.asked) for target in targets} - {1})
-        if len(lengths) > 1:
-            message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
-            raise ScenicError("value", message)
-        count = lengths[0] if lengths else 1
-        if default is not None and len(default) not in (1, count):
-            raise ValueError(f"default must be one row of theta or {count} of them, not {len(default)}")
-        groups = groups_of(targets, self.layout.columns)
-        if default is None:
-            self._refuse_undecided({d for _, columns in groups for d in columns})
-        unit = np.full((count, len(self.layout.columns)), 0.5)  # [N, D], in [0, 1]
-        if default is not None:
-            unit[:] = (default + 1) / 2
-        for group, columns in groups:
-            system = System(group, [self.layout.columns[d] for d in columns])
-            unit[:, columns] = system.solve(unit[:, columns])
-        return 2 * unit - 1
+def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
+    """Raise ScenicError if there are draws besides those decided."""
+    pairs = enumerate(zip(layout.draws, layout.columns, strict=True))
+    free = [draw for d, (draw, column) in pairs if d not in decided and column.span != 0]
+    if free:
+        names = ", ".join(f"{draw.name} (line {draw.place.line})" for draw in free)
+        hint = "ask for more, or give default=θ for the rest"
+        raise ScenicError("value", f"nothing that is asked of the scene decides {names}", free[0].place, hint=hint)
 
-    def _refuse_undecided(self, decided: set[int]) -> None:
-        pairs = enumerate(zip(self.layout.draws, self.layout.columns, strict=True))
-        free = [draw for d, (draw, column) in pairs if d not in decided and column.span != 0]
-        if free:
-            names = ", ".join(f"{draw.name} (line {draw.place.line})" for draw in free)
-            hint = "ask for more, or give default=θ for the rest"
-            raise ScenicError("value", f"nothing that is asked of the scene decides {names}", free[0].place, hint=hint)
 
-    def _targets(self, key: Any, asked: Any) -> Iterator[Target]:
-        """Yield what is asked of an object (its index or label), parameter or draw."""
-        if key not in self.known:
-            names = [name for name in self.known if isinstance(name, str)]
-            hint = near(str(key), names) or f"it has {', '.join(names)}"
-            raise ScenicError("name", f"{self.layout.file} has no object, parameter or draw {key!r}", hint=hint)
-        value, place = self.known[key]
-        if not isinstance(value, Instance):
-            yield from targets_of(key, value, asked, place)
-            return
+def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterator[Target]:
+    """Yield what is asked of a number or text, or of all that is asked of a vector or an object."""
+    parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim in (1, 2) else asked
+    several = len(parts) if isinstance(parts, np.ndarray | list | tuple) else 0
+    if isinstance(value, Instance):
         title = value.title()
         if not isinstance(asked, Mapping):
-            parts = elements(asked)
-            if len(parts) not in (2, 3):
+            if several not in (2, 3):
                 raise ScenicError("type", f"{title} takes (x, y) or (x, y, heading), not {asked!r}", place)
             asked = {"position": tuple(parts[:2])} | dict(zip(("heading",), parts[2:], strict=False))
         for name, part in asked.items():
             if name not in value.properties:
                 hint = near(str(name), value.properties)
                 raise ScenicError("name", f"{title} has no property {name!r}", place, hint=hint)
-            yield from targets_of(f"{title} the {name}", value.properties[name], part, place)
-
-
-def targets_of(what: str, value: Value, asked: Any, place: SourceSpan) -> list[Target]:
-    """Return what is asked of a number or text, or of both coordinates of a vector."""
-    parts = [(value, asked)]
-    if isinstance(value, Vector) and len(elements(asked)) == 2:
-        parts = list(zip((value.x, value.y), elements(asked), strict=True))
-    targets = [Target(what, number, np.atleast_1d(wanted), place) for number, wanted in parts]
-    for target in targets:
-        kinds = {"number": "biuf", "truth": "b", "text": "OU"}.get(kind_of(target.value), "")
-        if target.asked.ndim > 1 or target.asked.dtype.kind not in kinds:
+            yield from targets_of(f"{title} the {name}", value.properties[name], place, part)
+        return
+    pairs = (
+        zip((value.x, value.y), parts, strict=True) if isinstance(value, Vector) and several == 2 else [(value, asked)]
+    )
+    for number, part in pairs:
+        wanted = np.atleast_1d(part)
+        if wanted.ndim > 1 or wanted.dtype.kind not in KINDS.get(kind_of(number), ""):
             raise ScenicError("type", f"{what} cannot be {asked!r}", place)
-        if target.asked.dtype.kind == "f" and not np.isfinite(target.asked).all():
+        if wanted.dtype.kind == "f" and not np.isfinite(wanted).all():
             raise ScenicError("value", f"{what} cannot be a number that is not finite", place)
-    return targets
+        yield Target(what, number, wanted, place)
 
 
-def elements(asked: Any) -> Any:
-    """Return the parts of what is asked: columns of an array [N, K], or what a list holds; () of a plain value."""
-    if isinstance(asked, np.ndarray):
-        return asked.T if asked.ndim in (1, 2) else ()
-    return asked if isinstance(asked, list | tuple) else ()
-
-
-# ------------------------------------------------------------ equations
-
-
-def groups_of(targets: list[Target], columns: Sequence[ThetaColumn]) -> list[tuple[list[Target], list[int]]]:
-    """Return the targets that share columns, directly or through others, and these columns' indices."""
-    index = {id(column): d for d, column in enumerate(columns)}
-    groups: list[tuple[list[Target], set[Any]]] = []
-    for target in targets:
-        group, shared = [target], {target.what, *(index[id(column)] for column in columns_of(target.value))}
-        for other in [known for known in groups if known[1] & shared]:
-            groups.remove(other)
-            group, shared = [*other[0], *group], other[1] | shared
-        groups.append((group, shared))
-    return [(group, sorted(d for d in shared if isinstance(d, int))) for group, shared in groups]
+def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> list[System]:
+    """Return the targets in groups that share columns, directly or through others, or are the two of one place."""
+    reads = np.array([[column in set(columns_of(each.value)) for column in columns] for each in targets], dtype=bool)
+    whats = np.array([each.what for each in targets], dtype=object)
+    linked, fewer = (reads @ reads.T) | (whats[:, None] == whats) if targets else reads, 0  # [W, W]
+    while linked.sum() > fewer:
+        fewer, linked = linked.sum(), linked @ linked
+    groups = [np.flatnonzero(row).tolist() for k, row in enumerate(linked) if row.argmax() == k]
+    return [System([targets[k] for k in group], columns, reads[group].any(axis=0)) for group in groups]
 
 
 class System:
-    """C columns of θ that are decided together, and the W targets that depend on them."""
+    """The C columns of θ in places `at` that are decided together, and the W targets that depend on them."""
 
-    def __init__(self, targets: list[Target], columns: list[ThetaColumn]) -> None:
-        self.targets = targets
-        self.tape = Tape([each.value for each in targets if isinstance(each.value, RandomExpr)], columns, 10**9)
-        self.offset = np.array([column.offset for column in columns])
-        self.span = np.array([column.span for column in columns])
+    def __init__(self, targets: Sequence[Target], columns: Sequence[ThetaColumn], read: Any) -> None:
+        self.targets, self.at = targets, np.flatnonzero(read).tolist()
+        own = [columns[d] for d in self.at]
+        self.tape = Tape([each.value for each in targets if isinstance(each.value, RandomExpr)], own, 10**9)
+        self.offset = np.array([column.offset for column in own])
+        self.span = np.array([column.span for column in own])
 
     def values(self, unit: np.ndarray) -> list[Any]:
         """Return what the targets are at unit [M, C]: W arrays [M], or values that never vary."""
@@ -171,55 +153,51 @@ class System:
 
     def solve(self, start: np.ndarray) -> np.ndarray:
         """Return unit [N, C] that gives what is asked, near the start if possible; else raise ScenicError."""
-        unit, gaps = self._descend(start, np.arange(len(start)))
+        unit, gaps = self.descend(start, np.arange(len(start)))
         missed = np.flatnonzero(worst(gaps) > CLOSE)
-        if len(missed) and len(self.span):
-            scan = np.random.default_rng(0).uniform(size=(SCAN, len(self.span)))
+        if len(missed) and len(self.at):
+            scan = np.random.default_rng(0).uniform(size=(STARTS[0], len(self.at)))
             values = self.values(scan)
-            far = [worst(self.gaps(values, np.full(SCAN, row))) for row in missed]
-            nearest = np.argsort(far, axis=1, kind="stable")[:, :STARTS]
-            found, there = self._descend(scan[nearest.ravel()], np.repeat(missed, STARTS))
-            best = worst(there).reshape(-1, STARTS).argmin(axis=1) + STARTS * np.arange(len(missed))
-            better = worst(there[best]) < worst(gaps[missed])
-            unit[missed[better]], gaps[missed[better]] = found[best[better]], there[best[better]]
+            far = [worst(self.gaps(values, np.full(len(scan), row))) for row in missed]
+            for starts in np.argsort(far, axis=1, kind="stable")[:, : STARTS[1]].T:
+                found, there = self.descend(scan[starts], missed)
+                better = worst(there) < worst(gaps[missed])
+                unit[missed[better]], gaps[missed[better]] = found[better], there[better]
         if (worst(gaps) > CLOSE).any():
-            raise self._unmet(unit, gaps)
+            raise self.unmet(unit, gaps)
         return unit
 
-    def _descend(self, unit: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def descend(self, unit: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return where damped steps of least squares lead from unit [M, C], and the gaps [M, W] there."""
         unit, gaps = unit.copy(), self.gaps(self.values(unit), rows)
         reach = np.ones(len(unit))  # of a step, cut where it leads astray
-        for _ in range(ROUNDS if len(self.span) else 0):
+        for _ in range(ROUNDS if len(self.at) else 0):
             at = np.flatnonzero((worst(gaps) > 1e-13) & (reach > 1e-4))
             if not len(at):
                 break
-            trial = np.clip(unit[at] - reach[at, None] * self._step(unit[at], gaps[at], rows[at]), 0.0, 1.0)
+            slope = np.empty((len(at), *gaps.shape[1:], unit.shape[1]))  # [M, W, C], towards the middle of [0, 1]
+            for c, nudge in enumerate(np.where(unit[at] > 0.5, -NUDGE, NUDGE).T):
+                moved = unit[at]
+                moved[:, c] += nudge
+                slope[:, :, c] = (self.gaps(self.values(moved), rows[at]) - gaps[at]) / nudge[:, None]
+            step = (np.linalg.pinv(slope, rcond=1e-9) @ gaps[at, :, None])[:, :, 0]  # the shortest
+            trial = np.clip(unit[at] - reach[at, None] * step, 0.0, 1.0)
             there = self.gaps(self.values(trial), rows[at])
             better = np.square(there).sum(axis=1) < np.square(gaps[at]).sum(axis=1)
             unit[at[better]], gaps[at[better]] = trial[better], there[better]
             reach[at] = np.where(better, np.minimum(2 * reach[at], 1.0), reach[at] / 4)
         return unit, gaps
 
-    def _step(self, unit: np.ndarray, gaps: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Return the shortest step [M, C] of least squares, from differences towards the middle of [0, 1]."""
-        slope = np.empty((*gaps.shape, unit.shape[1]))  # [M, W, C]
-        for c, nudge in enumerate(np.where(unit > 0.5, -NUDGE, NUDGE).T):
-            moved = unit.copy()
-            moved[:, c] += nudge
-            slope[:, :, c] = (self.gaps(self.values(moved), rows) - gaps) / nudge[:, None]
-        return (np.linalg.pinv(slope, rcond=1e-9) @ gaps[:, :, None])[:, :, 0]
-
-    def _unmet(self, unit: np.ndarray, gaps: np.ndarray) -> ScenicError:
+    def unmet(self, unit: np.ndarray, gaps: np.ndarray) -> ScenicError:
         """Return the error for the first scene that is not met: its first value, and the nearest that was found."""
         row = int(np.argmax(worst(gaps) > CLOSE))
-        first = self.targets[int(np.argmin(np.abs(gaps[row]) <= CLOSE))]
+        what, _, _, place = self.targets[int(np.argmin(np.abs(gaps[row]) <= CLOSE))]
         pairs = zip(self.targets, self.values(unit[[row]]), strict=True)
-        same = [(target.asked[row % len(target.asked)], value) for target, value in pairs if target.what == first.what]
+        same = [(target.asked[row % len(target.asked)], value) for target, value in pairs if target.what == what]
         asked, nearest = (shown(values) for values in zip(*same, strict=True))
         which = f" in scene {row}" if len(unit) > 1 else ""
-        hint = f"the nearest that was found is {nearest}" if len(self.span) else f"the program fixes it at {nearest}"
-        return ScenicError("value", f"found no θ that gives {first.what} {asked}{which}", first.place, hint=hint)
+        hint = f"the nearest that was found is {nearest}" if len(self.at) else f"the program fixes it at {nearest}"
+        return ScenicError("value", f"found no θ that gives {what} {asked}{which}", place, hint=hint)
 
 
 def worst(gaps: np.ndarray) -> np.ndarray:

@@ -16,15 +16,7 @@ from functools import partial
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.syntax import nodes, statements
 from scenic_lite.syntax.cursor import LOAD, Cursor, describe
-from scenic_lite.syntax.expressions import (
-    arguments,
-    atom,
-    bracketed_parameters,
-    condition,
-    element,
-    listed,
-    strings,
-)
+from scenic_lite.syntax.expressions import arguments, atom, bracketed_parameters, condition, element, listed, strings
 from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
 from scenic_lite.syntax.lexer import Source, Token, lex
 from scenic_lite.syntax.operators import (

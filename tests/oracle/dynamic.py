@@ -1,7 +1,8 @@
 """Dynamic programs: play episodes in the toy simulator and count what happens in them.
 
 Fields as the oracle has them: `sims`, `steps`, `rejected`, `endings`, `lengths`; `traces`, the actions of every agent
-at every step with how often they occurred; `records`, `per_step`. Read next: `scenic_lite.dynamics.toy`, `reference`.
+at every step with how often they occurred; `records`, `per_step`. Read next:
+`tests/scenic_lite/dynamics/toy_world.py`.
 """
 
 import collections
@@ -14,8 +15,8 @@ import numpy as np
 from scenic_lite import Domain, Program, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import Trace, first_table, properties, run, toy_world
 from scenic_lite.values.geometry import Vector
+from tests.scenic_lite.dynamics.toy_world import Trace, first_table, properties, run, toy_world
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 

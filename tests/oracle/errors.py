@@ -10,7 +10,7 @@ import numpy as np
 
 from scenic_lite import Domain, ScenicError, load
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
 
 SYNTAX = ("ScenicParseError", "ParseCompileError", "ScenicSyntaxError", "TokenParseError", "PythonParseError")
 FAULTS = ("ZeroDivisionError", "ArithmeticError", "OverflowError", "IndexError", "KeyError", "LookupError")

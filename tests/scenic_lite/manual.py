@@ -20,7 +20,7 @@ from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import Trace, first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run, toy_world
 
 MANUAL = Path(__file__).parents[2] / "scenic_lite" / "README.md"
 STEPS, DRIFT = 6, 1.0  # of an episode in the toy world

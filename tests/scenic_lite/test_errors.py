@@ -293,6 +293,20 @@ CASES = {
                       ^^^^^^^^^^^^^^^^^^^^^^^^^^^
         """,
     ),
+    "random key": (
+        """
+        ego = LeftCM at 0 @ 0
+        param x = {1: 2}.get(DiscreteRange(0, 1), 3)
+        """,
+        """
+        <program>:2:11: a random value cannot be looked up here (write it in `require`, or decide in a behavior)
+            param x = {1: 2}.get(DiscreteRange(0, 1), 3)
+                      ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+        <program>:2:22: the random value is drawn here
+            param x = {1: 2}.get(DiscreteRange(0, 1), 3)
+                                 ^^^^^^^^^^^^^^^^^^^
+        """,
+    ),
     "division by zero": (
         "ego = LeftCM at 1 / 0 @ 3",
         """

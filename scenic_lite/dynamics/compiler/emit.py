@@ -16,6 +16,7 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import DOMAIN_ERROR, FAULT_MESSAGES
 from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
@@ -119,7 +120,7 @@ def can_fail(node: RandomExpr) -> bool:
             continue
         seen.add(id(value))
         row = table_row(value.operation)
-        if row is None or not row.opcode or is_test(row):
+        if row is None or (row.opcode and is_test(row)):
             continue
         if row.fails is not None and not _harmless(row, value.inputs[-1]):
             return True
@@ -150,6 +151,8 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
     row = table_row(node.operation)
     if row is None or not row.opcode:
         special = next((write for kind, write in SPECIAL if _is(node.operation, kind)), None)
+        if row is not None and row.fails is not None and not any(map(is_live, node.inputs)):
+            special = of_scene
         if special is None:
             raise Unsupported(f"`{describe(node.operation)}` cannot be computed", COMPUTED)
         special(code, node, out)
@@ -164,6 +167,15 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
     code.row(opcode_of(row), out, first, second)
     if row in MINUS_ZEROS and is_whole(node):
         code.row(op.ADD, out, out, code.constant(0))
+
+
+def of_scene(code: Assembler, node: RandomExpr, out: int) -> None:
+    """Write rows that take what was computed with the scene; a fault if that is no finite number."""
+    register_of(code, RegisterValue(code.input(node)), out)
+    finite = code.temporaries.take()
+    code.row(op.SUBTRACT, finite, out, out)
+    code.row(op.EQUAL, finite, finite, code.constant(0))
+    code.fault_unless(finite, FAULT_MESSAGES[DOMAIN_ERROR])
 
 
 def _is(operation: Any, kind: Any) -> bool:

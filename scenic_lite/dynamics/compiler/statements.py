@@ -18,13 +18,7 @@ from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.lists import (
-    LiveRange,
-    appended,
-    elements,
-    loop,
-    many,
-)
+from scenic_lite.dynamics.compiler.lists import LiveRange, appended, elements, loop, many
 from scenic_lite.dynamics.compiler.registers import Variable, materialize, store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine import opcodes as op
@@ -242,16 +236,11 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
         scope.unset |= targets - scope.variables.keys()
 
 
-def compile_break(c: Compilation, scope: CompiledScope, node: ast.Break) -> None:
+def leave_round(c: Compilation, scope: CompiledScope, node: ast.Break | ast.Continue) -> None:
+    """Compile `break` and `continue`: the scenarios that the round has begun end."""
     around = scope.inlined.loops[-1]
     c.stop_scenarios(around.parts)
-    c.code.row(op.JUMP, c=around.exit)
-
-
-def compile_continue(c: Compilation, scope: CompiledScope, node: ast.Continue) -> None:
-    around = scope.inlined.loops[-1]
-    c.stop_scenarios(around.parts)
-    c.code.row(op.JUMP, c=around.again)
+    c.code.row(op.JUMP, c=around.exit if isinstance(node, ast.Break) else around.again)
 
 
 def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
@@ -337,8 +326,8 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.If: compile_if,
     ast.While: compile_while,
     ast.For: compile_for,
-    ast.Break: compile_break,
-    ast.Continue: compile_continue,
+    ast.Break: leave_round,
+    ast.Continue: leave_round,
     ast.Return: compile_return,
     ast.Assert: compile_assert,
     **dict.fromkeys(REFUSED, refuse),

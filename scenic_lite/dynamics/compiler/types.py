@@ -12,15 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from scenic_lite.core.types import (
-    BehaviorCall,
-    Bound,
-    Function,
-    Instance,
-    RandomChoice,
-    Undecided,
-    describe_kind,
-)
+from scenic_lite.core.types import BehaviorCall, Bound, Function, Instance, RandomChoice, Undecided, describe_kind
 from scenic_lite.dynamics.compiler.emit import is_live, is_whole
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError

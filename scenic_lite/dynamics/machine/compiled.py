@@ -1,6 +1,6 @@
 """A compiled program, and a match of it driven from Python: the machine for a batch of one.
 
-Read next: `dynamics.machine.vm`; `dynamics.toy`, a world to play in.
+Read next: `dynamics.machine.vm`; `tests/scenic_lite/dynamics/toy_world.py`, a world to play in.
 """
 
 from __future__ import annotations

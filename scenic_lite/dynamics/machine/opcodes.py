@@ -41,14 +41,10 @@ JUMP_EQUAL = opcode("JUMP_EQUAL", "abt", "go on at the target if a == b")
 JUMP_NOT_EQUAL = opcode("JUMP_NOT_EQUAL", "abt", "go on at the target unless a == b")
 SET_SLOT = opcode("SET_SLOT", "a.t", "slot a = target: where the block goes on when it is resumed")
 RESUME = opcode("RESUME", "a..", "go on where slot a says")
-RESUME_IF_RUNNING = opcode(
-    "RESUME_IF_RUNNING", "a..", "go on where slot a says, unless it is 0: a block that is not running"
-)
+RESUME_IF_RUNNING = opcode("RESUME_IF_RUNNING", "a..", "go on where slot a says, unless it is 0: not running")
 # ------------------------------------------------------------ moving
 COPY = opcode("COPY", "ab.", "a = b")
-SELECT = opcode(
-    "SELECT", "abl", "a = the register that stands at place b of the list; a fault if there is no such place"
-)
+SELECT = opcode("SELECT", "abl", "a = the register at place b of the list; a fault if there is none")
 LOAD_INDEXED = opcode("LOAD_INDEXED", "abc", "a = register b + the value of c")
 STORE = opcode("STORE", "abc", "register a + the value of b = c")
 # ------------------------------------------------------------ arithmetic
@@ -85,21 +81,13 @@ TRUNCATE = opcode("TRUNCATE", "ab.", "a = b without its fraction; a fault if b i
 ROUND = opcode("ROUND", "ab.", "a = the integer nearest to b, the even one of two")
 NORMALISE = opcode("NORMALISE", "ab.", "a = the angle b in [-π, π]")
 # ------------------------------------------------------------ geometry
-IN_SECTOR = opcode(
-    "IN_SECTOR", "a.l", "a = whether the offset (x, y) lies in the sector (radius, heading, angle) of the list"
-)
-IN_RECTANGLE = opcode(
-    "IN_RECTANGLE", "a.l", "a = whether (x, y) lies in the rectangle (x, y, heading, width, length) of the list"
-)
+IN_SECTOR = opcode("IN_SECTOR", "a.l", "a = whether (x, y) lies in the list's sector (radius, heading, angle)")
+IN_RECTANGLE = opcode("IN_RECTANGLE", "a.l", "a = whether (x, y) lies in the list's (x, y, heading, width, length)")
 RECTANGLES_MEET = opcode(
-    "RECTANGLES_MEET", "a.l", "a = whether two rectangles of the list meet, each (x, y, heading, width, length)"
+    "RECTANGLES_MEET", "a.l", "a = whether two rectangles meet, each (x, y, heading, width, length)"
 )
-SECTOR_MEETS = opcode(
-    "SECTOR_MEETS", "a.l", "a = whether the sector (x, y, radius, heading, angle) meets the rectangle after it"
-)
-IN_RINGS = opcode(
-    "IN_RINGS", "a.l", "a = whether (x, y) lies inside the closed edges (x, y, x, y) that follow it in the list"
-)
+SECTOR_MEETS = opcode("SECTOR_MEETS", "a.l", "a = whether (x, y, radius, heading, angle) meets the rectangle after it")
+IN_RINGS = opcode("IN_RINGS", "a.l", "a = whether (x, y) lies inside the closed edges (x, y, x, y) after it")
 # ------------------------------------------------------------ chance
 DRAW = opcode("DRAW", "abc", "a = b + c * the next uniform number in [0, 1) of the match's stream")
 BUCKETIZE = opcode("BUCKETIZE", "abl", "a = how many of the numbers of the list, which rise, are at most b")
@@ -107,15 +95,11 @@ QUANTILE = opcode("QUANTILE", "ab.", "a = the normal quantile of b")
 # ------------------------------------------------------------ lists and ends
 SORT = opcode("SORT", "abc", "the c registers from a = the order of the c values from b: indices, the least first")
 REJECT = opcode("REJECT", "..k", "the match breaks requirement k of the program: it is none of its matches")
-TERMINATE = opcode(
-    "TERMINATE", "abt", "the match ends for reason a (a number); slot b = target; nothing more in this step"
-)
+TERMINATE = opcode("TERMINATE", "abt", "the match ends for reason a; slot b = target; nothing more in this step")
 FAULT = opcode("FAULT", "...", "the program's own fault")
 FAULT_UNLESS = opcode("FAULT_UNLESS", "ab.", "the program's own fault unless a is not 0; its text may tell b")
 IS_INDEX = opcode("IS_INDEX", "abc", "a = whether b is an integer from 0 to c - 1")
-LOOP_BACK = opcode(
-    "LOOP_BACK", "..t", "a loop goes round: go on at the target; a fault if it is the 10,001st time in this step"
-)
+LOOP_BACK = opcode("LOOP_BACK", "..t", "a loop goes round: go on at the target; a fault at the 10,001st time in a step")
 COPY_MANY = opcode("COPY_MANY", "abk", "the k registers from a = those from b")
 
 NUMBERS = {row.name: number for number, row in enumerate(OPCODES)}

@@ -20,14 +20,7 @@ import numpy as np
 from scenic_lite.core.budget import Budget
 from scenic_lite.core.scope import Scope, in_row
 from scenic_lite.core.state import EPISODE, Mode
-from scenic_lite.core.types import (
-    Builtin,
-    Environment,
-    Instance,
-    Namespace,
-    describe_kind,
-    parts_of,
-)
+from scenic_lite.core.types import Builtin, Environment, Instance, Namespace, describe_kind, parts_of
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.machine.bytecode import MAX_LOOP_ITERATIONS
 from scenic_lite.errors import ScenicError, SourceSpan

@@ -12,8 +12,8 @@ from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.compiled import Compiled, CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import Controller, first_table, run, toy_world
 from scenic_lite.values.geometry import Vector
+from tests.scenic_lite.dynamics.toy_world import Controller, first_table, run, toy_world
 
 MINUS_ZERO = re.compile(r"-0(?![\d.])")
 CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions

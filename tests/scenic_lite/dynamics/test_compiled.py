@@ -17,11 +17,11 @@ from scenic_lite.dynamics.machine import opcodes, vm
 from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import toy_world
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.generated import program as generated
 from tests.scenic_lite.dynamics.generated_scenarios import program as generated_scenarios
+from tests.scenic_lite.dynamics.toy_world import toy_world
 
 BASE = FOOTBALL_WORLD.actions or 0
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -222,6 +222,24 @@ def test_a_fault_stops_at_its_line(name):
             controller.act(table, np.array([float(step)]))
     assert caught.value.place is not None
     assert caught.value.place.line == line
+
+
+@pytest.mark.parametrize("term", ["log2(low)", "log10(low) + 1", "asin(low)", "acos(low)", "fmod(1, low - low)"])
+def test_what_is_no_number_of_a_draw_fails_where_the_match_comes_to_it(term):
+    program = load(f"""
+import math
+low = Range(-3, -2)
+behavior Main():
+    take 1
+    take math.{term}
+ego = new Object with behavior Main()
+""")
+    controller = CompiledController(compile_program(program, toy_world()), np.zeros(1))
+    table = np.zeros((1, 3))
+    assert controller.act(table, np.zeros(1)).actions == ((1,),)
+    with pytest.raises(ScenicError, match="math domain error") as caught:
+        controller.act(table, np.ones(1))
+    assert caught.value.place.line == 6
 
 
 def test_other_matches_go_on():

@@ -10,9 +10,9 @@ from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
-from scenic_lite.dynamics.toy import first_table, run, toy_world
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
+from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
 
 PARTS = """
 behavior Loop(w):
