@@ -23,6 +23,7 @@ COMMANDS = {
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",
     "play": "play one match, and write a film or a record of it",
+    "demonstrate": "keep episodes of a program or of a student, for others to learn from",
     "replay": "play a recorded match again, bit for bit",
     "benchmark": "measure the speed of the simulator, of training and of the language",
 }
@@ -48,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _dispatch(words: list[str]) -> int:
     if not words or words[0] in ("--help", "-h", "help"):
-        lines = [f"  {name:<11}{text}" for name, text in COMMANDS.items()]
+        lines = [f"  {name:<12}{text}" for name, text in COMMANDS.items()]
         print(USAGE.format(commands="\n".join(lines)), end="")
         return 0 if words else 2
     name = words[0]

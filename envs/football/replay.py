@@ -14,9 +14,9 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -30,6 +30,7 @@ FORMAT = f"{KIND} 3"  # 2: before matches had engines of their own
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents", "levels")
 _ARRAYS = ("actions", "last", *_STATE)
+_OPTIONAL = ("scripted", "lengths")  # of demonstrations
 
 
 class RecordError(ValueError):
@@ -47,6 +48,8 @@ class Record:
         state: of the environment at the start, as `get_state` gives it.
         actions: `[T, N]` or `[T, N, A]`.
         last: MATCH `[N]` after the last step.
+        scripted: the program played the agents' players; `actions` tells what that was.
+        lengths: `[N]` steps of one episode each, after which a match stands still; None: all are played to the end.
     """
 
     program: str
@@ -55,6 +58,19 @@ class Record:
     state: dict[str, Any]
     actions: np.ndarray
     last: np.ndarray
+    scripted: bool = False
+    lengths: np.ndarray | None = None
+
+    def rows(self, kept: np.ndarray) -> Record:
+        """Return the record of some of the matches, at these indices."""
+        matches, size = np.asarray(self.last), len(self.last)
+        state = {
+            name: value[kept] if isinstance(value, np.ndarray) and len(value) == size else value
+            for name, value in self.state.items()
+        }
+        lengths = None if self.lengths is None else self.lengths[kept]
+        steps = len(self.actions) if lengths is None else int(lengths.max(initial=0))
+        return replace(self, state=state, actions=self.actions[:steps, kept], last=matches[kept], lengths=lengths)
 
     def make_env(self) -> FootballVectorEnv:
         """Return the environment as it was at the start. Raises `RecordError` where that is not possible."""
@@ -62,6 +78,7 @@ class Record:
         source = path if self.file and path.is_file() and path.read_text() == self.program else self.program
         try:
             env = FootballVectorEnv(source, len(self.last), config=self.config)
+            env.scripted = self.scripted
             env.set_state(self.state)
         except (ScenicError, ValueError) as error:
             raise RecordError(f"the record's program cannot be set up again: {error}") from error
@@ -101,9 +118,9 @@ class Recorder:
         save_record(self.record(), path)
 
 
-def save_record(record: Record, path: str | Path) -> None:
-    """Write a record. Raises ValueError for a file name that does not end in .npz."""
-    if Path(path).suffix != ".npz":
+def save_record(record: Record, path: str | Path | BinaryIO) -> None:
+    """Write a record, to an open file or by name. Raises ValueError for a file name that does not end in .npz."""
+    if isinstance(path, str | Path) and Path(path).suffix != ".npz":
         raise ValueError(f"{path}: a record ends in .npz")
     texts: dict[str, Any] = {
         "format": FORMAT,
@@ -113,7 +130,10 @@ def save_record(record: Record, path: str | Path) -> None:
         "np_random": json.dumps(record.state["np_random"]),
     }
     arrays: dict[str, Any] = {name: value for name, value in record.state.items() if isinstance(value, np.ndarray)}
-    np.savez_compressed(path, actions=record.actions, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
+    if record.lengths is not None:
+        arrays["lengths"] = record.lengths
+    arrays |= {"scripted": np.array(record.scripted), "actions": record.actions}
+    np.savez_compressed(path, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
 
 
 def load_record(path: str | Path) -> Record:
@@ -140,9 +160,11 @@ def load_record(path: str | Path) -> Record:
         random = json.loads(str(found["np_random"]))
     except (TypeError, ValueError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
-    state = {name: array for name, array in found.items() if name not in (*_TEXTS, "actions", "last")}
+    state = {name: array for name, array in found.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
     state["np_random"] = random
-    return Record(str(found["program"]), str(found["program_file"]), config, state, found["actions"], found["last"])
+    texts = str(found["program"]), str(found["program_file"])
+    scripted = bool(found.get("scripted", False))
+    return Record(*texts, config, state, found["actions"], found["last"], scripted, found.get("lengths"))
 
 
 def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:
@@ -155,13 +177,15 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
     env = record.make_env()
     env.keep_endings()
     yield env.matches
-    for actions in record.actions:
+    for step, actions in enumerate(record.actions):
+        if record.lengths is not None:
+            env.idle[:] = record.lengths <= step
         try:
             _, _, terminated, truncated, _ = env.step(actions)
         except ValueError as error:
             raise RecordError(f"the record is damaged: {error}") from error
         yield after_step(env, terminated | truncated) if endings else env.matches
-    if not same(env.matches, record.last):
+    if not same(env.matches, record.last):  # where an episode has ended, the next one's start
         raise RecordError("the matches came out differently than when they were recorded: by another simulator?")
 
 

@@ -86,7 +86,7 @@ class FootballVectorEnv(UPOMDP):
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
         self._started = False
-        self._scripted = False  # agents move nobody: the program plays their players
+        self.scripted = False  # the program plays the agents' players: see `with_scripted_policy`
         self.ended_matches: np.ndarray | None = None  # see `keep_endings`
 
     @property
@@ -130,7 +130,7 @@ class FootballVectorEnv(UPOMDP):
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
-        chosen = np.full_like(out.agent_actions, BUILTIN_AI) if self._scripted else self._checked(actions)
+        chosen = np.full_like(out.agent_actions, BUILTIN_AI) if self.scripted else self._checked(actions)
         self._engine.step(self._batch, chosen, out, seen, final, self._settings)
         if out.faults.any():
             self._report_faults()
@@ -235,7 +235,7 @@ class FootballVectorEnv(UPOMDP):
         the one that says most; of what the built-in AI does, the nearest key is told.
         """
         twin = self.copy()
-        twin._scripted = True
+        twin.scripted = True
         twin.reset_to_levels(self.levels)
         return twin
 
@@ -253,7 +253,7 @@ class FootballVectorEnv(UPOMDP):
     def copy(self) -> FootballVectorEnv:
         """Return an environment that goes on from here on its own."""
         twin = self.resized(self.num_envs)
-        twin._scripted = self._scripted
+        twin.scripted = self.scripted
         twin.set_state(self.get_state())
         return twin
 

@@ -2,6 +2,7 @@
 
     regista replay match.npz
     regista replay match.npz --video match.gif
+    regista replay demos/records/0000.npz --match 3
 
 Read next: `envs.football.replay`, what a record is.
 """
@@ -26,6 +27,7 @@ class ReplayConfig(Checked):
     """What is typed after `regista replay`."""
 
     record: str = positional("a record: a .npz file of regista play, or of envs.football.replay.Recorder", default="")
+    match: int = setting(0, "which of the matches of the record is shown", ">=0")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life", ">0")
 
@@ -40,11 +42,15 @@ def main(argv: Sequence[str]) -> int:
 
     try:
         record = load_record(config.record)
-        moments = [matches[0] for matches in replay(record, endings=True)]
+        if config.match >= len(record.last):
+            raise UsageError(f"--match must be below {len(record.last)}, the matches of {config.record}")
+        moments = [matches[config.match] for matches in replay(record, endings=True)]
     except RecordError as error:
         raise CommandError(str(error)) from error
+    if record.lengths is not None:
+        moments = moments[: record.lengths[config.match] + 1]
     left, right = moments[-1]["score"]
-    matches = f", the first of {len(record.last)}" if len(record.last) > 1 else ""
+    matches = f", match {config.match} of {len(record.last)}" if len(record.last) > 1 else ""
     print(f"{len(moments) - 1} steps came out as they were recorded{matches}; {left} : {right} in the end")
     if config.video:
         film(config.video, moments, config.speed)

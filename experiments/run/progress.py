@@ -19,8 +19,8 @@ BAR = 24  # characters
 class Progress:
     """Show the share done, the speed, what remains and a few numbers. `begun` steps were done before."""
 
-    def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None) -> None:
-        self.total = total
+    def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None, unit: str = "steps") -> None:
+        self.total, self.unit = total, unit
         self.stream = sys.stdout if stream is None else stream
         self.tty = self.stream.isatty()
         self._begun = begun
@@ -44,7 +44,7 @@ class Progress:
     def _line(self, steps: int, facts: dict[str, float], seconds: float) -> str:
         speed = (steps - self._begun) / max(seconds, 1e-9)
         share = min(steps / self.total, 1.0)
-        parts = [f"{share:4.0%}  {count(steps)} steps  {count(speed)}/s"]
+        parts = [f"{share:4.0%}  {count(steps)} {self.unit}  {count(speed)}/s"]
         parts += [f"{name} {value:+.2f}" for name, value in facts.items() if value == value]
         if speed > 0:
             parts.append(f"{duration((self.total - steps) / speed)} left")

@@ -1,0 +1,188 @@
+"""`regista demonstrate`: episodes of a semi-expert program, or of a trained student, for others to learn from.
+
+    regista demonstrate academy/run_to_score_with_keeper --episodes 1000 --out demos
+    regista demonstrate mine.scenic --control active --keep all --out demos
+    regista demonstrate --run runs/1v1Free-dr-0 --episodes 1000 --out demos
+
+The same command goes on where it was stopped, and asked for more episodes adds them. Read next: `run.demonstrations`,
+what is in the folder.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from experiments.run import arguments, build
+from experiments.run.arguments import positional
+from experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, check_installed
+from experiments.run.errors import CommandError, UsageError
+from experiments.run.folder import RunFolder
+from experiments.run.progress import Progress, count
+from experiments.run.signals import StopRequest
+from ued.config import Checked, setting
+
+if TYPE_CHECKING:
+    from envs.football.vector_env import FootballVectorEnv
+    from experiments.run.demonstrator import Choose
+
+DESCRIPTION = "Keep episodes of a program, or of a trained student, as records and as a Minari data set."
+SIDE_BY_SIDE = {"smm": 64, "smm_stacked": 64}  # episodes of a part, by representation; 256 of small observations
+
+
+@dataclass(frozen=True)
+class DemonstrateConfig(Checked):
+    """What is typed after `regista demonstrate`."""
+
+    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="")
+    episodes: int = setting(1000, "episodes to keep", ">=1")
+    out: Path | None = setting(None, "folder (default demos/MINIGAME)")
+    run: Path | None = setting(None, "the student of this run plays, not the program")
+    keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
+    success_above: float = setting(0.0, "an episode is successful if its return is above this; of defenders: -0.5")
+    max_played: int = setting(0, "give up after so many episodes; 0: after 100 for each that is to be kept", ">=0")
+    greedy: bool = setting(False, "the student takes its most likely actions")
+    seed: int = setting(0, "seed of levels and of chance", ">=0")
+    representation: Literal["features", "simple115", "smm", "smm_stacked"] = setting("features", "what is seen")
+    control: str | None = setting(None, "whom agents move; without, as the minigame has it")
+    right_control: str = setting("none", "right players that agents move: the same words")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    typed = arguments.parse(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
+    if not typed.minigame and typed.run is None:
+        raise UsageError("demonstrate needs a minigame's name, a .scenic file, or --run RUN")
+    check_installed()
+    config, program, student = _who_plays(typed)
+    stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
+    demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
+    env = build.make_upomdp(program, config.part, config.env, config.seed, typed.threads)
+    if student is None:
+        if not env.behaviors.is_live:
+            build.warn(f"note: {program.file} has no behaviors; the built-in AI plays for its agents")
+        env = env.with_scripted_policy()
+    with StopRequest() as stop:
+        _fill(demos, env, student, typed, stop)
+    return stop.exit_code
+
+
+def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
+    """Return the settings of the folder, the program, and if it is a student, what chooses its actions by seed."""
+    from envs.football.config import FootballConfig
+
+    chosen = {name: getattr(typed, name) for name in ("keep", "success_above", "greedy", "seed")}
+    part = SIDE_BY_SIDE.get(typed.representation, 256)
+    if typed.run is None:
+        game = build.find_minigame(typed.minigame)
+        try:
+            env = FootballConfig(
+                representation=typed.representation,
+                control=typed.control or game.control,
+                right_control=typed.right_control,
+            )
+        except ValueError as error:
+            raise UsageError(str(error)) from error
+        program = build.load_program(getattr(game, "expert", None) or game.program, None)
+        name = build.canonical_name(typed.minigame)
+        return DemonstrationsConfig(minigame=name, part=part, env=env, **chosen), program, None
+    if typed.minigame:
+        raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
+    run = RunFolder.open(typed.run)
+    env = replace(run.config.env, rewards="scoring")
+    part = SIDE_BY_SIDE.get(env.representation, 256)
+    program = build.load_scenes(run.config)[build.TRAINING_SCENE]
+    config = DemonstrationsConfig(
+        minigame=run.config.minigame, source=str(typed.run.resolve()), part=part, env=env, **chosen
+    )
+    return config, program, _student(run, program, typed.greedy)
+
+
+def _student(run: RunFolder, program: Any, greedy: bool) -> Callable[[int], Choose]:
+    from experiments.run.evaluator import load_student
+    from ued.seeding import torch_generator
+
+    student, _ = load_student(run, program)
+
+    def choose(seed: int) -> Choose:
+        generator = torch_generator(seed)
+        return lambda observation: student.play(observation, generator, greedy)
+
+    return choose
+
+
+def _fill(
+    demos: Demonstrations,
+    env: FootballVectorEnv,
+    student: Callable[[int], Choose] | None,
+    typed: DemonstrateConfig,
+    stop: StopRequest,
+) -> None:
+    """Play parts until there are enough episodes, and tell what came of it."""
+    from experiments.run.demonstrator import parts
+
+    config, most = demos.config, typed.max_played or 100 * typed.episodes
+    tally, began, number = Tally(config), time.perf_counter(), demos.num_parts()
+    for summary in demos.summaries():
+        tally.add(summary.returns, summary.lengths, summary.kept)
+    progress, before = Progress(typed.episodes, tally.kept, unit="episodes"), tally.steps
+    playing = parts(env, student, config.seed, number)
+    while tally.kept < typed.episodes and tally.played < most and not stop:
+        part = next(playing)
+        kept = np.ones(len(part.returns), bool) if config.keep == "all" else part.returns > config.success_above
+        demos.add(number, part, kept, tally.kept)
+        tally.add(part.returns, part.lengths, kept)
+        number += 1
+        progress.show(min(tally.kept, typed.episodes), {"success": tally.successes / tally.played})
+    spaces = env.single_observation_space, env.single_action_space
+    names = [parameter.name for parameter in env.draws]
+    demos.finish(names, spaces, _gym_id(config), typed.episodes)
+    seconds = time.perf_counter() - began
+    pace = f"; {count((tally.steps - before) / seconds)} steps/s" if tally.steps > before else ""
+    progress.finish(f"{demos.path}: {min(tally.kept, typed.episodes)} episodes, {tally}{pace}")
+    if tally.kept < typed.episodes and not stop:
+        raise CommandError(
+            f"only {tally.kept} of {tally.played} episodes were successful, {typed.episodes} were asked for; they are "
+            f"kept in {demos.path}: go on with a greater --max-played, or --keep all"
+        )
+    if stop:
+        print("stopped; the same command goes on")
+
+
+class Tally:
+    """What was played so far."""
+
+    def __init__(self, config: DemonstrationsConfig) -> None:
+        self.config = config
+        self.played = self.kept = self.successes = self.steps = 0
+
+    def add(self, returns: np.ndarray, lengths: np.ndarray, kept: np.ndarray) -> None:
+        """Count a part."""
+        self.played += len(returns)
+        self.kept += int(kept.sum())
+        self.successes += int((returns > self.config.success_above).sum())
+        self.steps += int(lengths.sum())
+
+    def __str__(self) -> str:
+        from experiments.run.report import two_digits
+        from ued.statistics import wilson
+
+        rate = two_digits(wilson(self.successes, self.played)) if self.played else "unknown"
+        return f"{self.played} played, success {rate}, {count(self.steps)} steps"
+
+
+def _gym_id(config: DemonstrationsConfig) -> str | None:
+    """Return the Gymnasium id of the environment, if it is a registered one as it stands."""
+    from envs.football.config import FootballConfig
+    from minigames.suites import ALL
+
+    game = ALL.get(config.minigame)
+    if game is None or config.env != FootballConfig(control=game.control):
+        return None
+    return f"regista/{game.name.replace('/', '_')}-v0"

@@ -1,0 +1,292 @@
+"""The folder of `regista demonstrate`: episodes in parts, each whole or not there, and a Minari data set of them.
+
+    demonstrations.json     the `DemonstrationsConfig`: what was asked for
+    program.scenic          the text of the program that played, or was played on
+    records/0000.npz        the kept episodes of a part, for `regista replay`
+    data/part-0000.hdf5     what was seen and done in them
+    data/main_data.hdf5     the Minari data set, whose episodes stand in the parts; with data/metadata.json
+    episodes.csv            one row per episode that was played: θ, seed, return, length, and its number if it was kept
+
+A part is written beside, forced to the disk and renamed, the record first: a part with data is complete. Read next:
+`run.demonstrator`, who plays.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from envs.football.config import FootballConfig
+from experiments.run import config as configs
+from experiments.run.errors import CommandError
+from experiments.run.table import cannot_write, spell
+from ued.config import Checked, setting
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Space
+
+    from experiments.run.demonstrator import Episode, Part
+
+EXTRA = "pip install 'regista[demonstrations]'"
+COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are nearly empty
+SMALL = 8192  # bytes, below which compressing costs more than it saves
+
+
+@dataclass(frozen=True)
+class DemonstrationsConfig(Checked):
+    """What a folder of demonstrations was made with; the same numbers give the same episodes."""
+
+    minigame: str = setting("", "a minigame's name, or the path of a .scenic program")
+    source: str = setting("program", "who played: program, or the path of a run")
+    keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
+    success_above: float = setting(0.0, "an episode is successful if its return is above this; of defenders: -0.5")
+    greedy: bool = setting(False, "a student takes its most likely actions")
+    seed: int = setting(0, "seed of levels and of chance", ">=0")
+    part: int = setting(256, "episodes that are played side by side", ">=1")
+    env: FootballConfig = field(default_factory=FootballConfig)
+
+
+class Summary(NamedTuple):
+    """The N episodes of a part as numbers: θ `[N, D]`, seeds `[N]`, returns `[N]`, lengths `[N]`, kept bool `[N]`."""
+
+    theta: np.ndarray
+    seed: np.ndarray
+    returns: np.ndarray
+    lengths: np.ndarray
+    kept: np.ndarray
+
+
+class Demonstrations:
+    """One folder on disk."""
+
+    def __init__(self, path: Path, config: DemonstrationsConfig) -> None:
+        self.path, self.config = path, config
+
+    @classmethod
+    def open(cls, path: Path) -> Demonstrations:
+        """Open an existing folder. Raises `CommandError` for one that holds no demonstrations."""
+        file = path / "demonstrations.json"
+        if not file.exists():
+            raise CommandError(f"{path} holds no demonstrations: it has no demonstrations.json")
+        return cls(path, configs.load(DemonstrationsConfig, file))
+
+    @classmethod
+    def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:
+        """Make a folder, or go on with one that was made with the same settings and program."""
+        if (path / "demonstrations.json").exists():
+            there = cls.open(path)
+            for name, (old, new) in configs.differences(there.config, config).items():
+                raise CommandError(f"{path} was made with {name} = {old}; it cannot go on with {new}")
+            if (path / "program.scenic").read_text() != program:
+                raise CommandError(f"the program has changed since {path} began with what is now in its program.scenic")
+            return there
+        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+            raise CommandError(f"{path} exists and holds no demonstrations; choose another --out")
+        try:
+            for folder in ("records", "data"):
+                (path / folder).mkdir(parents=True, exist_ok=True)
+            (path / "program.scenic").write_text(program)
+            write_whole(path / "demonstrations.json", json.dumps(configs.to_dict(config), indent=2).encode() + b"\n")
+        except OSError as error:
+            raise cannot_write(path, error) from error
+        return cls(path, config)
+
+    # ------------------------------------------------------------ parts
+
+    def part_path(self, number: int) -> Path:
+        """Return where the data of a part is."""
+        return self.path / "data" / f"part-{number:04d}.hdf5"
+
+    def num_parts(self) -> int:
+        """Return how many parts are complete: those before the first that is missing."""
+        number = 0
+        while self.part_path(number).exists():
+            number += 1
+        return number
+
+    def summaries(self) -> Iterator[Summary]:
+        """Yield the numbers of every part. Raises `CommandError` for one that is damaged."""
+        for number in range(self.num_parts()):
+            with self.opened(number) as file:
+                yield Summary(*(file["summary"][name][()] for name in Summary._fields))
+
+    def opened(self, number: int) -> Any:
+        """Open the data of a part for reading. Raises `CommandError` for a file that is damaged or cut short."""
+        path = self.part_path(number)
+        try:
+            return _h5py().File(path, "r")
+        except OSError as error:
+            raise damaged(path) from error
+
+    def add(self, number: int, part: Part, kept: np.ndarray, first: int) -> None:
+        """Write a part, of whose episodes those are kept (bool `[N]`); they are numbered from `first` on.
+
+        Raises `CommandError` if the disk refuses; the parts before it stay.
+        """
+        from envs.football.replay import save_record
+
+        indices, content = np.flatnonzero(kept), io.BytesIO()
+        if len(indices):
+            save_record(part.record.rows(indices), content)
+        data = _part_file(part, kept, first)
+        try:
+            if len(indices):
+                write_whole(self.path / "records" / f"{number:04d}.npz", content.getvalue())
+            write_whole(self.part_path(number), data)
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    # ------------------------------------------------------------ the data set
+
+    def finish(self, names: list[str], spaces: tuple[Space, Space], env_id: str | None, episodes: int) -> None:
+        """Write what all parts have together: the Minari data set of the first `episodes` kept ones, and the table."""
+        numbers = [number for number, each in enumerate(self.summaries()) for _ in range(int(each.kept.sum()))]
+        numbers = numbers[:episodes]
+        steps = sum(int(each) for summary in self.summaries() for each in summary.lengths[summary.kept])
+        if len(numbers) < sum(int(each.kept.sum()) for each in self.summaries()):
+            lengths = [int(n) for summary in self.summaries() for n in summary.lengths[summary.kept]]
+            steps = sum(lengths[:episodes])
+        try:
+            write_whole(self.path / "data" / "main_data.hdf5", _main_file(numbers))
+            metadata = _metadata(self, spaces, env_id, len(numbers), steps)
+            write_whole(self.path / "data" / "metadata.json", json.dumps(metadata).encode())
+            write_whole(self.path / "episodes.csv", self._table(names, episodes).encode())
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+    def _table(self, names: list[str], episodes: int) -> str:
+        header = ["part", "match", "episode", "seed", "return", "length", *(f"theta/{name}" for name in names)]
+        lines, number = [",".join(f'"{name}"' if "," in name else name for name in header)], 0
+        for part, each in enumerate(self.summaries()):
+            for row in range(len(each.kept)):
+                label = number if each.kept[row] and number < episodes else None
+                number += bool(each.kept[row])
+                cells = [part, row, label, each.seed[row], each.returns[row], each.lengths[row], *each.theta[row]]
+                lines.append(",".join(spell(cell) for cell in cells))
+        return "\n".join(lines) + "\n"
+
+
+def write_whole(path: Path, content: bytes | memoryview) -> None:
+    """Write a file in one stroke: whatever happens, it is there whole or as it was. Raises OSError."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        with open(partial, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+    finally:
+        with suppress(OSError):
+            partial.unlink()
+
+
+def damaged(path: Path) -> CommandError:
+    """Return the error of a part that cannot be read."""
+    return CommandError(
+        f"{path} is damaged or cut short; delete it and give regista demonstrate the same command again: it is played "
+        "anew as it was"
+    )
+
+
+# ---------------------------------------------------------------- HDF5 as Minari has it
+
+
+def _h5py() -> Any:
+    try:
+        import h5py
+        import minari  # noqa: F401 (its layout is what is written)
+    except ImportError as error:
+        raise CommandError(f"demonstrations are kept with minari and h5py, which are not installed: {EXTRA}") from error
+    return h5py
+
+
+def check_installed() -> None:
+    """Raise `CommandError` where what demonstrations are written with is not installed."""
+    _h5py()
+
+
+def _in_memory(fill: Callable[[Any], None]) -> bytes:
+    """Return the bytes of an HDF5 file that `fill` has written: a full disk is met by `write_whole` alone."""
+    with _h5py().File("memory", "w", driver="core", backing_store=False) as file:
+        fill(file)
+        file.flush()
+        return file.id.get_file_image()
+
+
+def _part_file(part: Part, kept: np.ndarray, first: int) -> bytes:
+    def fill(file: Any) -> None:
+        values = (part.levels["theta"], part.levels["seed"], part.returns, part.lengths, kept)
+        for name, value in zip(Summary._fields, values, strict=True):
+            file[f"summary/{name}"] = value
+        for number, index in enumerate(np.flatnonzero(kept), first):
+            group = file.create_group(f"episode_{number}")
+            group.attrs.update({"id": number, "seed": part.levels["seed"][index]})
+            group.attrs["options/theta"] = part.levels["theta"][index]
+            group.attrs["options/return"] = part.returns[index]
+            _write_episode(group, part.episode(int(index)))
+
+    return _in_memory(fill)
+
+
+def _write_episode(group: Any, episode: Episode) -> None:
+    steps = len(episode.actions)
+    ends = np.zeros((2, steps), bool)
+    ends[0 if episode.terminated else 1, -1] = True
+    arrays = {
+        "observations": episode.observations,
+        "actions": episode.actions,
+        "rewards": episode.rewards,
+        "terminations": ends[0],
+        "truncations": ends[1],
+        "infos/told": episode.told,
+    }
+    if episode.actions.ndim > 1:
+        arrays["infos/agent_rewards"] = episode.agent_rewards
+    group.attrs["total_steps"] = steps
+    for name, array in arrays.items():
+        group.create_dataset(name, data=array, **(COMPRESSION if array.nbytes > SMALL else {}))
+
+
+def _main_file(parts: list[int]) -> bytes:
+    """Return the data set's main file, whose episode e stands in part number `parts[e]`."""
+    link = _h5py().ExternalLink
+
+    def fill(file: Any) -> None:
+        for number, part in enumerate(parts):
+            file[f"episode_{number}"] = link(f"part-{part:04d}.hdf5", f"/episode_{number}")
+
+    return _in_memory(fill)
+
+
+def _metadata(
+    demos: Demonstrations, spaces: tuple[Space, Space], env_id: str | None, episodes: int, steps: int
+) -> dict[str, Any]:
+    import gymnasium
+    import minari
+    from minari.serialization import serialize_space
+
+    observation, action = (serialize_space(space) for space in spaces)
+    name = "".join(letter if letter.isalnum() else "-" for letter in Path(demos.config.minigame).stem)
+    found: dict[str, Any] = {
+        "dataset_id": f"regista/{name}-v0",
+        "minari_version": minari.__version__,
+        "data_format": "hdf5",
+        "jpeg_encoding": False,
+        "observation_space": observation,
+        "action_space": action,
+        "total_episodes": episodes,
+        "total_steps": steps,
+        "algorithm_name": demos.config.source,
+        "regista": {name: value for name, value in asdict(demos.config).items() if name != "source"},
+    }
+    if env_id is not None:
+        found["env_spec"] = gymnasium.spec(env_id).to_json()
+    return found

@@ -1,0 +1,161 @@
+"""Episodes for imitation: a program, or a trained student, plays one episode in each of N matches at a time.
+
+What the agents saw and what was done for them is kept until an episode is over; images are kept as bits until then, for
+planes have no values but 0 and 255. Read next: `run.demonstrations`, the folder in which episodes end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envs.football.constants import NO_KEY
+
+if TYPE_CHECKING:
+    from envs.football.replay import Record
+    from envs.football.vector_env import FootballVectorEnv
+
+Choose = Callable[[Any], np.ndarray]  # observations [N, ...] -> actions [N] or [N, A]
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One episode of T steps and A agents; the axis A is there only if there are several.
+
+    Attributes:
+        observations: `[T + 1, ...]`, the last one after the end.
+        actions: `[T]` or `[T, A]`, of the 19.
+        told: bool, like `actions`: what was done is one of the 19; where it is not, the action is 0.
+        rewards: `[T]`, and `agent_rewards` `[T, A]`.
+        terminated: whether it ended by an event, not by time.
+    """
+
+    observations: np.ndarray
+    actions: np.ndarray
+    told: np.ndarray
+    rewards: np.ndarray
+    agent_rewards: np.ndarray
+    terminated: bool
+
+
+@dataclass(frozen=True)
+class Part:
+    """The N episodes of one part: levels `[N]`, returns `[N]`, lengths `[N]`, and the record of all of them."""
+
+    levels: np.ndarray
+    returns: np.ndarray
+    lengths: np.ndarray
+    record: Record
+    _steps: _Steps
+
+    def episode(self, index: int) -> Episode:
+        """Return episode number `index`."""
+        return self._steps.episode(index, int(self.lengths[index]))
+
+
+def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray) -> Part:
+    """Play one episode on each of the levels `[N]`; the program plays where nobody chooses (`env.scripted`)."""
+    from envs.football.replay import Record
+
+    observation, _ = env.reset_to_levels(levels)
+    state, size = env.get_state(), env.num_envs
+    steps = _Steps(env.num_agents, env.single_observation_space.dtype == np.uint8)
+    running, lengths = np.ones(size, bool), np.zeros(size, np.int64)
+    returns = np.zeros(size)
+    shape = env.action_space.shape
+    assert shape is not None
+    idle_hands = np.zeros(shape, np.int64)
+    while running.any():
+        env.idle[:] = ~running
+        actions = idle_hands if choose is None else choose(observation)
+        seen = observation
+        observation, rewards, terminated, truncated, info = env.step(actions)
+        over = (terminated | truncated) & running
+        steps.add(seen, info, rewards, terminated)
+        if over.any():
+            steps.end(np.flatnonzero(over), info["final_obs"])
+        returns[running] += rewards[running]
+        lengths += running
+        running &= ~over
+    env.idle[:] = False
+    done = np.array(steps.actions).reshape(len(steps.actions), *shape)
+    done = done if env.scripted else np.maximum(done, 0)  # of matches that stood still
+    program = env.program
+    folder = program.mode.state.root
+    file = "" if folder is None else str((folder / program.file).resolve())
+    last = np.asarray(env.matches)
+    record = Record(program.source, file, env.config, state, done, last, env.scripted, lengths)
+    return Part(levels, returns, lengths, record, steps)
+
+
+class _Steps:
+    """What was seen and done in all matches, step by step."""
+
+    def __init__(self, agents: int, planes: bool) -> None:
+        self.actions: list[np.ndarray] = []  # [N, A], NO_KEY where it is none of the 19
+        self._planes, self._agents = planes, agents
+        self._seen: list[np.ndarray] = []
+        self._rewards: list[np.ndarray] = []
+        self._agent_rewards: list[np.ndarray] = []
+        self._terminated: list[np.ndarray] = []
+        self._last: dict[int, np.ndarray] = {}
+        self._shape: tuple[int, ...] = ()
+
+    def add(self, seen: np.ndarray, info: dict[str, Any], rewards: np.ndarray, terminated: np.ndarray) -> None:
+        """Keep a step."""
+        self._shape = seen.shape[1:]
+        self._seen.append(self._packed(seen))
+        self.actions.append(info["agent_actions"])
+        self._rewards.append(rewards)
+        self._agent_rewards.append(info["agent_rewards"])
+        self._terminated.append(terminated)
+
+    def end(self, ended: np.ndarray, final: np.ndarray) -> None:
+        """Keep what was seen at the ends of episodes."""
+        for index in ended:
+            self._last[int(index)] = self._packed(final[index : index + 1])[0]
+
+    def episode(self, index: int, length: int) -> Episode:
+        """Return the episode of one match."""
+        seen = np.stack([*(each[index] for each in self._seen[:length]), self._last[index]])
+        actions = np.stack([each[index] for each in self.actions[:length]])
+        actions = actions if self._agents > 1 else actions[:, 0]
+        told = actions != NO_KEY
+        return Episode(
+            self._unpacked(seen),
+            np.where(told, actions, 0),
+            told,
+            np.array([each[index] for each in self._rewards[:length]]),
+            np.stack([each[index] for each in self._agent_rewards[:length]]),
+            bool(self._terminated[length - 1][index]),
+        )
+
+    def _packed(self, seen: np.ndarray) -> np.ndarray:
+        return np.packbits(seen.reshape(len(seen), -1) != 0, axis=1) if self._planes else seen
+
+    def _unpacked(self, seen: np.ndarray) -> np.ndarray:
+        if not self._planes:
+            return seen
+        size = int(np.prod(self._shape))
+        return np.unpackbits(seen, axis=1, count=size).reshape(len(seen), *self._shape) * np.uint8(255)
+
+
+def parts(env: FootballVectorEnv, choose: Callable[[int], Choose] | None, seed: int, first: int) -> Iterator[Part]:
+    """Play part after part from number `first` on; each has levels, chances and a generator of its own.
+
+    So it does not matter where somebody stopped: part p is the same whether or not those before it were just played.
+    """
+    number = first
+    while True:
+        env.reset(seed=part_seed(seed, number))
+        levels = env.sample_levels(env.num_envs)
+        yield play_part(env, None if choose is None else choose(part_seed(seed, number)), levels)
+        number += 1
+
+
+def part_seed(seed: int, number: int) -> int:
+    """Return the seed of one part."""
+    return int(np.random.SeedSequence([seed, number]).generate_state(1, np.uint64)[0] >> 1)
