@@ -66,6 +66,12 @@ class PPOConfig(Checked):
     hidden_size: int = setting(128, "units in each hidden layer", ">=1")
     hidden_layers: int = setting(2, "hidden layers of each torso", ">=1")
     shared_torso: bool = setting(False, "actor and critic share their hidden layers")
+    team: Literal["independent", "shared"] = setting(
+        "independent", "several agents have a policy each, or one for all that is told the agent's number"
+    )
+    critic: Literal["own", "central"] = setting(
+        "own", "their values come from what each agent sees, or (MAPPO) from what all see, in hidden layers of its own"
+    )
     obs_std_floor: float = setting(
         0.1,
         "observations are divided by their standard deviation, or by this many of their units, where these are known "

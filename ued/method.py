@@ -159,7 +159,7 @@ class Method:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
+        """Take back what `state_dict` returned. Raises ValueError if it is of another number of agents."""
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.load_state_dict(saved)
         self.curriculum.load_state_dict(state["curriculum"])
@@ -169,8 +169,9 @@ class Method:
     def load_students(self, state: dict[str, Any]) -> None:
         """Take back the students alone of what `state_dict` returned, to be played: the environments may have changed.
 
-        Raises RuntimeError for students of other observations or actions.
+        Raises ValueError for students of another number of agents, RuntimeError for other observations or actions.
         """
         for learner, saved in zip(self.learners, state["learners"], strict=True):
+            learner.check_agents(saved)
             if learner.student is not None:
                 learner.student.load_state_dict(saved["ppo"]["student"])

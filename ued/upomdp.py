@@ -16,7 +16,7 @@ from typing import Any, Protocol
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 MAX_TRIES = 4096  # draws of one valid row before `sample_valid_theta` gives up
@@ -35,6 +35,20 @@ class Parameter(Protocol):
 
 class ThetaError(ValueError):
     """A θ that is no θ: wrong shape, not a number, or outside [-1, 1]. The message says which row and column."""
+
+
+def of_one_agent(space: Space, agents: int) -> Space:
+    """Return one agent's space, given that of all agents of an environment.
+
+    Raises `ValueError` for one that is no array with an axis of so many agents.
+    """
+    if agents == 1:
+        return space
+    if isinstance(space, MultiDiscrete) and space.shape == (agents,):
+        return Discrete(int(space.nvec[0]), start=int(space.start[0]))
+    if isinstance(space, Box) and space.shape[:1] == (agents,):
+        return Box(space.low[0], space.high[0], dtype=space.dtype.type)
+    raise ValueError(f"{agents} agents need a Box or a MultiDiscrete with an axis for them, got {space}")
 
 
 def level_dtype(dim: int) -> np.dtype:
@@ -101,8 +115,11 @@ class UPOMDP(VectorEnv):
             next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
+        num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
+            of several, observations and actions are `[N, A, ...]`, alike for all.
     """
 
+    num_agents = 1
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -126,11 +143,21 @@ class UPOMDP(VectorEnv):
         self.next_levels: Callable[[int], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
+    @property
+    def agent_observation_space(self) -> Space:
+        """What one agent sees."""
+        return of_one_agent(self.single_observation_space, self.num_agents)
+
+    @property
+    def agent_action_space(self) -> Space:
+        """What one agent does."""
+        return of_one_agent(self.single_action_space, self.num_agents)
+
     # ------------------------------------------------------------ what a subclass gives
 
     @property
     def observation_unit(self) -> np.ndarray | None:
-        """What counts as a large change of each entry of an observation `[F]`; 0, or None for all: unknown.
+        """What counts as a large change of each entry of an agent's observation `[F]`; 0, or None for all: unknown.
 
         Students do not look closer than at a share of it (`PPOConfig.obs_std_floor`). Only who knows what an entry
         means can tell: a pole 0.05 rad off the plumb is falling, though an angle might be 1.

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Discrete, MultiDiscrete
+from gymnasium.spaces import Discrete, MultiDiscrete, Space
 
 from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
@@ -93,6 +93,13 @@ class FootballVectorEnv(UPOMDP):
     def matches(self) -> np.ndarray:
         """The matches as they are, MATCH `[N]`; a copy, for looking at."""
         return self._batch.matches.copy()
+
+    @property
+    def agent_action_space(self) -> Space:
+        """What one agent does. Raises ValueError where both teams have agents: they are not paid together."""
+        if all(self.lineup.num_agents):
+            raise ValueError("agents of both teams cannot learn as one team; set control or right_control to 'none'")
+        return super().agent_action_space
 
     @property
     def observation_unit(self) -> np.ndarray | None:

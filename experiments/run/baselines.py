@@ -14,32 +14,36 @@ from envs.football.constants import DIRECTION_RIGHT, SHOT
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete
 
+    from ued.upomdp import UPOMDP
+
 
 class RandomPolicy:
     """Take every action with the same probability."""
 
-    def __init__(self, action_space: Discrete) -> None:
-        self.count = int(action_space.n)
+    def __init__(self, action_space: Discrete, agents: tuple[int, ...]) -> None:
+        self.count, self.agents = int(action_space.n), agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
-        """Return one action for each row of `observation` `[N, size]`."""
+        """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
         import torch
 
-        return torch.randint(self.count, (len(observation),), generator=generator).numpy()
+        return torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()
 
 
 class ShootPolicy:
     """Shoot at once: towards the goal and the shot in turns, for a kick leaves the foot when its button is released."""
 
-    def __init__(self) -> None:
-        self.shot = False
+    def __init__(self, agents: tuple[int, ...]) -> None:
+        self.shot, self.agents = False, agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
-        """Return one action for each row of `observation` `[N, size]`."""
+        """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
         self.shot = not self.shot
-        return np.full(len(observation), SHOT if self.shot else DIRECTION_RIGHT)
+        return np.full((len(observation), *self.agents), SHOT if self.shot else DIRECTION_RIGHT)
 
 
-def make_baselines(action_space: Discrete) -> dict[str, Any]:
-    """Return the baselines by name."""
-    return {"shoot": ShootPolicy(), "random": RandomPolicy(action_space)}
+def make_baselines(upomdp: UPOMDP) -> dict[str, Any]:
+    """Return the baselines for the agents of this environment, by name."""
+    agents = () if upomdp.num_agents == 1 else (upomdp.num_agents,)
+    space: Any = upomdp.agent_action_space
+    return {"shoot": ShootPolicy(agents), "random": RandomPolicy(space, agents)}

@@ -126,6 +126,9 @@ class TrainConfig(Settings):
 
 # ---------------------------------------------------------------- JSON
 
+# Settings that older runs know nothing of, and what they did: JSON.
+ADDED = {"ppo.team": "independent", "ppo.critic": "own"}
+
 
 def to_dict(config: Any) -> dict[str, Any]:
     """Return a configuration as what JSON can hold: paths as strings, tuples as lists."""
@@ -184,9 +187,9 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
             raise ConfigError(f"{where}: unknown key '{path}{key}'{nearest(key, names)}")
     values = {}
     for name in names:
-        if name not in data:
+        if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
-        values[name] = _value(hints[name], data[name], where, path + name)
+        values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
     try:
         return kind(**values)
     except ValueError as error:

@@ -76,7 +76,7 @@ class EvalScenes:
             if other != shape:
                 raise CommandError(
                     f"the test scene '{label}' of {config.minigame} gives observations {other}, the training program "
-                    f"{shape}: they need the same players"
+                    f"{shape}: they need the same players, and as many agents"
                 )
 
 
@@ -98,8 +98,8 @@ class Evaluator:
         for run in runs:
             student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
             self._play(student, run.config.method, run.config.seed, trained, results, levels)
-        space = self.scenes.scenes[build.TRAINING_SCENE].single_action_space
-        for name, policy in make_baselines(space).items() if baselines else ():
+        scene = self.scenes.scenes[build.TRAINING_SCENE]
+        for name, policy in make_baselines(scene).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)
         return Report(results, levels)
 
@@ -135,6 +135,8 @@ def load_student(run: RunFolder, program: Program) -> tuple[Any, tuple[int, int]
     method = build.make_method(config, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
     try:
         method.load_students(state["method"])
+    except ValueError as error:  # of another number of agents
+        raise CommandError(f"{run.path}: {error}") from error
     except RuntimeError as error:
         seen = method.upomdp.single_observation_space
         raise CommandError(f"{run.path} holds a student of other observations than {seen}; train it anew") from error

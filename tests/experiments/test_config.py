@@ -53,6 +53,12 @@ def test_what_is_refused_and_how(data, sentence):
     assert str(found.value) == sentence
 
 
+def test_what_older_runs_know_nothing_of_is_what_they_did():
+    data = configs.to_dict(TrainConfig())
+    del data["ppo"]["team"], data["ppo"]["critic"]
+    assert configs.from_dict(TrainConfig, data, "c.json") == TrainConfig()
+
+
 def test_a_missing_key_is_named():
     data = configs.to_dict(TrainConfig())
     del data["ppo"]["gamma"]

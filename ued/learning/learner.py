@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from gymnasium.spaces import Discrete
 
 from ued.config import PPOConfig
 from ued.learning.ppo import PPO, KLRegularizer
@@ -43,8 +44,8 @@ class Learner:
     ) -> None:
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
-        spaces = upomdp.single_observation_space, upomdp.single_action_space
-        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_unit)
+        spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
+        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_unit, agents)
         self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
@@ -78,6 +79,7 @@ class Learner:
             losses = self.ppo.learn(rollout or self.rollout, env_steps, advantages, regularizer)
         self.learn_seconds = perf_counter() - began
         episodes = episode_metrics(self.name, self.worker.pop_episodes())
+        losses |= action_shares(self.rollout, self.upomdp)
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 
     def pop_seconds(self) -> dict[str, float]:
@@ -88,19 +90,45 @@ class Learner:
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
         """Return everything that changes; without `episodes`, all but the state of the environments."""
         return {
+            "agents": self.upomdp.num_agents,
             "worker": self.worker.state_dict(episodes),
             "ppo": None if self.ppo is None else self.ppo.state_dict(),
             "values": self.values.state_dict(),
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
+        """Take back what `state_dict` returned. Raises `ValueError` if it is of another number of agents."""
+        self.check_agents(state)
         self.worker.load_state_dict(state["worker"])
         if self.ppo is not None:
             self.ppo.load_state_dict(state["ppo"])
         self.values.load_state_dict(state["values"])
         if state["worker"]["upomdp"] is None:  # its episodes have begun anew
             self.values.reset()
+
+    def check_agents(self, state: dict[str, Any]) -> None:
+        """Raise `ValueError` if what `state_dict` returned is of another number of agents."""
+        saved, agents = state.get("agents", 1), self.upomdp.num_agents
+        if saved != agents:
+            raise ValueError(f"the checkpoint holds a student of {counted(saved)}, the environments have {agents}")
+
+
+def counted(agents: int) -> str:
+    return "one agent" if agents == 1 else f"{agents} agents"
+
+
+def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
+    """Return how often each agent of a team has taken each action; of one agent, or of real numbers, nothing."""
+    space, agents = upomdp.agent_action_space, upomdp.num_agents
+    if agents == 1 or not isinstance(space, Discrete):
+        return {}
+    counts = np.stack([np.bincount(taken, minlength=int(space.n)) for taken in rollout.action.flatten(0, 1).T.numpy()])
+    shares = counts / len(rollout.reward.flatten())  # [A, actions]
+    return {
+        f"agent_{agent}/action_{space.start + action}": float(share)
+        for agent, row in enumerate(shares)
+        for action, share in enumerate(row)
+    }
 
 
 def episode_metrics(name: str, episodes: Episodes) -> dict[str, float]:

@@ -7,7 +7,7 @@ All weights are initialised from an explicit generator. Read next: `learning.stu
 from __future__ import annotations
 
 import math
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
@@ -21,7 +21,7 @@ class Policy(Protocol):
     """A distribution over actions for each row of a batch.
 
     `sample` and `mode` return actions `[B]` or `[B, K]`; `log_prob` of such, `entropy` in nats and the divergence
-    `kl` from this to another distribution are `[B]`.
+    `kl` from this to another distribution are `[B]`. Of a team all of these have an axis of agents: `[B, A]`.
     """
 
     def sample(self, generator: torch.Generator) -> Tensor: ...
@@ -79,19 +79,59 @@ class Gaussian:
         return (other.log_std - self.log_std + 0.5 * (spread - 1)).sum(-1)
 
 
-def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator) -> nn.Linear:
-    """Return a linear layer with orthogonal weights scaled by `gain` and zero bias."""
-    layer = nn.utils.skip_init(nn.Linear, inputs, outputs)  # the usual initialisation draws from torch's global stream
-    nn.init.orthogonal_(layer.weight, gain, generator=generator)
-    nn.init.zeros_(layer.bias)
+class Team(NamedTuple):
+    """Whom a network serves: so many agents, with one policy for all of them, or with one each.
+
+    What it reads and gives is `[B, ...]` for one agent and `[B, A, ...]` for several. Where each agent has a policy of
+    its own, all weights of the network have an axis of policies, the first one: one pass serves all.
+    """
+
+    agents: int = 1
+    policies: int = 1
+
+
+ONE_AGENT = Team()
+
+
+class Linears(nn.Linear):
+    """A linear layer for each of A policies: `[B, A, inputs]` -> `[B, A, outputs]`."""
+
+    def __init__(self, inputs: int, outputs: int, policies: int, device: Any = None) -> None:
+        super().__init__(inputs, policies * outputs, device=device)
+        self.policies = policies
+
+    def forward(self, features: Tensor) -> Tensor:
+        weight = self.weight.view(self.policies, -1, self.in_features).mT  # [A, inputs, outputs]
+        bias = self.bias.view(self.policies, 1, -1)
+        return torch.baddbmm(bias, features.transpose(0, 1), weight).transpose(0, 1)
+
+
+def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator, policies: int = 1) -> nn.Linear:
+    """Return a linear layer, or one for each policy, with orthogonal weights scaled by `gain` and zero bias."""
+    # `skip_init`, for the usual initialisation draws from torch's global stream
+    if policies == 1:
+        layer = nn.utils.skip_init(nn.Linear, inputs, outputs)
+    else:
+        layer = nn.utils.skip_init(Linears, inputs, outputs, policies)
+    initialise(layer, gain, generator, policies)
     return layer
 
 
-def mlp(inputs: int, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
+def initialise(layer: nn.Linear | nn.Conv2d, gain: float, generator: torch.Generator, policies: int) -> None:
+    """Give each policy's share of a layer orthogonal weights scaled by `gain`, and zero bias."""
+    for own in layer.weight.data.chunk(policies):
+        nn.init.orthogonal_(own, gain, generator=generator)
+    assert layer.bias is not None
+    nn.init.zeros_(layer.bias)
+
+
+def mlp(
+    inputs: int, hidden_size: int, hidden_layers: int, generator: torch.Generator, policies: int = 1
+) -> nn.Sequential:
     """Return a torso of `hidden_layers` tanh layers: `[B, inputs]` -> `[B, hidden_size]`."""
     layers: list[nn.Module] = []
     for _ in range(hidden_layers):
-        layers += [linear(inputs, hidden_size, math.sqrt(2), generator), nn.Tanh()]
+        layers += [linear(inputs, hidden_size, math.sqrt(2), generator, policies), nn.Tanh()]
         inputs = hidden_size
     return nn.Sequential(*layers)
 
@@ -100,30 +140,44 @@ CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, 
 
 
 class ChannelsFirst(nn.Module):
-    """Images `[B, height, width, channels]`, as environments give them, to `[B, channels, height, width]`."""
+    """Images `[B, height, width, channels]`, as environments give them, to `[B, channels, height, width]`.
+
+    Those of a team, `[B, A, ...]`, become further rows where one policy serves all agents, else further channels.
+    """
+
+    def __init__(self, team: Team) -> None:
+        super().__init__()
+        self.team = team
 
     def forward(self, image: Tensor) -> Tensor:
-        return image.permute(0, 3, 1, 2)
+        image = image.movedim(-1, -3)
+        if self.team.agents == 1:
+            return image
+        return image.flatten(0, 1) if self.team.policies == 1 else image.flatten(1, 2)
 
 
-def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator) -> nn.Sequential:
+def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> nn.Sequential:
     """Return the convolutional torso of the thesis (Fig. 4.10): `[B, *shape]` in [0, 1] -> `[B, hidden_size]`.
 
     `shape` is height, width, channels; planes of 72 × 96 come down to 32 of 5 × 8. Raises `ValueError` for images that
     are smaller than what the convolutions need.
     """
     height, width, channels = shape
-    layers: list[nn.Module] = [ChannelsFirst()]
+    agents, policies = team
+    layers: list[nn.Module] = [ChannelsFirst(team)]
     for outputs, kernel, stride in CONVOLUTIONS:
-        layer = nn.utils.skip_init(nn.Conv2d, channels, outputs, kernel, stride)
-        nn.init.orthogonal_(layer.weight, math.sqrt(2), generator=generator)
-        nn.init.zeros_(layer.bias)
+        sizes = policies * channels, policies * outputs, kernel, stride
+        layer = nn.utils.skip_init(nn.Conv2d, *sizes, groups=policies)
+        initialise(layer, math.sqrt(2), generator, policies)
         layers += [layer, nn.ReLU()]
         channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
         if height < 1 or width < 1:
             raise ValueError(f"images of {shape[0]} x {shape[1]} are too small for convolutions; give 36 x 36 at least")
     features = channels * height * width
-    return nn.Sequential(*layers, nn.Flatten(), linear(features, hidden_size, math.sqrt(2), generator), nn.ReLU())
+    layers.append(nn.Flatten())
+    if agents > 1:  # their rows, or their channels, apart again
+        layers.append(nn.Unflatten(0, (-1, agents)) if policies == 1 else nn.Unflatten(1, (agents, features)))
+    return nn.Sequential(*layers, linear(features, hidden_size, math.sqrt(2), generator, policies), nn.ReLU())
 
 
 def is_image(space: Space) -> bool:
@@ -131,14 +185,17 @@ def is_image(space: Space) -> bool:
     return isinstance(space, Box) and len(space.shape) == 3 and space.dtype == np.uint8
 
 
-def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator) -> nn.Sequential:
-    """Return the torso that fits the observations: an MLP for a flat vector of features, convolutions for an image.
+def torso(
+    space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator, team: Team = ONE_AGENT
+) -> nn.Sequential:
+    """Return the torso that fits an agent's observations: an MLP for a flat vector of features, convolutions for an
+    image.
 
     Raises `ValueError` for observations that are neither.
     """
     if is_image(space):
         assert space.shape is not None
-        return cnn(space.shape, hidden_size, generator)
+        return cnn(space.shape, hidden_size, generator, team)
     if not isinstance(space, Box):
         raise ValueError(
             f"observations must be a Box, got {space}; wrap the environment with gymnasium.wrappers.FlattenObservation"
@@ -150,7 +207,7 @@ def torso(space: Space, hidden_size: int, hidden_layers: int, generator: torch.G
             f"observations must be flat vectors, got shape {space.shape}; "
             "wrap the environment with gymnasium.wrappers.FlattenObservation"
         )
-    return mlp(space.shape[0], hidden_size, hidden_layers, generator)
+    return mlp(space.shape[0], hidden_size, hidden_layers, generator, team.policies)
 
 
 class PolicyHead(nn.Module):
@@ -159,19 +216,20 @@ class PolicyHead(nn.Module):
     Its small gain (0.01) makes the first policy nearly uniform whatever the observation.
     """
 
-    def __init__(self, space: Space, inputs: int, generator: torch.Generator) -> None:
+    def __init__(self, space: Space, inputs: int, generator: torch.Generator, policies: int = 1) -> None:
         super().__init__()
         if isinstance(space, Discrete):
             self.log_std = None
-            self.layer = linear(inputs, int(space.n), 0.01, generator)
+            self.layer = linear(inputs, int(space.n), 0.01, generator, policies)
         elif isinstance(space, Box) and len(space.shape) == 1:
-            self.log_std = nn.Parameter(torch.zeros(space.shape[0]))
-            self.layer = linear(inputs, space.shape[0], 0.01, generator)
+            size = space.shape[0]
+            self.log_std = nn.Parameter(torch.zeros(policies, size) if policies > 1 else torch.zeros(size))
+            self.layer = linear(inputs, size, 0.01, generator, policies)
         else:
             raise ValueError(f"actions must be Discrete or a flat Box, got {space}")
 
     def forward(self, features: Tensor) -> Policy:
-        """Return the policy for features `[B, inputs]`."""
+        """Return the policy for features `[B, inputs]`, or `[B, A, inputs]`."""
         if self.log_std is None:
             return Categorical(self.layer(features))
         return Gaussian(self.layer(features), self.log_std)

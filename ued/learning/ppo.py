@@ -4,7 +4,9 @@
     for each epoch, for each minibatch of shuffled steps                (PPO._minibatch)
         ratio of new to old probability, clipped; loss of policy, value and entropy; one step of Adam
 
-Written once, for every method; names are CleanRL's. Read next: `methods.dr`, the simplest use of it.
+Written once, for every method, for one agent and for teams: what an agent sees, does and expects then has a further
+axis of agents, `[B, A]`, and losses are means over them. Names are CleanRL's. Read next: `methods.dr`, the simplest use
+of it.
 """
 
 from __future__ import annotations
@@ -41,7 +43,7 @@ class PPO(Resumable):
         """Learn from the steps of a rollout that are meant for it; return the means of the losses over all minibatches.
 
         Minibatches are as large as if all steps were; where none is, nothing changes and there are no losses.
-        `env_steps` so far anneal the learning rate; `advantages` `[T, N]` may be known already; `regularizer` is
+        `env_steps` so far anneal the learning rate; `advantages` (see `gae`) may be known already; `regularizer` is
         another policy to stay close to. Raises `FloatingPointError` for a gradient that is not finite.
         """
         config = self.config
@@ -83,18 +85,18 @@ class PPO(Resumable):
         log_ratio = policy.log_prob(old.action) - old.log_prob  # [B]
         ratio = log_ratio.exp()  # [B]
         advantage = old.advantage  # [B]
-        if config.norm_adv and len(advantage) > 1:
-            advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
+        if config.norm_adv and len(advantage) > 1:  # each agent's own
+            advantage = (advantage - advantage.mean(0)) / (advantage.std(0) + 1e-8)
         clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)  # [B]
         policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()  # [], equation 7 of the paper
         value_loss = self._value_loss(value, old)  # []
-        entropy = policy.entropy().mean()  # []
-        loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+        entropy = policy.entropy()  # [B]
+        loss = policy_loss - config.ent_coef * entropy.mean() + config.vf_coef * value_loss
         if regularizer is not None:
             loss = loss + regularizer.coef * regularizer.divergence(old.observation, policy)
         self.optimizer.zero_grad()
         loss.backward()
-        grad_norm = nn.utils.clip_grad_norm_(self.student.parameters(), config.max_grad_norm)
+        grad_norm = clip_gradient(self.student, config.max_grad_norm)
         if not torch.isfinite(grad_norm):
             raise FloatingPointError(
                 f"the gradient is not finite (loss {loss.item():g}): look for rewards or observations that are not, or "
@@ -102,13 +104,16 @@ class PPO(Resumable):
             )
         self.optimizer.step()
         with torch.no_grad():
+            approx_kl = (ratio - 1) - log_ratio  # [B], Schulman's k3 estimator: never negative
             return {
                 "policy_loss": policy_loss.item(),
                 "value_loss": value_loss.item(),
-                "entropy": entropy.item(),
-                "approx_kl": ((ratio - 1) - log_ratio).mean().item(),  # Schulman's k3 estimator: never negative
+                "entropy": entropy.mean().item(),
+                "approx_kl": approx_kl.mean().item(),
                 "clip_fraction": ((ratio - 1).abs() > config.clip_coef).float().mean().item(),
                 "grad_norm": grad_norm.item(),
+                **by_agent("entropy", entropy),
+                **by_agent("approx_kl", approx_kl),
             }
 
     def _value_loss(self, value: Tensor, old: Batch) -> Tensor:
@@ -117,6 +122,32 @@ class PPO(Resumable):
             moved = (value - old.value).clamp(-self.config.clip_coef, self.config.clip_coef)  # [B]
             error = torch.max(error, (old.value + moved - old.target) ** 2)
         return 0.5 * error.mean()
+
+
+def clip_gradient(student: Student, max_norm: float) -> Tensor:
+    """Scale the gradient of each policy, and that of a critic in common, down to this norm; return their mean norm.
+
+    Losses are means over agents, so a policy that is one agent's alone finds his share of them in its gradient: it is
+    multiplied by their number first. So each of them learns as if it were alone.
+    """
+    own, common = student.parameters_apart()
+    norms = [nn.utils.clip_grad_norm_(common, max_norm).view(1)] if common else []
+    if own:
+        count = student.policies
+        shares = [weight.grad.reshape(count, -1) for weight in own if weight.grad is not None]
+        norm = count * torch.stack([share.norm(dim=1) for share in shares]).norm(dim=0)  # [A]
+        factor = count * (max_norm / (norm + 1e-6)).clamp(max=1.0)
+        for weight in own:
+            if weight.grad is not None:
+                weight.grad.view(count, -1).mul_(factor[:, None])
+        norms.append(norm)
+    return torch.cat(norms).mean()
+
+
+def by_agent(name: str, values: Tensor) -> dict[str, float]:
+    """Return the means of `[B, A]` by agent, of one agent's `[B]` nothing: the mean over all is his."""
+    means = values.mean(0).tolist() if values.ndim > 1 else []
+    return {f"agent_{agent}/{name}": mean for agent, mean in enumerate(means)}
 
 
 @dataclass(frozen=True)
@@ -135,7 +166,7 @@ class KLRegularizer:
 
 @dataclass
 class Batch:
-    """The steps of a rollout in one row each."""
+    """The steps of a rollout in one row each; of several agents `[B, A, ...]`."""
 
     observation: Tensor  # [B, size]
     action: Tensor  # [B] or [B, K]

@@ -18,15 +18,19 @@ from ued.learning.networks import is_image
 class Rollout:
     """T steps of N environments. Episodes run on from one rollout to the next.
 
+    What an agent sees, does and expects has a further axis of agents where there are several, `[T, N, A, ...]`; they
+    are paid together, and their episodes are the same.
+
     Attributes:
         observation: `[T, N, size]`, images as uint8, what was seen before the action.
         action: `[T, N]` or `[T, N, K]` as the policy drew it.
-        log_prob, value, reward: `[T, N]`.
+        log_prob, value: `[T, N]`, of each agent.
+        reward: `[T, N]`, of the team.
         terminated: `[T, N]` the episode ended in this step, and nothing follows.
         truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
-        final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0.
+        final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0, of each agent.
         train: `[T, N]` the student is to learn from this step; otherwise it was only to be seen how it fares.
-        last_value: `[N]` value of the observation after the last step.
+        last_value: `[N]` value of the observation after the last step, of each agent.
     """
 
     observation: Tensor
@@ -41,23 +45,26 @@ class Rollout:
     last_value: Tensor
 
     @classmethod
-    def empty(cls, num_steps: int, num_envs: int, observation_space: Space, action_space: Space) -> Rollout:
-        """Allocate a rollout for these spaces of one environment."""
+    def empty(
+        cls, num_steps: int, num_envs: int, observation_space: Space, action_space: Space, agents: int = 1
+    ) -> Rollout:
+        """Allocate a rollout for these spaces of one agent of one environment."""
         assert observation_space.shape is not None and action_space.shape is not None
         shape = (num_steps, num_envs)
+        by_agent = shape if agents == 1 else (*shape, agents)
         seen = torch.uint8 if is_image(observation_space) else torch.float32
         kind = torch.int64 if isinstance(action_space, Discrete) else torch.float32
         return cls(
-            observation=torch.zeros(*shape, *observation_space.shape, dtype=seen),
-            action=torch.zeros(*shape, *action_space.shape, dtype=kind),
-            log_prob=torch.zeros(shape),
-            value=torch.zeros(shape),
+            observation=torch.zeros(*by_agent, *observation_space.shape, dtype=seen),
+            action=torch.zeros(*by_agent, *action_space.shape, dtype=kind),
+            log_prob=torch.zeros(by_agent),
+            value=torch.zeros(by_agent),
             reward=torch.zeros(shape),
             terminated=torch.zeros(shape, dtype=torch.bool),
             truncated=torch.zeros(shape, dtype=torch.bool),
-            final_value=torch.zeros(shape),
+            final_value=torch.zeros(by_agent),
             train=torch.ones(shape, dtype=torch.bool),
-            last_value=torch.zeros(num_envs),
+            last_value=torch.zeros(by_agent[1:]),
         )
 
     def columns(self, envs: Tensor) -> Rollout:
@@ -68,15 +75,17 @@ class Rollout:
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
-    """Return generalised advantage estimates `[T, N]` (Schulman et al. 2016, equation 16).
+    """Return generalised advantage estimates `[T, N]`, of each agent (Schulman et al. 2016, equation 16).
 
     What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.
     """
-    done = rollout.terminated | rollout.truncated
+    for_each = (..., None) if rollout.value.ndim > rollout.reward.ndim else ...  # of several agents
+    reward, terminated = rollout.reward[for_each], rollout.terminated[for_each]
+    done = terminated | rollout.truncated[for_each]
     next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])
-    next_value = torch.where(done, rollout.final_value.masked_fill(rollout.terminated, 0.0), next_value)
-    delta = rollout.reward + gamma * next_value - rollout.value  # [T, N]
+    next_value = torch.where(done, rollout.final_value.masked_fill(terminated, 0.0), next_value)
+    delta = reward + gamma * next_value - rollout.value  # [T, N]
     decay = gamma * gae_lambda * (~done).float()
     advantage = torch.zeros_like(delta)
     running = torch.zeros_like(rollout.last_value)

@@ -1,5 +1,9 @@
 """A student: the policy that plays, the values it expects, and how it looks at observations and sends actions.
 
+It plays for all agents of an environment: for one, or for a team of A, whose observations, actions and values have an
+axis of agents. A team has a policy for each agent, or one for all that is told the agent's number; its values come from
+what each agent sees, or from what all see together (MAPPO, Yu et al. 2022).
+
 Observations are normalised by running statistics that the student carries (and its checkpoint with it), rather than by
 a fixed scaling: the same student then learns from any Gymnasium environment, whatever the units of its observations.
 Read next: `learning.rollout`.
@@ -13,7 +17,7 @@ from gymnasium.spaces import Box, Discrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.learning.networks import Policy, PolicyHead, is_image, linear, torso
+from ued.learning.networks import Policy, PolicyHead, Team, is_image, linear, torso
 
 CLIP = 10.0  # standard deviations
 
@@ -23,6 +27,7 @@ class Normaliser(nn.Module):
 
     A feature that hardly moved while the student learned must not blow up when it moves a little more, as in another
     engine or on another level: no standard deviation counts as less than `floor` `[size]`, in the feature's own unit.
+    Each policy has statistics of its own.
     """
 
     mean: Tensor
@@ -30,21 +35,22 @@ class Normaliser(nn.Module):
     count: Tensor
     floor: Tensor
 
-    def __init__(self, floor: Tensor) -> None:
+    def __init__(self, floor: Tensor, policies: int = 1) -> None:
         super().__init__()
-        size = len(floor)
+        shape = (len(floor),) if policies == 1 else (policies, len(floor))
         self.register_buffer("floor", floor.float())
-        self.register_buffer("mean", torch.zeros(size))
-        self.register_buffer("variance", torch.ones(size))
+        self.register_buffer("mean", torch.zeros(shape))
+        self.register_buffer("variance", torch.ones(shape))
         self.register_buffer("count", torch.zeros((), dtype=torch.float64))
 
     def forward(self, observation: Tensor) -> Tensor:
-        """Return observations `[B, size]` in standard deviations from the mean, at most CLIP of them."""
+        """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
         deviation = torch.maximum((self.variance + 1e-8).sqrt(), self.floor)  # [size]
-        return ((observation - self.mean) / deviation).clamp(-CLIP, CLIP)
+        return (observation - self.mean).div_(deviation).clamp_(-CLIP, CLIP)  # in place: fresh memory is slow to get
 
     def track(self, observation: Tensor) -> None:
-        """Take a batch of observations `[B, size]` into the statistics."""
+        """Take a batch of observations `[B, size]` or `[B, A, size]` into the statistics."""
+        observation = observation.flatten(0, -1 - self.mean.ndim)  # one policy: the rows of all agents
         rows = len(observation)
         variance, mean = torch.var_mean(observation.double(), 0, correction=0)
         total = self.count + rows
@@ -74,6 +80,10 @@ class Student(nn.Module):
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
         unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`.
+        agents: for how many it plays; both spaces are those of one of them.
+
+    Attributes:
+        policies: how many there are: one, or one for each agent.
     """
 
     def __init__(
@@ -83,39 +93,63 @@ class Student(nn.Module):
         config: PPOConfig,
         generator: torch.Generator,
         unit: np.ndarray | None = None,
+        agents: int = 1,
     ) -> None:
         super().__init__()
-        sizes = config.hidden_size, config.hidden_layers
-        self.actor_torso = torso(observation_space, *sizes, generator)
-        self.critic_torso = self.actor_torso if config.shared_torso else torso(observation_space, *sizes, generator)
+        self.agents, self.policies = agents, 1 if config.team == "shared" else agents
+        self.numbered, self.central = agents > self.policies, agents > 1 and config.critic == "central"
+        self.shared = config.shared_torso and not self.central
+        sizes, team = (config.hidden_size, config.hidden_layers), Team(agents, self.policies)
+        seen = widened(observation_space, 1, agents) if self.numbered else observation_space
+        self.actor_torso = torso(seen, *sizes, generator, team)
+        if self.central:
+            seen, team = widened(observation_space, agents, 0), Team()
+        self.critic_torso = self.actor_torso if self.shared else torso(seen, *sizes, generator, team)
         assert observation_space.shape is not None  # `torso` has refused the others
         if is_image(observation_space):
             self.normaliser: Normaliser | Pixels = Pixels()
         else:
             units = np.zeros(observation_space.shape) if unit is None else unit
-            self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units))
-        self.actor = PolicyHead(action_space, config.hidden_size, generator)
-        self.critic = linear(config.hidden_size, 1, 1.0, generator)
+            self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units), self.policies)
+        self.actor = PolicyHead(action_space, config.hidden_size, generator, self.policies)
+        self.critic = linear(config.hidden_size, 1, 1.0, generator, team.policies)
         self.action_space = action_space
-        self.shared = config.shared_torso
 
     def forward(self, observation: Tensor) -> tuple[Policy, Tensor]:
-        """Return the policy and the value `[B]` for observations `[B, size]`."""
+        """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`."""
         observation = self.normaliser(observation)
-        features = self.actor_torso(observation)
+        features = self.actor_torso(self._numbered(observation))
         policy = self.actor(features)
-        if not self.shared:
-            features = self.critic_torso(observation)
-        return policy, self.critic(features)[:, 0]
+        return policy, self.critic(features)[..., 0] if self.shared else self._value(observation)
 
     @torch.inference_mode()
     def value(self, observation: Tensor) -> Tensor:
-        """Return the value `[B]` alone."""
-        return self.critic(self.critic_torso(self.normaliser(observation)))[:, 0]
+        """Return the value `[B]`, of a team `[B, A]`, alone."""
+        return self._value(self.normaliser(observation))
+
+    def _value(self, observation: Tensor) -> Tensor:
+        if self.central:  # one value for all; images are laid on each other
+            observation = observation.movedim(1, -2).flatten(-2)  # [B, A * size]
+            return self.critic(self.critic_torso(observation)).expand(-1, self.agents)
+        return self.critic(self.critic_torso(self._numbered(observation)))[..., 0]
+
+    def _numbered(self, observation: Tensor) -> Tensor:
+        """Tell the one policy of several whom it plays for: a one-hot behind `[B, A, size]`, planes behind images."""
+        if not self.numbered:
+            return observation
+        shape = (self.agents, *[1] * (observation.ndim - 3), self.agents)
+        number = torch.eye(self.agents).view(shape).expand(*observation.shape[:-1], self.agents)
+        return torch.cat([observation, number], -1)
+
+    def parameters_apart(self) -> tuple[list[nn.Parameter], list[nn.Parameter]]:
+        """Return the parameters of which each policy has a share of its own, along the first axis, and the others."""
+        parts = [self.actor_torso, self.actor] + ([] if self.central else [self.critic_torso, self.critic])
+        own = {weight for part in parts for weight in part.parameters()} if self.policies > 1 else set()
+        return [p for p in self.parameters() if p in own], [p for p in self.parameters() if p not in own]
 
     @torch.inference_mode()
     def act(self, observation: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
-        """Draw actions; return them with their log-probabilities `[B]` and the values `[B]`."""
+        """Draw actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`."""
         policy, value = self(observation)
         action = policy.sample(generator)
         return action, policy.log_prob(action), value
@@ -123,8 +157,8 @@ class Student(nn.Module):
     @torch.inference_mode()
     def play(self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False) -> np.ndarray:
         """Return the actions to send to the environments, for observations as they come from them."""
-        features = self.normaliser(torch.as_tensor(observation, dtype=torch.float32))
-        policy = self.actor(self.actor_torso(features))
+        seen = self.normaliser(torch.as_tensor(observation, dtype=torch.float32))
+        policy = self.actor(self.actor_torso(self._numbered(seen)))
         return self.to_environment(policy.mode() if greedy else policy.sample(generator))
 
     def to_environment(self, action: Tensor) -> np.ndarray:
@@ -142,3 +176,11 @@ class Student(nn.Module):
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         centre, reach = (bottom + top) / 2, (top - bottom) / 2
         return np.clip(centre + reach * array, low, high).astype(self.action_space.dtype)
+
+
+def widened(space: Space, times: int, more: int) -> Space:
+    """Return a space of observations whose last axis is so many times as long, and this much longer."""
+    if not isinstance(space, Box) or not space.shape:
+        return space  # `torso` says why not
+    shape = (*space.shape[:-1], times * space.shape[-1] + more)
+    return Box(float(space.low.min()), float(space.high.max()), shape, space.dtype.type)

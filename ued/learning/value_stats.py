@@ -37,6 +37,7 @@ class EpisodeValues(Resumable):
         Episodes are in the order in which they ended: by step, then by environment.
         """
         per_step = torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
+        per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
         running = per_step.double().cumsum(1).numpy()  # [3, T, N]
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)

@@ -58,8 +58,8 @@ class RolloutWorker(Resumable):
     ) -> None:
         self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
         upomdp.next_levels = None
-        spaces = upomdp.single_observation_space, upomdp.single_action_space
-        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces)
+        spaces = upomdp.agent_observation_space, upomdp.agent_action_space
+        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, upomdp.num_agents)
         self.observation: np.ndarray | None = None  # until `start`
         self.training = np.ones(upomdp.num_envs, bool)  # [N] where the student learns from what it does
         self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
@@ -99,7 +99,7 @@ class RolloutWorker(Resumable):
     def _act(self, t: int) -> np.ndarray:
         """Return the actions of step t for the environments; note what the policy drew."""
         if self.student is None:
-            space = self.upomdp.single_action_space
+            space = self.upomdp.agent_action_space
             return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
         action, log_prob, value = self.student.act(self.rollout.observation[t], self.generator)
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
