@@ -90,9 +90,9 @@ def overlaps_of(objects: list[Instance]) -> BatchedTest | None:
 def meet(*numbers: Any) -> Any:
     """Return as `rectangles_meet` does, which is asked only about those whose circumscribed circles meet."""
     ax, ay, heading_a, width_a, length_a, bx, by, heading_b, width_b, length_b = numbers
-    dx, dy = ax - bx, ay - by
     if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # upright, the usual case
-        return (np.abs(dx) <= (width_a + width_b) / 2) & (np.abs(dy) <= (length_a + length_b) / 2)
+        return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
+    dx, dy = ax - bx, ay - by
     reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
     meets = dx * dx + dy * dy <= reach * reach
     near = np.nonzero(meets)
