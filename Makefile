@@ -33,11 +33,12 @@ transfer: $(READY)
 grf:
 	sh envs/grf/install.sh
 
+# Each worker has one core: threads of torch in every one of them would only wait for each other.
 test: lint
-	$(BIN)/pytest --numprocesses auto
+	OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto
 
 test-quick: lint
-	$(BIN)/pytest --numprocesses auto -m 'not slow'
+	OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto -m 'not slow'
 
 # Long tests, about ten minutes: matches that are not to break, programs that nobody would write. Other seeds: SEED=7.
 SEED ?= 0

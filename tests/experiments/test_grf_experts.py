@@ -65,6 +65,7 @@ def test_rates_and_ranks_are_told_of_both_engines():
     assert correlations(alike)["ours, grf"] in (1.0, pytest.approx(np.nan, nan_ok=True))
 
 
+@pytest.mark.slow
 def test_the_command_tells_of_all_nine(engine, capsys):
     words = ["benchmark", "--suite", "grf", "--measure", "--family", "experts", "--effort", "0.02", *engine]
     assert main([*words, "--json"]) == 0

@@ -147,6 +147,7 @@ def test_inspect_shows_text_and_scenes(capsys, tmp_path):
     assert png.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_benchmark_prints_json(capsys):
     assert main(["benchmark", "--suite", "sim", "--num-envs", "4", "--seconds", "0.01", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

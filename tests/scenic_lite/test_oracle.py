@@ -83,7 +83,7 @@ def cases():
     for (folder, dialect), path in EXPECTED.items():
         for name, record in sorted(expected_records(path).items()):
             if record["kind"] in KINDS:
-                marks = [pytest.mark.slow] if folder == OPEN else []  # they are many
+                marks = [pytest.mark.slow] if folder == OPEN or name == "area_rand_inter" else []  # many, or long
                 yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 
 

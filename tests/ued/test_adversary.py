@@ -48,9 +48,10 @@ def test_without_entropy_the_proposals_collapse():
     assert metrics["entropy"] < -3  # one vector z means one level
 
 
-@pytest.mark.parametrize("distribution", ["squashed", "beta"])
+@pytest.mark.parametrize("distribution", ["squashed", pytest.param("beta", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
-    ("ent_coef", "spread", "entropy"), [(AdversaryConfig().ent_coef, 0.04, -3.5), (0.06, 0.06, -3.0)]
+    ("ent_coef", "spread", "entropy"),
+    [(AdversaryConfig().ent_coef, 0.04, -3.5), pytest.param(0.06, 0.06, -3.0, marks=pytest.mark.slow)],
 )
 def test_with_an_entropy_bonus_they_keep_their_spread_and_still_move(distribution, ent_coef, spread, entropy):
     theta, metrics = taught(AdversaryConfig(distribution=distribution, ent_coef=ent_coef))
@@ -61,6 +62,7 @@ def test_with_an_entropy_bonus_they_keep_their_spread_and_still_move(distributio
     assert (np.abs(theta) > 0.95).mean() < 0.05  # and do not flee into the corners
 
 
+@pytest.mark.slow
 def test_pure_entropy_keeps_them_uniform():
     theta, metrics = taught(AdversaryConfig(ent_coef=1.0), of=lambda theta, rng: rng.normal(size=len(theta)))
     assert theta.std(0) == pytest.approx([UNIFORM_STD, UNIFORM_STD], abs=0.06)
@@ -78,6 +80,7 @@ def test_entropy_is_measured_in_the_space_of_theta():
     assert float(beta.theta_entropy(torch_generator(0)).mean()) == pytest.approx(float(estimate), abs=0.01)
 
 
+@pytest.mark.slow
 def test_learning_does_not_depend_on_the_unit_of_regret():
     one, _ = taught(AdversaryConfig(), updates=40)
     other, _ = taught(AdversaryConfig(), updates=40, of=lambda theta, rng: 1000 * landscape(theta, rng) - 300)

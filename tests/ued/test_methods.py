@@ -94,7 +94,12 @@ def observed(method):
     return seen
 
 
-@pytest.mark.parametrize("name", METHODS)
+QUICK = ("dr", "paired", "robust_plr", "alp_gmm")  # of each kind of teacher one; the others take a minute together
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in METHODS]
+)
 def test_updates_count_all_steps_and_resume_bit_for_bit(name, tmp_path):
     method = METHODS[name](frontier())
     for _ in range(6):
@@ -359,6 +364,7 @@ def test_an_update_is_its_papers_box():
         assert made & vars(row.load()).keys() <= {"begin", "update"}
 
 
+@pytest.mark.slow
 def test_every_metric_is_explained_in_the_readme():
     readme = (Path(ued.__file__).parent / "README.md").read_text()
     explained = set(re.findall(r"^\| `([^`]+)` \|", readme, re.M))

@@ -82,14 +82,19 @@ FAULTY += "    terminate\n"
 FAULTY += feature_programs.OBJECTS
 
 
-@pytest.mark.parametrize("seed", range(60))
+def seeds(count, quick):
+    """Return the seeds of generated programs, of which the first are quick and the others many."""
+    return [seed if seed < quick else pytest.param(seed, marks=pytest.mark.slow) for seed in range(count)]
+
+
+@pytest.mark.parametrize("seed", seeds(60, quick=20))
 def test_generated_programs_give_the_same_commands(seed):
     text = generated(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=14)
     assert found == [], text
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", seeds(40, quick=12))
 def test_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
