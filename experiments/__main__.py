@@ -17,7 +17,7 @@ COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
     "evaluate": "play trained runs on test scenes, with intervals",
     "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
-    "study": "train many games and play them all in both engines: the table of what carries over",
+    "study": "train many games over seeds: the thesis's benchmark, or what carries over to the other engine",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "list": "show the minigames, what is measured on them elsewhere, and their test scenes",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",

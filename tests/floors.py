@@ -72,6 +72,7 @@ FLOORS = {
         "pictures",
         "benchmarks",
         "grf",
+        "studies",  # the thesis's benchmark made again
         "commands",
         "__main__",
     ),

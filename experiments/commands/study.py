@@ -1,36 +1,36 @@
-"""`regista study transfer`: train games over seeds and representations, and play them all in the real engine.
+"""`regista study`: train many games over seeds, play them, and write the page.
 
-    regista study transfer                                                       # what `make transfer` does
-    regista study transfer --games academy/run_to_score --seeds 1 --total-env-steps 200_000 --out runs/small
+    regista study single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
+    regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
+    regista study transfer                          # what `make transfer` does: both engines
 
-Every run is a folder beneath `--out`; a second call skips what is finished, continues what is not, and plays in both
-engines what has not been played. Read next: `run.workers`, which trains; `commands.transfer`, which plays.
+Every run is a folder beneath `--out`; a second call skips what is finished, continues what is not, and plays what has
+not been played. Read next: `run.workers`, which trains; `studies.measuring` and `commands.transfer`, which play;
+`studies.page`.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from envs.football.config import FootballConfig
 from experiments.commands import transfer
 from experiments.run import arguments, build
-from experiments.run.arguments import group, positional
-from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError
+from experiments.run.arguments import group
+from experiments.run.config import TrainConfig, presets
+from experiments.run.errors import UsageError, nearest
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
 from experiments.run.workers import train_all
 from ued.config import Checked, setting
 
-DESCRIPTION = (
-    "Train games over seeds and representations, play every run in our simulator and in Google Research Football, and "
-    "write the table of what carries over. Can be stopped at any time; called again, it continues."
-)
-BUDGETS = {  # steps after which returns hardly rise any more
+HERE = Path(__file__).parent.parent
+BUDGETS = {  # of `transfer`: steps after which returns hardly rise any more
     "academy/run_to_score": 500_000,
     "academy/run_to_score_with_keeper": 1_000_000,
     "academy/pass_and_shoot_with_keeper": 500_000,
@@ -42,79 +42,228 @@ BUDGETS = {  # steps after which returns hardly rise any more
     "3v2FourBehaviors": 1_000_000,
 }
 OTHERS = 1_000_000  # steps of a game that is not among these
-OWN = ("minigame", "seed")  # settings of a run that the study chooses, beside the representation
+OWN = ("minigame", "seed")  # settings of a run that the study chooses
+BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts"}
+LONGEST = 24 * 365.0  # hours, where nobody says how many
 
 
-def training() -> TrainConfig:
-    """Return what runs of a study begin with: nothing but training, paid for checkpoints, too."""
-    env = FootballConfig(rewards="scoring,checkpoints")
+def training(rewards: str = "scoring") -> TrainConfig:
+    """Return what runs of a study begin with: nothing but training."""
+    env = FootballConfig(rewards=rewards)
     return TrainConfig(method="dr", total_env_steps=OTHERS, eval_every=0, record=False, env=env)
 
 
 @dataclass(frozen=True)
 class StudyConfig(Checked):
-    """What is typed after `regista study`."""
+    """What is typed after the name of any study."""
 
-    study: str = positional("what is studied: transfer", default="")
+    games: tuple[str, ...] = setting((), "minigames instead of the study's own")
+    seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1")
+    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
+    hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0")
+
+    def count_processes(self, threads: int) -> int:
+        """Return how many runs are trained at a time."""
+        return self.processes or max(1, (os.cpu_count() or 1) // threads)
+
+
+@dataclass(frozen=True)
+class TransferStudyConfig(StudyConfig):
+    """What is typed after `regista study transfer`."""
+
     games: tuple[str, ...] = setting(
         tuple(BUDGETS), "minigames, each with a budget of its own unless --total-env-steps says otherwise"
     )
     representations: tuple[str, ...] = setting(("simple115", "features"), "what agents see, one after the other")
-    seeds: int = setting(3, "runs of each game and representation, with seeds 0, 1, ...", ">=1")
-    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path = setting(Path("runs/transfer"), "folder of the study")
     episodes: int = setting(200, "whole episodes of each run in our simulator", ">=1")
     grf_episodes: int = setting(50, "whole episodes of each run in the other engine", ">=1")
     policies: tuple[str, ...] = setting(("sampled",), "how actions are chosen: sampled, greedy")
-    train: TrainConfig = group(training, "each run", without=OWN)
+    train: TrainConfig = group(lambda: training("scoring,checkpoints"), "each run", without=OWN)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         transfer.check_policies(self.policies)
 
 
+@dataclass(frozen=True)
+class BenchmarkStudyConfig(StudyConfig):
+    """What is typed after `regista study single` or `generalisation`."""
+
+    preset: Literal["fast", "thesis"] = setting(
+        "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
+    )
+    out: Path = setting(Path("runs/benchmark"), "folder of the runs")
+    episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
+    results: Path = setting(HERE / "studies" / "results", "folder of the CSV files: what is in them is not made again")
+    page: Path = setting(Path("BENCHMARK.md"), "the page that is drawn from them")
+    pictures: Path = setting(HERE / "gallery", "folder of its pictures")
+    train: TrainConfig = group(training, "each run", without=OWN)
+
+
+class Study(NamedTuple):
+    """A study by name: what can be typed after it, and what does it. `main` gets what was typed of `train` apart."""
+
+    help: str
+    config: type[Any]
+    main: Callable[[str, Any, dict[str, Any]], int]
+
+
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    typed = arguments.typed_settings(StudyConfig(), argv, "study", DESCRIPTION)
-    if "train.env.representation" in typed:
-        raise UsageError("a study takes --representations, several of them")
-    config = arguments.replace_paths(StudyConfig(), typed)
-    if config.study != "transfer":
-        raise UsageError(f"there is one study, transfer, not {config.study!r}: regista study transfer")
+    word, *rest = argv or ("",)
+    if word in ("--help", "-h"):
+        arguments.typed_settings(BenchmarkStudyConfig(), argv, "study STUDY", about_studies())
+    if word not in STUDIES:
+        raise UsageError(f"no study {word!r}{nearest(word, STUDIES)}; there are {', '.join(STUDIES)}")
+    study = STUDIES[word]
+    description = f"{study.help[0].upper()}{study.help[1:]}. Can be stopped at any time; called again, it continues."
+    typed = arguments.typed_settings(study.config(), rest, f"study {word}", description)
+    config = arguments.replace_paths(study.config(), typed)
     settings = {path.removeprefix("train."): value for path, value in typed.items() if path.startswith("train.")}
+    return study.main(word, config, settings)
+
+
+def about_studies() -> str:
+    """Return what studies there are."""
+    named = "; ".join(f"{name}: {study.help}" for name, study in STUDIES.items())
+    return f"Train many games over seeds, play them and write tables. {named}. Each takes --help; of single and others:"
+
+
+# ---------------------------------------------------------------- transfer: both engines
+
+
+def study_transfer(name: str, config: TransferStudyConfig, settings: dict[str, Any]) -> int:
+    """Train the runs that are not there yet, and play all in both engines."""
+    if "env.representation" in settings:
+        raise UsageError("a study takes --representations, several of them")
     runs = prepare(config, settings)
-    unfinished = [run for run in runs if not run.finished()]
-    with StopRequest() as stop:
-        if unfinished:
-            processes = min(config.processes or max(1, (os.cpu_count() or 1) // config.train.threads), len(unfinished))
-            print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {processes} at a time", flush=True)
-            train_all(unfinished, processes, stop)
+    with Deadline(config.hours) as stop:
+        train_unfinished(runs, config, stop)
     if stop:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code
     return transfer.main(words_of_transfer(config, runs))
 
 
-def prepare(config: StudyConfig, settings: dict[str, Any]) -> list[RunFolder]:
+def prepare(config: TransferStudyConfig, settings: dict[str, Any]) -> list[RunFolder]:
     """Create the run folders that are not there yet, and open the others; one seed of everything after the other."""
     runs = []
     for seed in range(config.seeds):
         for representation in config.representations:
             for game in config.games:
-                minigame = build.find_minigame(game)
-                env = replace(config.train.env, control=minigame.control)
-                base = replace(config.train, total_env_steps=BUDGETS.get(game, OTHERS), env=env)
-                run = arguments.replace_paths(base, settings)
-                env = replace(run.env, representation=representation)
-                run = replace(run, minigame=build.canonical_name(game), seed=seed, env=env)
-                name = f"{minigame.name.replace('/', '_')}-{representation}-{seed}"
-                runs.append(RunFolder.create_or_extend(config.out / name, run))
+                budget = BUDGETS.get(game, OTHERS)
+                base = replace(config.train, total_env_steps=budget)
+                runs.append(open_run(config.out, game, seed, base, settings | {"env.representation": representation}))
     return runs
 
 
-def words_of_transfer(config: StudyConfig, runs: Sequence[RunFolder]) -> list[str]:
+def open_run(out: Path, game: str, seed: int, base: TrainConfig, settings: dict[str, Any]) -> RunFolder:
+    """Create the folder of a run or open it: `base` with what the minigame says, then with what was typed."""
+    minigame = build.find_minigame(game)
+    base = replace(base, env=replace(base.env, control=minigame.control))
+    run = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
+    name = f"{minigame.name.replace('/', '_')}-{run.env.representation}-{seed}"
+    return RunFolder.create_or_extend(out / name, run)
+
+
+def train_unfinished(runs: Sequence[RunFolder], config: StudyConfig, stop: StopRequest) -> None:
+    """Train the runs that are not finished, several at a time."""
+    unfinished = [run for run in runs if not run.finished()]
+    if unfinished:
+        processes = min(config.count_processes(unfinished[0].config.threads), len(unfinished))
+        print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {processes} at a time", flush=True)
+        train_all(unfinished, processes, stop)
+
+
+def words_of_transfer(config: TransferStudyConfig, runs: Sequence[RunFolder]) -> list[str]:
     """Return what would be typed after `regista transfer`."""
     episodes = ["--episodes", str(config.episodes), "--grf-episodes", str(config.grf_episodes)]
     files = ["--csv", str(config.out / "transfer.csv"), "--markdown", str(config.out / "transfer.md")]
     paths = [str(run.path) for run in runs]
     return [*paths, "--kept", "--no-details", "--policies", *config.policies, *episodes, *files]
+
+
+# ---------------------------------------------------------------- the thesis's benchmark
+
+
+def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> int:
+    """Train, play and write, a few runs after the others, so that what is done is in the files when it stops."""
+    from experiments.studies import page
+    from experiments.studies.rows import add, load, trained
+
+    check_results(config, settings)
+    games = config.games or {"single": page.FIGURE_2_7, "generalisation": page.TESTED}[name]
+    base = starting_point(config)
+    steps = arguments.replace_paths(base, settings).total_env_steps
+    table = config.results / page.FILES.format(preset=config.preset)
+    table.parent.mkdir(parents=True, exist_ok=True)
+    rows = load(table)
+    control = {game: settings.get("env.control", build.find_minigame(game).control) for game in games}
+    wanted = [(game, seed) for seed in range(config.seeds) for game in games]
+    missing = [each for each in wanted if trained(rows, each[0], control[each[0]], each[1]) < steps]
+    print(f"{len(wanted)} runs, {len(wanted) - len(missing)} measured", flush=True)
+    processes = config.count_processes(base.threads)
+    with Deadline(config.hours) as stop:
+        for first in range(0, len(missing), processes):
+            runs = [open_run(config.out / config.preset, *each, base, settings) for each in missing[first:][:processes]]
+            train_unfinished(runs, config, stop)
+            if stop:
+                break
+            rows = add(table, measure(runs, rows, config.episodes))
+            page.write_page(config.results, config.page, config.pictures)
+    page.write_page(config.results, config.page, config.pictures)
+    print(f"{config.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
+    return stop.exit_code
+
+
+def check_results(config: BenchmarkStudyConfig, settings: dict[str, Any]) -> None:
+    """Refuse to mix runs of other settings than a preset's with those that the repository holds of it."""
+    own = sorted(settings.keys() - BOOKKEEPING)
+    if own and config.results == BenchmarkStudyConfig().results:
+        flags = ", ".join(arguments.flag_name(path.rpartition(".")[2]) for path in own)
+        raise UsageError(f"with {flags} it is no run of preset {config.preset}; give --results and --page of your own")
+
+
+def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
+    """Return what runs of a preset begin with: of `fast` the budget is a study's, of `thesis` its own."""
+    if config.preset == "fast":
+        return config.train
+    chosen = presets()[config.preset]
+    env = replace(config.train.env, representation="smm_stacked")
+    return replace(config.train, env=env, ppo=chosen.ppo, num_envs=chosen.num_envs, total_env_steps=5_000_000)
+
+
+def measure(runs: Sequence[RunFolder], known: Sequence[Any], episodes: int) -> list[Any]:
+    """Play runs on all scenes of their games, and what needs no training where that is not known yet."""
+    from experiments.studies import measuring
+
+    rows = []
+    for run in runs:
+        game = run.config.minigame
+        print(f"playing {game}, seed {run.config.seed}", flush=True)
+        rows += measuring.measure_run(run, episodes)
+        if not any(row.game == game and row.agent == "random" for row in [*known, *rows]):
+            rows += measuring.measure_random(run.config, episodes)
+            rows += measuring.measure_expert(build.find_minigame(game), episodes)
+    return rows
+
+
+class Deadline(StopRequest):
+    """A request to stop that comes by itself after so many hours: nobody has asked then, and the exit code is 0."""
+
+    def __init__(self, hours: float) -> None:
+        super().__init__()
+        self._end = time.monotonic() + 3600 * hours
+
+    def __bool__(self) -> bool:
+        return super().__bool__() or time.monotonic() >= self._end
+
+
+STUDIES = {
+    "single": Study("one agent on the 13 games of the thesis's Figure 2.7", BenchmarkStudyConfig, study_benchmark),
+    "generalisation": Study(
+        "one agent on training and test scenes of 20 games (Figure 2.8)", BenchmarkStudyConfig, study_benchmark
+    ),
+    "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, study_transfer),
+}

@@ -2,12 +2,17 @@
 
 import csv
 
+import numpy as np
 import pytest
 
 from experiments.__main__ import main
 from experiments.commands import study
 from experiments.commands.train import train
 from experiments.run.folder import RunFolder
+from experiments.run.results import mean_return
+from experiments.studies import page, rows
+from experiments.studies.measuring import measure_random
+from minigames.suites import BENCHMARK
 from tests.envs.grf.fixtures import fake_python
 
 GAMES = ["academy/pass_and_shoot_with_keeper", "1v1Restricted"]
@@ -49,7 +54,7 @@ def test_a_study_trains_plays_and_tabulates_and_keeps_what_is_there(words, capsy
 
 
 def test_games_have_budgets_of_their_own_unless_one_is_given(tmp_path):
-    config = study.StudyConfig(
+    config = study.TransferStudyConfig(
         games=("academy/run_to_score", "1v1Free"), representations=("smm",), out=tmp_path, seeds=2
     )
     runs = study.prepare(config, {})
@@ -67,3 +72,132 @@ def test_a_study_takes_settings_of_training_but_not_one_representation(words, ca
     assert RunFolder.open(tmp_path / "out" / "1v1Restricted-features-0").config.ppo.gamma == 0.5
     assert main(words) == 1  # other settings than those that are there
     assert "was trained with ppo.gamma = 0.5" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- the thesis's benchmark
+
+TWO = ["offense/easy_crossing", "grf/run_to_score_with_keeper"]
+
+
+@pytest.fixture
+def single(monkeypatch, tmp_path):
+    """Return what is typed; runs train in this process, and what they are called is remembered."""
+    begun = []
+
+    def train_all(runs, processes, stop):
+        for run in runs:
+            begun.append(run.path.name)
+            train(RunFolder.open(run.path), stop)
+
+    monkeypatch.setattr(study, "train_all", train_all)
+    places = {"--out": "runs", "--results": "results", "--page": "page.md", "--pictures": "."}
+    words = [word for flag, place in places.items() for word in (flag, str(tmp_path / place))]
+    short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
+    return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
+
+
+def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single, tmp_path):
+    words, begun = single
+    assert main(words) == 0
+    assert begun == ["offense_easy_crossing-features-0", "grf_run_to_score_with_keeper-features-0"]
+    config = RunFolder.open(tmp_path / "runs" / "fast" / begun[1]).config
+    assert config.env.rewards == "scoring" and config.env.control == "closest1"  # whatever is best: as published
+    found = rows.load(tmp_path / "results" / "fast.csv")
+    agents = {(row.game, row.agent, row.scene) for row in found}
+    assert agents == {
+        (game, agent, scene) for game in TWO for agent in ("ppo", "random") for scene in ("train", "test")
+    } | {(TWO[1], "expert", "train")}
+    for row in found:
+        assert row.episodes == 6 and row.scored + row.conceded <= 6
+        assert row.goal_difference == pytest.approx((row.scored - row.conceded) / 6, abs=1e-5)
+        assert (row.env_steps, row.seconds > 0) == ((64, True) if row.agent == "ppo" else (0, False))
+    text = (tmp_path / "page.md").read_text()
+    assert "2 runs of 2 games, 1 seed, 64 steps each" in text and "(Figure 2.8)" in text
+    assert "| +0.52 ± 0.12 | +0.01 ± 0.03 |" in text
+    assert (tmp_path / "benchmark_generalisation_fast.png").is_file()
+
+
+def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single, tmp_path):
+    words, begun = single
+    assert main(words) == 0
+    before = (tmp_path / "results" / "fast.csv").read_text()
+    for path in (tmp_path / "runs").rglob("*.pt"):
+        path.unlink()  # another machine: the tables alone are there
+    assert main(words) == 0
+    assert len(begun) == 2 and (tmp_path / "results" / "fast.csv").read_text() == before
+    words[words.index("--seeds") + 1] = "2"
+    assert main(words) == 0
+    assert begun[2:] == ["offense_easy_crossing-features-1", "grf_run_to_score_with_keeper-features-1"]
+    again = (tmp_path / "results" / "fast.csv").read_text()
+    assert set(before.splitlines()) < set(again.splitlines()) and len(again.splitlines()) == 1 + 9 + 4
+
+
+def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
+    words, begun = single
+    clock = iter([0.0] * 9)
+    monkeypatch.setattr(study.time, "monotonic", lambda: next(clock, 1e9))
+    assert main([*words, "--hours", "1"]) == 0
+    assert len(begun) < 2
+    monkeypatch.undo()
+    monkeypatch.setattr(study, "train_all", lambda runs, *_: [train(RunFolder.open(run.path), False) for run in runs])
+    assert main(words) == 0
+    assert len(rows.load(tmp_path / "results" / "fast.csv")) == 9
+
+
+def test_studies_are_named_and_kept_apart(single, capsys):
+    words, begun = single
+    assert main(["study", "singel"]) == 2
+    assert "no study 'singel' (did you mean 'single'?); there are single, generalisation" in capsys.readouterr().err
+    own = words[: words.index("--results")]
+    assert main([*own, "--gamma", "0.5"]) == 2
+    assert "it is no run of preset fast; give --results" in capsys.readouterr().err
+    assert main(["study", "single", "--games", "offense/easy_crosing"]) == 2
+    assert "did you mean 'offense/easy_crossing'" in capsys.readouterr().err
+    assert begun == []
+    with pytest.raises(SystemExit):
+        main(["study", "--help"])
+    assert "generalisation: one agent" in capsys.readouterr().out
+
+
+def test_presets_are_those_of_training(tmp_path):
+    thesis = study.starting_point(study.BenchmarkStudyConfig(preset="thesis"))
+    assert thesis.env.representation == "smm_stacked" and thesis.total_env_steps == 5_000_000 and thesis.num_envs == 16
+    fast = study.starting_point(study.BenchmarkStudyConfig())
+    assert fast.env.representation == "features" and fast.ppo.hidden_size == 64
+    assert len(page.FIGURE_2_7) == 13 and len(page.TESTED) == 20 and len(page.TABLE_4_1) == 6
+    assert set(page.TESTED) <= set(BENCHMARK)
+
+
+def made(game, goal_difference, scene="train", seed=0, agent="ppo"):
+    return rows.Row(game, agent, "closest1", scene, seed, 100, 50, goal_difference, 0.5, 20, 10, 30.0, 1.0, "abc")
+
+
+def test_rows_come_back_from_their_file_and_take_the_place_of_older_ones(tmp_path):
+    path = tmp_path / "rows.csv"
+    first = [made("defense/2vs2", -0.25), made("defense/2vs2", -0.5, seed=1)]
+    assert rows.add(path, first) == first == rows.load(path)
+    assert rows.add(path, [made("defense/2vs2", 0.125)])[0].goal_difference == 0.125
+    assert rows.trained(rows.load(path), "defense/2vs2", "closest1", 1) == 100
+    assert (
+        rows.trained(rows.load(path), "defense/2vs2", "all", 1) == 0 == rows.trained([], "defense/2vs2", "closest1", 0)
+    )
+    both = mean_return([row.result() for row in rows.load(path)])
+    assert both.low < both.estimate < both.high and both.estimate == pytest.approx(np.mean([0.125, -0.5]))
+
+
+def test_ranks_tell_who_is_out_of_place():
+    games = list(page.FIGURE_2_7)
+    alike = page.Measured("fast", [made(game, page.find_published(game, "ppo").goal_difference) for game in games])
+    assert page.ranks(alike, games, "train").startswith(
+        "Spearman's rank correlation with the published over 13 games: 1.00."
+    )
+    first, *others = alike.rows
+    moved = page.Measured("fast", [first._replace(goal_difference=-0.9), *others])
+    assert f"a plus where ours is easier: {first.game} (-10 places)" in page.ranks(moved, games, "train")
+    assert page.ranks(alike, games[:2], "train") == ""
+
+
+def test_uniform_keys_are_played_on_all_scenes(tmp_path):
+    config = study.open_run(tmp_path, "grf/empty_goal_close", 0, study.training(), {}).config
+    found = measure_random(config, 4)
+    assert [(row.agent, row.scene, row.env_steps) for row in found] == [("random", "train", 0), ("random", "test", 0)]

@@ -1,0 +1,88 @@
+"""Playing a run, uniform keys or a semi-expert program on all scenes of a minigame, and making rows of it.
+
+Goals count, whatever paid in training. All policies meet the same levels. Read next: `studies.rows`.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from experiments.run import build
+from experiments.run.baselines import make_baselines
+from experiments.run.config import TrainConfig
+from experiments.run.evaluator import EvalScenes, load_student
+from experiments.run.folder import RunFolder
+from experiments.run.table import read_columns
+from experiments.studies.rows import TRAIN, Row
+
+if TYPE_CHECKING:
+    from minigames.suites import Minigame
+    from ued.evaluation import Evaluation
+
+
+def measure_run(run: RunFolder, episodes: int) -> list[Row]:
+    """Play so many episodes of a trained run on each scene of its minigame."""
+    programs = build.load_scenes(run.config)
+    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
+    evaluations = EvalScenes(run.config, programs, episodes).play(student)
+    elapsed = read_columns(run.metrics.path)["time/elapsed"]
+    about = {"agent": "ppo", "seed": run.config.seed, "env_steps": env_steps, "seconds": float(elapsed[-1])}
+    return _rows(run.config, evaluations, about)
+
+
+def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
+    """Play so many episodes of uniform keys on each scene of a minigame."""
+    scenes = EvalScenes(config, build.load_scenes(config), episodes)
+    policy = make_baselines(scenes.scenes[build.TRAINING_SCENE])["random"]
+    return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
+
+
+def measure_expert(game: Minigame, episodes: int) -> list[Row]:
+    """Play so many episodes of a game's semi-expert program for one agent; no row if there is none."""
+    from experiments.grf.experts import OURS, Expert, play_expert
+
+    if game.expert is None:
+        return []
+    played = play_expert(Expert(game.expert.stem, False, 0.0, None), OURS, episodes)
+    difference = played.score[:, 0] - played.score[:, 1]
+    row = _row(difference.astype(float), played.lengths, OURS.control)
+    return [Row(game=game.name, agent="expert", scene=TRAIN, seed=0, env_steps=0, seconds=0.0, **row)]
+
+
+def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
+    rows = []
+    for label, evaluation in evaluations.items():
+        scene = TRAIN if label == build.TRAINING_SCENE else label
+        measured = _row(evaluation.returns, evaluation.lengths, config.env.control)
+        rows.append(Row(game=config.minigame, scene=scene, **about, **measured))
+    return rows
+
+
+def _row(difference: np.ndarray, lengths: np.ndarray, control: str) -> dict[str, Any]:
+    """Return what a row says of the goal differences `[E]` and lengths `[E]` of episodes."""
+    return {
+        "control": control,
+        "episodes": len(difference),
+        "goal_difference": round(float(difference.mean()), 6),
+        "deviation": round(float(difference.std()), 6),
+        "scored": int((difference > 0).sum()),
+        "conceded": int((difference < 0).sum()),
+        "mean_length": round(float(lengths.mean()), 3),
+        "commit": commit(),
+    }
+
+
+@cache
+def commit() -> str:
+    """Return the commit that is running, short; "" outside a checkout."""
+    words = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
+    try:
+        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""

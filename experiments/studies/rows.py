@@ -1,0 +1,77 @@
+"""What was measured on a minigame, as rows: a policy on a scene, and how it came about. Kept as CSV in the repository.
+
+Read next: `studies.measuring`, where rows come from; `studies.page`, what is made of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple, get_type_hints
+
+from experiments.run.report import save_rows
+from experiments.run.results import Result
+from experiments.run.table import read_rows
+
+TRAIN = "train"  # the scene of the training distribution
+
+
+class Row(NamedTuple):
+    """A policy on a scene: `agent` is ppo, random or expert, `scene` train or the label of a test."""
+
+    game: str
+    agent: str
+    control: str
+    scene: str
+    seed: int
+    env_steps: int  # of the training, 0 where nothing was learned
+    episodes: int
+    goal_difference: float  # per episode
+    deviation: float  # between episodes
+    scored: int  # episodes
+    conceded: int
+    mean_length: float  # steps
+    seconds: float  # of the training
+    commit: str
+
+    def key(self) -> tuple[str, str, str, str, int]:
+        """Return what a later row of the same takes the place of."""
+        return self[:5]
+
+    def result(self) -> Result:
+        """Return the row as one that intervals are estimated from."""
+        return Result(
+            method=self.agent,
+            seed=self.seed,
+            scene=self.scene,
+            episodes=self.episodes,
+            mean_return=self.goal_difference,
+            return_std=self.deviation,
+            goals=self.scored,
+            mean_length=self.mean_length,
+            env_steps=self.env_steps,
+            updates=0,
+        )
+
+
+def load(path: Path) -> list[Row]:
+    """Return the rows of a file, none if it is not there."""
+    read = get_type_hints(Row)
+    return [Row(**{name: read[name](text) for name, text in row.items()}) for row in read_rows(path)]
+
+
+def add(path: Path, rows: Iterable[Row]) -> list[Row]:
+    """Put rows into a file, in the place of older ones of the same, and return all of it.
+
+    Raises `CommandError` if the disk refuses.
+    """
+    found = {row.key(): row for row in [*load(path), *rows]}
+    kept = [found[key] for key in sorted(found)]
+    save_rows([row._asdict() for row in kept], Row._fields, path)
+    return kept
+
+
+def trained(rows: Sequence[Row], game: str, control: str, seed: int) -> int:
+    """Return after how many steps of training a run was measured, 0 if it was not."""
+    found = (row for row in rows if row[:3] == (game, "ppo", control) and row.seed == seed)
+    return max((row.env_steps for row in found), default=0)
