@@ -4,14 +4,18 @@
     env = gymnasium.make("regista/1v1Free-v0")                        # one match
     envs = gymnasium.make_vec("regista/1v1Free-v0", num_envs=256)     # a native batch, a new level every episode
 
+    env = minigames.parallel_env("3v2FourBehaviors", control="all")   # a match by agents, as PettingZoo has it
+
 A test scene is an environment, too: `regista/1v1Free_hard-v0`. Read next: `suites`.
 """
+
+from typing import Any
 
 import gymnasium
 
 from minigames.suites import ACADEMY, BENCHMARK, MINIGAMES, NAMED, Minigame
 
-__all__ = ["ACADEMY", "BENCHMARK", "MINIGAMES", "Minigame"]
+__all__ = ["ACADEMY", "BENCHMARK", "MINIGAMES", "Minigame", "parallel_env"]
 
 for _game in NAMED.values():
     gymnasium.register(
@@ -20,3 +24,19 @@ for _game in NAMED.values():
         vector_entry_point="envs.football.vector_env:make_vec",
         kwargs={"program": str(_game.program), "control": _game.control},
     )
+
+
+def parallel_env(minigame: str, **settings: Any) -> Any:
+    """Make a minigame into a PettingZoo `ParallelEnv`; `settings` are those of `FootballParallelEnv`.
+
+    Agents move whom they move in the minigame, unless `control` and `right_control` say otherwise. Raises ValueError
+    for an unknown name or a control mode that does not fit, ImportError without PettingZoo.
+    """
+    if minigame not in NAMED:
+        raise ValueError(f"unknown minigame {minigame!r}; known are {', '.join(NAMED)}")
+    try:
+        from envs.football.parallel_env import FootballParallelEnv
+    except ImportError as error:
+        raise ImportError("a parallel_env needs PettingZoo: pip install 'regista[pettingzoo]'") from error
+    game = NAMED[minigame]
+    return FootballParallelEnv(str(game.program), **{"control": game.control, **settings})

@@ -46,6 +46,7 @@ FLOORS = {
         "football.view",  # pictures
         "football.vector_env",
         "football.gym_env",
+        "football.parallel_env",  # PettingZoo
         "football.replay",
     ),
     "ued": (

@@ -1,0 +1,130 @@
+"""One football match as a PettingZoo `ParallelEnv`: each agent by its name, those of both teams if both have some.
+
+For trainers of other people, and for self-play. A match at a time: who has a fast trainer takes `FootballVectorEnv`,
+whose N matches give arrays `[N, A, ...]` with agents in the same order. Needs PettingZoo, which nothing else here does.
+Read next: `gym_env`, which does the work.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete, Space, Tuple
+from gymnasium.utils import EzPickle
+from pettingzoo import ParallelEnv
+
+from envs.football.constants import LEFT, NUM_ACTIONS
+from envs.football.gym_env import FootballEnv
+from scenic_lite import Program
+from ued.upomdp import of_one_agent
+
+TEAMS = ("left", "right")
+
+
+class FootballParallelEnv(ParallelEnv, EzPickle):
+    """One match of several agents. Each `reset` draws a new level, or takes `options={"theta": θ}`, θ `[D]` in [-1, 1].
+
+    Args:
+        program: a compiled program, the path of one, or its text.
+        control: whom agents of the left team move: "all", "allNonGK", "closest1" to "closest3", "active", a number,
+            or "none".
+        right_control: the same of the right team, for self-play; its agents see the pitch turned, attack +x, too, and
+            are paid when the left ones lose.
+        settings: the other arguments of `FootballEnv`: representation, rewards, render_mode, dialect, engine ...
+
+    Agents are "agent_0", "agent_1", ... in the order of the vector environment's axis of agents, left ones first. An
+    observation belongs to the player whom the agent's next action moves. All agents' episodes end in the same step.
+    `infos` have what `FootballEnv`'s info has: `theta` after a reset, `ended` after a step.
+
+    Attributes:
+        teams: "left" or "right" by agent.
+        state_space: of `state`; None where observations are "raw".
+    """
+
+    metadata = {**FootballEnv.metadata, "name": "regista_football_v0", "is_parallelizable": True}  # noqa: RUF012
+
+    def __init__(
+        self, program: Program | str | Path, control: str = "all", right_control: str = "none", **settings: Any
+    ) -> None:
+        EzPickle.__init__(self, program, control, right_control, **settings)
+        self.match = FootballEnv(program, control=control, right_control=right_control, **settings)
+        self.render_mode, self.theta_space = self.match.render_mode, self.match.theta_space
+        batch = self.match.batch
+        count, left = batch.num_agents, batch.lineup.num_agents[LEFT]
+        self.possible_agents = [f"agent_{number}" for number in range(count)]
+        self.agents: list[str] = []  # until `reset`
+        self.teams = {agent: TEAMS[number >= left] for number, agent in enumerate(self.possible_agents)}
+        seen = self.match.observation_space
+        spaces = [*seen.spaces] if isinstance(seen, Tuple) else [of_one_agent(seen, count) for _ in range(count)]
+        self.observation_spaces: dict[str, Space] = dict(zip(self.possible_agents, spaces, strict=True))
+        self.action_spaces: dict[str, Space] = {agent: Discrete(NUM_ACTIONS) for agent in self.possible_agents}
+        self.state_space = joined_space(spaces[0], count)
+        self._seen: list[Any] = []
+
+    def observation_space(self, agent: str) -> Space:
+        """Return what this agent sees."""
+        return self.observation_spaces[agent]
+
+    def action_space(self, agent: str) -> Space:
+        """Return what this agent does: one of Google Research Football's 19 actions."""
+        return self.action_spaces[agent]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
+        """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
+        observation, info = self.match.reset(seed=seed, options=options)
+        self.agents = list(self.possible_agents)
+        return self._apart(observation), {agent: dict(info) for agent in self.agents}
+
+    def step(self, actions: dict[str, int]) -> tuple[dict, dict, dict, dict, dict]:
+        """Play 0.1 s, with an action of each agent.
+
+        Raises RuntimeError where there is no match, ValueError unless there is one action for each agent.
+        """
+        if not self.agents:
+            raise RuntimeError("there is no match; call reset() before step()")
+        if actions.keys() != set(self.agents):
+            raise ValueError(f"step() needs an action of each of {', '.join(self.agents)}, got {', '.join(actions)}")
+        chosen = [int(actions[agent]) for agent in self.agents]
+        observation, _, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
+        agents, rewards = self.agents, info.pop("agent_rewards")
+        if terminated or truncated:
+            self.agents = []
+        return (
+            self._apart(observation),
+            {agent: float(reward) for agent, reward in zip(agents, rewards, strict=True)},
+            dict.fromkeys(agents, terminated),
+            dict.fromkeys(agents, truncated),
+            {agent: dict(info) for agent in agents},
+        )
+
+    def state(self) -> np.ndarray:
+        """Return what all agents see side by side, for critics that see all: vectors end to end, images on each other.
+
+        Raises NotImplementedError for "raw" observations.
+        """
+        if self.state_space is None:
+            raise NotImplementedError("representation 'raw' has no state() in one array; each dict tells of everything")
+        return np.concatenate(self._seen, axis=-1)
+
+    def render(self) -> np.ndarray | None:
+        """Return the match as a picture, uint8 `[height, width, 3]`; None without a render mode."""
+        return self.match.render()
+
+    def close(self) -> None:
+        """Let go of what the engine holds."""
+        self.match.close()
+
+    def _apart(self, observation: Any) -> dict[str, Any]:
+        self._seen = [observation] if len(self.possible_agents) == 1 else list(observation)
+        return dict(zip(self.possible_agents, self._seen, strict=True))
+
+
+def joined_space(space: Space, count: int) -> Box | None:
+    """Return the space of so many agents' observations side by side; None of what is no array."""
+    if not isinstance(space, Box):
+        return None
+    return Box(
+        np.concatenate([space.low] * count, -1), np.concatenate([space.high] * count, -1), dtype=space.dtype.type
+    )
