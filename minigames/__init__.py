@@ -29,8 +29,8 @@ for _game in NAMED.values():
 def parallel_env(minigame: str, **settings: Any) -> Any:
     """Make a minigame into a PettingZoo `ParallelEnv`; `settings` are those of `FootballParallelEnv`.
 
-    Agents move whom they move in the minigame, unless `control` and `right_control` say otherwise. Raises ValueError
-    for an unknown name or a control mode that does not fit, ImportError without PettingZoo.
+    Agents move whom a team moves in the minigame, or all, unless `control` and `right_control` say otherwise. Raises
+    ValueError for an unknown name or a control mode that does not fit, ImportError without PettingZoo.
     """
     if minigame not in NAMED:
         raise ValueError(f"unknown minigame {minigame!r}; known are {', '.join(NAMED)}")
@@ -39,4 +39,5 @@ def parallel_env(minigame: str, **settings: Any) -> Any:
     except ImportError as error:
         raise ImportError("a parallel_env needs PettingZoo: pip install 'regista[pettingzoo]'") from error
     game = NAMED[minigame]
-    return FootballParallelEnv(str(game.program), **{"control": game.control, **settings})
+    control = game.team_control[0] if game.team_control else "all"
+    return FootballParallelEnv(str(game.program), **{"control": control, **settings})
