@@ -24,6 +24,7 @@ COMMANDS = {
     "probe": "compare methods on levels whose answer is known, in minutes",
     "play": "play one match, and write a film or a record of it",
     "demonstrate": "keep episodes of a program or of a student, for others to learn from",
+    "clone": "let a student learn to do what was done in demonstrations",
     "replay": "play a recorded match again, bit for bit",
     "benchmark": "measure the speed of the simulator, of training and of the language",
 }

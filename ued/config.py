@@ -86,6 +86,33 @@ class PPOConfig(Checked):
 
 
 @dataclass(frozen=True)
+class CloningConfig(Checked):
+    """Settings of behaviour cloning."""
+
+    epochs: int = setting(50, "passes over the demonstrations at most", ">=1")
+    patience: int = setting(5, "stop after so many epochs without a smaller loss on held-out episodes", ">=1")
+    validation: float = setting(0.1, "share of the episodes that are held out", "0-1")
+    batch_size: int = setting(256, "steps of a minibatch", ">=1")
+    learning_rate: float = setting(1e-3, "step size of Adam", ">0")
+    class_weights: Literal["none", "sqrt", "balanced"] = setting(
+        "none", "weight of an action: none, or by the inverse of how often it was done, or the root of that"
+    )
+    value_coef: float = setting(0.5, "weight of the value loss; 0: the critic stays as it is", ">=0")
+    gamma: float = setting(0.995, "discount per step of the returns that the critic learns", "0-1")
+    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0")
+
+
+@dataclass(frozen=True)
+class FineTuningConfig(Checked):
+    """Settings of a training that begins with a student."""
+
+    kl_to_clone: float = setting(
+        0.0, "weight of the divergence from the policy that training began with, at first; it fades to 0", ">=0"
+    )
+    kl_share: float = setting(0.5, "share of the training over which that weight falls to 0", "0-1")
+
+
+@dataclass(frozen=True)
 class DRConfig(Checked):
     """Settings of domain randomisation."""
 

@@ -10,7 +10,7 @@ Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from time import perf_counter
@@ -165,6 +165,11 @@ class Method:
         self.curriculum.load_state_dict(state["curriculum"])
         self.queue.load_state_dict(state["queue"])
         self.updates = state["updates"]
+
+    def start_from(self, student: Mapping[str, Any], kl_coef: float = 0.0, kl_env_steps: int = 0) -> None:
+        """Let all learners begin with this student, a `state_dict`; see `Learner.start_from`."""
+        for learner in self.learners:
+            learner.start_from(student, kl_coef, kl_env_steps)
 
     def load_students(self, state: dict[str, Any]) -> None:
         """Take back the students alone of what `state_dict` returned, to be played: the environments may have changed.

@@ -55,6 +55,11 @@ STAND = -1  # a lazy player, who does nothing at all; never a learner's action e
 NUM_ACTIONS = 19
 NO_KEY = -1  # what was done is none of the 19
 NUM_COMMANDS = 20  # with the built-in AI's; several actions at once are digits of this base
+ACTION_NAMES = (
+    *("idle", "left", "top_left", "top", "top_right", "right", "bottom_right", "bottom", "bottom_left"),
+    *("long_pass", "high_pass", "short_pass", "shot"),
+    *("sprint", "release_direction", "release_sprint", "sliding", "dribble", "release_dribble"),
+)
 
 _DIAGONAL = 0.7071067811865476
 # Unit vector of each direction action; entry 0 is "no direction".

@@ -89,7 +89,8 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
             )
         except ValueError as error:
             raise UsageError(str(error)) from error
-        program = build.load_program(getattr(game, "expert", None) or game.program, None)
+        alone = env.control in ("active", "closest1", "1")
+        program = build.load_program((game.expert if alone else game.team_expert) or game.program, None)
         name = build.canonical_name(typed.minigame)
         return DemonstrationsConfig(minigame=name, part=part, env=env, **chosen), program, None
     if typed.minigame:

@@ -2,6 +2,7 @@
 
     regista train 1v1Restricted --method paired --seed 0
     regista train --resume runs/1v1Restricted-paired-0
+    regista train 1v1Free --method dr --from runs/1v1Free-clone-0 --kl-to-clone 0.5
 
 Read next: `run.folder`, what is on disk; `run.build`, what the names mean; then `ued.methods.paired`.
 """
@@ -15,14 +16,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 from experiments.pictures import plots
-from experiments.run import arguments, build
+from experiments.run import arguments, build, origin
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError, UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count, headline
 from experiments.run.signals import StopRequest
-from ued.config import setting
+from ued.config import FineTuningConfig, setting
 from ued.recorder.shades import unique_names
 
 DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
@@ -34,8 +35,10 @@ class TrainFlags:
 
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
+    from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
     config: TrainConfig = group(TrainConfig, "run")
+    fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -59,6 +62,7 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     run.keep_program(program)
     upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
     method = build.make_method(config, upomdp)
+    origin.begin_with(run, method)
     scenes = EvalScenes(config, programs, config.eval_episodes)
     elapsed = restore(run, method)
     recorder = RunRecorder(run, upomdp, method.updates)
@@ -109,21 +113,33 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
     typed = arguments.typed_settings(TrainFlags(), argv, "train", DESCRIPTION)
     if "resume" in typed:
         return _resume(typed)
-    minigame: str = typed.get("config.minigame") or TrainConfig().minigame
-    base = TrainFlags(config=build.starting_point(typed.get("preset", "fast"), minigame))
+    source = origin.load(typed["from_"]) if "from_" in typed else None
+    minigame: str = typed.get("config.minigame") or (source.config.minigame if source else TrainConfig().minigame)
+    start = build.starting_point(typed.get("preset", "fast"), minigame)
+    base = TrainFlags(config=origin.like(source, replace(start, minigame=minigame)) if source else start)
     flags = arguments.replace_paths(base, typed)
     config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
     name = build.find_minigame(config.minigame).name
     build.find_method(config.method)
-    return RunFolder.create(flags.out or Path("runs") / f"{name}-{config.method}-{config.seed}", config)
+    if source is None and flags.fine_tuning != FineTuningConfig():
+        raise UsageError("--kl-to-clone and --kl-share need --from CHECKPOINT, the policy to stay close to")
+    if source is not None:
+        origin.check(source, config)
+    stem = f"{name}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
+    run = RunFolder.create(flags.out or Path("runs") / stem, config)
+    origin.keep(run, source, flags.fine_tuning)
+    return run
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:
     path = typed.pop("resume")
-    for name in ("out", "preset"):
+    for name in ("out", "preset", "from_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
-            raise UsageError(f"--{name} and --resume exclude each other: a resumed run stays in its folder")
+            flag = arguments.flag_name(name.partition(".")[2] or name)
+            raise UsageError(f"{flag} and --resume exclude each other: a resumed run stays in its folder, as it began")
     run = RunFolder.open(path)
+    if run.label == "clone":
+        raise CommandError(f"{path} is a clone; train on from it in a folder of its own: regista train --from {path}")
     flags = arguments.replace_paths(TrainFlags(config=run.config), typed)
     run.extend(flags.config)
     return run

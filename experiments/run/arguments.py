@@ -76,8 +76,8 @@ def replace_paths(config: Config, values: dict[str, Any]) -> Config:
 
 
 def flag_name(name: str, prefix: str = "") -> str:
-    """Return the flag of a field: `num_envs` is `--num-envs`."""
-    return f"--{prefix}{name}".replace("_", "-")
+    """Return the flag of a field: `num_envs` is `--num-envs`, and `from_`, as Python has a `from`, is `--from`."""
+    return f"--{prefix}{name.rstrip('_')}".replace("_", "-")
 
 
 # ---------------------------------------------------------------- one flag per field

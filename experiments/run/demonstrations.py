@@ -99,6 +99,18 @@ class Demonstrations:
             raise cannot_write(path, error) from error
         return cls(path, config)
 
+    def num_episodes(self) -> int:
+        """Return how many episodes the finished data set has. Raises `CommandError` for one that is not finished."""
+        path = self.path / "data" / "metadata.json"
+        try:
+            return int(json.loads(path.read_text())["total_episodes"])
+        except FileNotFoundError as error:
+            raise CommandError(
+                f"{self.path} is not finished; give regista demonstrate the same command again, and it goes on"
+            ) from error
+        except (ValueError, KeyError) as error:
+            raise CommandError(f"{path} is damaged; regista demonstrate, given the same command, writes it") from error
+
     # ------------------------------------------------------------ parts
 
     def part_path(self, number: int) -> Path:

@@ -97,7 +97,7 @@ class Evaluator:
         levels: list[LevelResult] = []
         for run in runs:
             student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
-            self._play(student, run.config.method, run.config.seed, trained, results, levels)
+            self._play(student, run.label, run.config.seed, trained, results, levels)
         scene = self.scenes.scenes[build.TRAINING_SCENE]
         for name, policy in make_baselines(scene).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)

@@ -5,6 +5,7 @@
     metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
     levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
+    origin.pt         the student that it began with and how close it stays, if it was begun with one
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
     learning_curve.png
 
@@ -132,6 +133,13 @@ class RunFolder:
         self.saved_update = state["update"]
         self._saved_at = time.monotonic()
 
+    @property
+    def label(self) -> str:
+        """What a table calls the run: its method, and whether it is a clone or began with a student."""
+        if (self.path / "clone.json").exists():
+            return "clone"
+        return f"{self.config.method} from clone" if (self.path / "origin.pt").exists() else self.config.method
+
     def checkpoint_due(self) -> bool:
         """Return whether the last checkpoint is older than `checkpoint_seconds`."""
         return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
@@ -180,5 +188,6 @@ def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
     return row | {"score": round(float(batch.score[level]), 5)}
 
 
-UNTRAINED = ("config.json", "program.scenic", "train.log")  # what a folder may hold before its run has begun
+# What a folder may hold before its run has begun, and which settings of a run may be changed later
+UNTRAINED = ("config.json", "program.scenic", "train.log", "origin.pt")
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

@@ -5,6 +5,8 @@ Read next: `method`, which lets one or more of them play the same levels.
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Mapping
 from time import perf_counter
 from typing import Any
 
@@ -12,7 +14,7 @@ import numpy as np
 from gymnasium.spaces import Discrete
 
 from ued.config import PPOConfig
-from ued.learning.ppo import PPO, KLRegularizer
+from ued.learning.ppo import PPO, FadingKL, KLRegularizer
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.value_stats import EpisodeValues
@@ -50,6 +52,17 @@ class Learner:
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
         self.learn_seconds = 0.0
+        self.origin: FadingKL | None = None  # what it began with, if it is to stay close to that at first
+
+    def start_from(self, student: Mapping[str, Any], kl_coef: float, kl_env_steps: int) -> None:
+        """Begin with this student, a `state_dict`, its normaliser included; stay close to it at first if told to.
+
+        Raises RuntimeError for one of other observations, actions or networks.
+        """
+        if self.student is None:
+            return
+        self.student.load_state_dict(student)
+        self.origin = FadingKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
 
     @property
     def rollout(self) -> Rollout:
@@ -71,8 +84,11 @@ class Learner:
     ) -> dict[str, float]:
         """Learn from the last rollout, or from `rollout` in its place; return the metrics of episodes and losses.
 
-        `env_steps` are those of all learners so far, for the annealing of the learning rate.
+        `env_steps` are those of all learners so far, for the annealing of the learning rate. Without a `regularizer` of
+        the method's the student stays close to what it began with, if it is to.
         """
+        if regularizer is None and self.origin is not None:
+            regularizer = self.origin.at(env_steps)
         began, losses = perf_counter(), dict[str, float]()
         if self.ppo is not None:
             advantages = self.advantages if rollout is None else None

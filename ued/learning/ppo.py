@@ -164,6 +164,20 @@ class KLRegularizer:
         return other.kl(policy).mean()
 
 
+@dataclass(frozen=True)
+class FadingKL:
+    """A policy that a student is kept close to at first: the weight falls linearly to 0 over so many `env_steps`."""
+
+    student: Student
+    coef: float
+    env_steps: int
+
+    def at(self, env_steps: int) -> KLRegularizer | None:
+        """Return the regulariser after so many steps, None when it has faded."""
+        left = 1.0 - env_steps / self.env_steps if self.env_steps else 0.0
+        return KLRegularizer(self.student, self.coef * left) if left > 0 and self.coef else None
+
+
 @dataclass
 class Batch:
     """The steps of a rollout in one row each; of several agents `[B, A, ...]`."""

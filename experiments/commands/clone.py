@@ -1,0 +1,195 @@
+"""`regista clone`: behaviour cloning of demonstrations to a checkpoint that `train --from` and `evaluate` take.
+
+    regista clone demos/1v1Free --out runs/clone
+    regista evaluate runs/clone
+    regista train 1v1Free --method dr --from runs/clone
+
+    clone.json       the `CloneConfig`
+    cloning.csv      one row per epoch: losses and accuracies; cloning.png draws them
+    accuracy.csv     one row per action, of held-out episodes
+    cloning.pt       everything that is needed to go on; the same command does, after a kill, to the same tables
+    config.json, checkpoint.pt    a run that was never trained
+
+Read next: `ued.cloning`.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from experiments.run import arguments, build
+from experiments.run import config as configs
+from experiments.run.arguments import group, positional
+from experiments.run.config import TrainConfig, football_ppo
+from experiments.run.errors import CommandError, UsageError
+from experiments.run.folder import RunFolder
+from experiments.run.progress import Progress
+from experiments.run.signals import StopRequest
+from experiments.run.table import Table, cannot_write, spell
+from ued.config import Checked, CloningConfig, PPOConfig, setting
+
+if TYPE_CHECKING:
+    from experiments.run.cloning_data import CloningData
+    from experiments.run.demonstrations import Demonstrations
+    from ued.cloning import Agreement, Cloner
+
+DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
+
+
+@dataclass(frozen=True)
+class CloneConfig(Checked):
+    """What is typed after `regista clone`."""
+
+    demonstrations: Path | None = positional("a folder of regista demonstrate", default=None)
+    out: Path | None = setting(None, "run folder (default runs/MINIGAME-clone-SEED)")
+    minigame: str | None = setting(None, "the minigame that the clone is to play; without, the demonstrations' own")
+    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the student's settings: fast, or thesis")
+    seed: int = setting(0, "seed of weights, of shuffling and of which episodes are held out", ">=0")
+    threads: int = setting(1, "threads for the networks", ">=1")
+    cloning: CloningConfig = group(CloningConfig, "cloning")
+    ppo: PPOConfig = group(football_ppo, "the student, and PPO if it is trained on", prefix="ppo.")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    typed = arguments.typed_settings(CloneConfig(), argv, "clone", DESCRIPTION)
+    base = CloneConfig(ppo=configs.presets()[typed.get("preset", "fast")].ppo)
+    config = arguments.replace_paths(base, typed)
+    if config.demonstrations is None:
+        raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
+    from experiments.run.cloning_data import CloningData
+    from experiments.run.demonstrations import Demonstrations
+
+    demos = Demonstrations.open(config.demonstrations)
+    data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
+    method, run = _begin(config, demos, data)
+    with StopRequest() as stop:
+        clone(run, config, data, method, stop)
+    if stop:
+        print("stopped; the same command goes on")
+    return stop.exit_code
+
+
+def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder]:
+    """Return the method that holds the student, and the folder. Raises `CommandError` where they do not fit."""
+    minigame = build.canonical_name(config.minigame or demos.config.minigame)
+    base = build.starting_point(config.preset, minigame)
+    env = replace(demos.config.env, rewards=base.env.rewards)
+    wanted = replace(
+        base, minigame=minigame, method="dr", env=env, ppo=config.ppo, seed=config.seed, threads=config.threads
+    )
+    program = build.load_scenes(wanted)[build.TRAINING_SCENE]
+    upomdp = build.make_upomdp(program, wanted.num_envs, env, wanted.seed, wanted.threads)
+    method = build.make_method(wanted, upomdp)
+    seen, space = data.observation_shape, upomdp.single_observation_space
+    if seen != space.shape or data.action_shape != upomdp.single_action_space.shape:
+        raise CommandError(
+            f"{demos.path} shows observations {list(seen)} of {demos.config.minigame}; {minigame} gives "
+            f"{list(space.shape or ())}: the demonstrations are of another game"
+        )
+    stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
+    path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
+    run = _open(path, wanted, configs.to_dict(replace(config, out=None)))
+    run.keep_program(program)
+    return method, run
+
+
+def _open(path: Path, wanted: TrainConfig, asked: dict[str, Any]) -> RunFolder:
+    """Make the run folder, or go on with one that was begun with the same settings."""
+    file, text = path / "clone.json", json.dumps(asked, indent=2) + "\n"
+    if file.exists():
+        if file.read_text() != text:
+            raise CommandError(f"{path} holds a clone of other settings, those of {file}; choose another --out")
+        return RunFolder.open(path)
+    run = RunFolder.create(path, wanted)
+    try:
+        file.write_text(text)
+    except OSError as error:
+        raise cannot_write(file, error) from error
+    return run
+
+
+def clone(run: RunFolder, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest) -> None:
+    """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
+    from experiments.pictures.cloning import draw_cloning
+    from ued.cloning import Cloner
+    from ued.seeding import torch_generator
+
+    cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
+    table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
+    table.keep_until(cloner.epoch)
+    if goes_on:
+        cloner.look_through(data.chunks(held_out=False))
+    progress = Progress(config.cloning.epochs, cloner.epoch, unit="epochs")
+    while goes_on and not stop:
+        began = time.perf_counter()
+        losses = cloner.learn(data.chunks(held_out=False, generator=cloner.generator))
+        agreement = cloner.judge(data.chunks(held_out=True))
+        goes_on = cloner.keep_if_best(agreement.loss)
+        elapsed += time.perf_counter() - began
+        table.append([_row(cloner, losses, agreement) | {"time/elapsed": elapsed}])
+        _save(run, cloner, goes_on, elapsed)
+        progress.show(cloner.epoch, {"loss": agreement.loss, "accuracy": agreement.accuracy})
+    if stop and goes_on:
+        return
+    method.student.load_state_dict(cloner.best)
+    agreement = cloner.judge(data.chunks(held_out=True))
+    write_accuracies(run.path / "accuracy.csv", agreement)
+    draw_cloning(run.path / "cloning.csv", agreement, run.path / "cloning.png")
+    run.save({"update": 0, "env_steps": 0, "elapsed": 0.0, "method": method.state_dict()})
+    progress.finish(
+        f"{run.path}: {cloner.epoch} epochs, the best was {cloner.best_epoch}; of held-out steps "
+        f"{agreement.accuracy:.2f} as done, over actions {agreement.balanced_accuracy:.2f}; "
+        f"{data.episodes} episodes, {elapsed:.0f} s"
+    )
+
+
+def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict[str, float]:
+    """Return the row of an epoch; its number stands under `update`, as in every table that is cut back."""
+    return {
+        "update": cloner.epoch,
+        "loss": losses["loss"],
+        "value_loss": losses["value_loss"],
+        "held_out/loss": agreement.loss,
+        "held_out/value_loss": agreement.value_loss,
+        "held_out/accuracy": agreement.accuracy,
+        "held_out/balanced_accuracy": agreement.balanced_accuracy,
+    }
+
+
+def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
+    """Go on from the last epoch, if there was one; return whether there is more to do, and the seconds spent."""
+    from ued import checkpoint
+
+    path = run.path / "cloning.pt"
+    if not path.exists():
+        return True, 0.0
+    state = checkpoint.load(path)
+    cloner.load_state_dict(state["cloner"])
+    return state["goes_on"], state["elapsed"]
+
+
+def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None:
+    from ued import checkpoint
+
+    checkpoint.save(run.path / "cloning.pt", {"cloner": cloner.state_dict(), "goes_on": goes_on, "elapsed": elapsed})
+
+
+def write_accuracies(path: Path, agreement: Agreement) -> None:
+    """Write how often each action was done in held-out episodes, and how often the student agrees."""
+    from envs.football.constants import ACTION_NAMES
+
+    done, meant = agreement.counts.sum(1), agreement.counts.sum(0)
+    lines = ["action,name,done,meant,recall,precision"]
+    for action, name in enumerate(ACTION_NAMES):
+        rates = agreement.recall[action], agreement.precision[action]
+        lines.append(",".join([str(action), name, str(done[action]), str(meant[action]), *map(spell, rates)]))
+    try:
+        path.write_text("\n".join(lines) + "\n")
+    except OSError as error:
+        raise cannot_write(path, error) from error

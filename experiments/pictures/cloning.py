@@ -1,0 +1,58 @@
+"""The picture of behaviour cloning: losses over epochs, and how often each action is done as it was.
+
+Read next: `commands.clone`; `pictures.plots`, the look.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from envs.football.constants import ACTION_NAMES
+from experiments.pictures import plots
+from experiments.run.table import cannot_write, read_columns
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ued.cloning import Agreement
+
+TRAINED, HELD_OUT = "#9aa3ab", "#1f6fb4"
+
+
+def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
+    """Draw what `clone` left in its table, and the agreement of its best epoch. Raises `CommandError`."""
+    import matplotlib
+
+    matplotlib.use("agg")
+    from matplotlib import pyplot
+
+    columns = read_columns(table)
+    with matplotlib.rc_context(plots.STYLE):
+        figure, (losses, accuracies, actions) = pyplot.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
+        epochs = columns["update"]
+        losses.plot(epochs, columns["loss"], color=TRAINED, label="learned from")
+        losses.plot(epochs, columns["held_out/loss"], color=HELD_OUT, label="held out")
+        losses.set(title="−log probability of what was done", xlabel="epoch")
+        losses.legend()
+        accuracies.plot(epochs, columns["held_out/accuracy"], color=HELD_OUT, label="of all steps")
+        accuracies.plot(epochs, columns["held_out/balanced_accuracy"], color=TRAINED, label="mean over actions")
+        accuracies.set(title="as it was done, held out", xlabel="epoch", ylim=(0, 1))
+        accuracies.legend()
+        _bars(actions, agreement)
+        try:
+            figure.savefig(path)
+        except OSError as error:
+            raise cannot_write(path, error) from error
+        finally:
+            pyplot.close(figure)
+
+
+def _bars(axes: Axes, agreement: Agreement) -> None:
+    done = np.flatnonzero(agreement.counts.sum(1))
+    axes.barh(np.arange(len(done)), agreement.recall[done], color=HELD_OUT)
+    axes.set_yticks(np.arange(len(done)), [ACTION_NAMES[action] for action in done])
+    axes.invert_yaxis()
+    axes.set(title="the same by action", xlim=(0, 1))

@@ -1,0 +1,121 @@
+"""Demonstrations as what a student learns from: steps in chunks, some episodes held out.
+
+Parts of a folder are put together to chunks that fit into memory; where all of them fit, they are read once. Read next:
+`ued.cloning`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+
+from experiments.run.demonstrations import Demonstrations, Summary, damaged
+from experiments.run.errors import CommandError
+from ued.cloning import Demonstrated, discounted
+
+CHUNK_BYTES = 256 * 2**20
+
+
+class CloningData:
+    """The steps of all kept episodes. `validation` is the share of episodes that are held out, drawn by `seed`.
+
+    Raises `CommandError` for a folder in which something is missing or damaged, or with fewer than two episodes.
+    """
+
+    def __init__(self, demos: Demonstrations, gamma: float, validation: float, seed: int) -> None:
+        self.demos, self.gamma = demos, gamma
+        self.episodes = demos.num_episodes()
+        summaries = list(demos.summaries())
+        kept = sum(int(each.kept.sum()) for each in summaries)
+        if kept < self.episodes:
+            raise CommandError(
+                f"{demos.path} is cut short: of its {self.episodes} episodes there are {kept}; regista demonstrate, "
+                "given the same command, plays the others anew"
+            )
+        if self.episodes < 2:
+            raise CommandError(f"{demos.path} has {self.episodes} episodes; cloning needs two at least")
+        held_out = min(max(round(validation * self.episodes), 1), self.episodes - 1)
+        order = np.random.default_rng(seed).permutation(self.episodes)
+        self.is_held_out = np.isin(np.arange(self.episodes), order[:held_out])
+        self._parts = _parts_of(summaries, self.episodes)
+        self._groups = self._grouped(summaries)
+        self._whole: dict[bool, Demonstrated] = {}  # of demonstrations that fit into memory, by whether held out
+
+    @property
+    def observation_shape(self) -> tuple[int, ...]:
+        """The shape of one observation, of all agents together."""
+        return self._shapes[0]
+
+    @property
+    def action_shape(self) -> tuple[int, ...]:
+        """The shape of one step's actions: () of one agent, (A,) of several."""
+        return self._shapes[1]
+
+    def chunks(self, held_out: bool, generator: torch.Generator | None = None) -> Iterator[Demonstrated]:
+        """Yield the steps that are learned from or held out; with a generator the chunks are shuffled."""
+        if len(self._groups) == 1:
+            if held_out not in self._whole:
+                self._whole[held_out] = self._read(self._groups[0], held_out)
+            yield self._whole[held_out]
+            return
+        order = (
+            range(len(self._groups)) if generator is None else torch.randperm(len(self._groups), generator=generator)
+        )
+        for number in order:
+            chunk = self._read(self._groups[int(number)], held_out)
+            if len(chunk.returns):
+                yield chunk
+
+    def _grouped(self, summaries: Sequence[Summary]) -> list[list[int]]:
+        """Return the parts in groups of at most CHUNK_BYTES of observations, as they are in memory."""
+        first = next(part for part, episodes in enumerate(self._parts) if episodes)
+        with self.demos.opened(first) as file:
+            seen = file[f"episode_{self._parts[first][0]}/observations"]
+            size = seen.dtype.itemsize * int(np.prod(seen.shape[1:]))
+            self._shapes = tuple(seen.shape[1:]), tuple(file[f"episode_{self._parts[first][0]}/actions"].shape[1:])
+        groups: list[list[int]] = [[]]
+        room = CHUNK_BYTES
+        for part, each in enumerate(summaries):
+            needed = size * int(each.lengths[each.kept].sum())
+            if groups[-1] and needed > room:
+                groups.append([])
+                room = CHUNK_BYTES
+            groups[-1].append(part)
+            room -= needed
+        return groups
+
+    def _read(self, parts: Sequence[int], held_out: bool) -> Demonstrated:
+        columns: list[list[np.ndarray]] = [[], [], [], []]
+        for part in parts:
+            with self.demos.opened(part) as file:
+                for episode in self._parts[part]:
+                    if self.is_held_out[episode] == held_out:
+                        for column, array in zip(columns, self._steps(file, part, episode), strict=True):
+                            column.append(array)
+        if not columns[0]:
+            nothing = torch.zeros(0)
+            return Demonstrated(nothing, nothing.long(), nothing.bool(), nothing)
+        seen, actions, told, returns = (torch.from_numpy(np.concatenate(column)) for column in columns)
+        return Demonstrated(seen, actions.long(), told, returns.float())
+
+    def _steps(self, file: Any, part: int, episode: int) -> tuple[np.ndarray, ...]:
+        try:
+            group = file[f"episode_{episode}"]
+            actions = group["actions"][()]
+            seen = group["observations"][: len(actions)]
+            return seen, actions, group["infos/told"][()], discounted(group["rewards"][()], self.gamma)
+        except (OSError, KeyError) as error:
+            raise damaged(self.demos.part_path(part)) from error
+
+
+def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:
+    """Return for each part the numbers of its kept episodes, of the first so many."""
+    parts, first = [], 0
+    for each in summaries:
+        after = first + int(each.kept.sum())
+        parts.append([number for number in range(first, after) if number < episodes])
+        first = after
+    return parts

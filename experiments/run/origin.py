@@ -1,0 +1,99 @@
+"""The student that a training begins with: out of another run's checkpoint, and into origin.pt of its own.
+
+A run keeps what it began with, so that it goes on after a kill whatever has become of the other run. Read next:
+`ued.learning.learner`, which begins with it and may stay close to it at first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from experiments.run import config as configs
+from experiments.run.config import TrainConfig
+from experiments.run.errors import CommandError
+from experiments.run.folder import RunFolder
+from ued.config import FineTuningConfig
+
+# Of `PPOConfig`, what a student is; of `FootballConfig`, what it sees and whom it moves
+NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "obs_std_floor", "team", "critic")
+SEEN = ("representation", "control", "right_control")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """A student, as a `state_dict`, and the settings of the run in which it was trained or cloned."""
+
+    path: Path
+    config: TrainConfig
+    student: dict[str, Any]
+
+
+def load(path: Path) -> Origin:
+    """Read the first student of a run folder or of a checkpoint. Raises `CommandError` or `CheckpointError`."""
+    from ued import checkpoint
+
+    file = path / "checkpoint.pt" if path.is_dir() else path
+    if path.is_dir() and not file.exists():
+        raise CommandError(f"{path} holds no checkpoint: give --from a run folder, or a checkpoint, of a student")
+    state = checkpoint.load(file)
+    try:
+        config = configs.from_dict(TrainConfig, state["config"], str(file))
+        student = state["method"]["learners"][0]["ppo"]["student"]
+    except (KeyError, IndexError, TypeError) as error:
+        raise CommandError(f"{file} is a checkpoint without a student to begin with") from error
+    return Origin(path, config, student)
+
+
+def like(origin: Origin, config: TrainConfig) -> TrainConfig:
+    """Return settings with the network of the student, and what it sees."""
+    network = {name: getattr(origin.config.ppo, name) for name in NETWORK}
+    seen = {name: getattr(origin.config.env, name) for name in SEEN}
+    return replace(config, ppo=replace(config.ppo, **network), env=replace(config.env, **seen))
+
+
+def check(origin: Origin, config: TrainConfig) -> None:
+    """Raise `CommandError` where the student is of another network, or sees or moves something else."""
+    pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN]
+    pairs += [(f"ppo.{name}", origin.config.ppo, config.ppo) for name in NETWORK]
+    for name, its, ours in pairs:
+        field = name.partition(".")[2]
+        if str(getattr(its, field)) != str(getattr(ours, field)):
+            raise CommandError(
+                f"{origin.path} holds a student of {name} = {getattr(its, field)}; this run cannot begin with it, for "
+                f"it has {getattr(ours, field)}"
+            )
+
+
+def keep(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> None:
+    """Write what a run begins with into its folder; nothing, and what an earlier try left away, if with no student."""
+    from ued import checkpoint
+
+    path = run.path / "origin.pt"
+    if origin is None:
+        path.unlink(missing_ok=True)
+        return
+    fades = int(settings.kl_share * run.config.total_env_steps)
+    kept = {"student": origin.student, "kl_coef": settings.kl_to_clone, "kl_env_steps": fades}
+    checkpoint.save(path, kept | {"source": str(origin.path), "minigame": origin.config.minigame})
+
+
+def begin_with(run: RunFolder, method: Any) -> None:
+    """Let the learners of a run begin with what its folder holds, if there is anything.
+
+    Raises `CommandError` for a student of another number of players or agents.
+    """
+    from ued import checkpoint
+
+    path = run.path / "origin.pt"
+    if not path.exists():
+        return
+    state = checkpoint.load(path)
+    try:
+        method.start_from(state["student"], state["kl_coef"], state["kl_env_steps"])
+    except RuntimeError as error:
+        raise CommandError(
+            f"{state['source']} holds a student of {state['minigame']}, who sees something else than "
+            f"{method.upomdp.single_observation_space.shape} or moves other players than {run.config.minigame} has"
+        ) from error

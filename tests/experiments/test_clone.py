@@ -1,0 +1,189 @@
+"""From demonstrations to a clone to a training that begins with it, by the command line."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from experiments.__main__ import main
+from experiments.run.folder import RunFolder
+from experiments.run.table import read_columns, read_rows
+from tests.experiments.test_demonstrate import PAIR, RUN
+from ued import checkpoint
+
+FEW = ["--epochs", "4", "--ppo.hidden-size", "16"]
+SHORT = ["--total-env-steps", "2048", "--num-envs", "16", "--eval-every", "0", "--no-record"]
+
+
+@pytest.fixture(scope="module")
+def demos(tmp_path_factory):
+    """Demonstrations of one agent and of two, in a folder with their programs."""
+    folder = tmp_path_factory.mktemp("demos")
+    for name, program, control in (("one", RUN, "1"), ("two", PAIR, "2")):
+        (folder / f"{name}.scenic").write_text(program)
+        command = ["demonstrate", str(folder / f"{name}.scenic"), "--episodes", "100", "--out", str(folder / name)]
+        assert main([*command, "--control", control]) == 0
+    return folder
+
+
+def student_of(run):
+    return checkpoint.load(run / "checkpoint.pt")["method"]["learners"][0]["ppo"]["student"]
+
+
+def untimed(path):
+    return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
+
+
+@pytest.mark.parametrize("name", ["one", "two"])
+def test_a_clone_is_a_run_that_can_be_evaluated_and_trained_on(demos, tmp_path, capsys, name):
+    clone, run = tmp_path / "clone", tmp_path / "run"
+    assert main(["clone", str(demos / name), "--out", str(clone), "--epochs", "30", "--ppo.hidden-size", "16"]) == 0
+    names = {"config.json", "clone.json", "program.scenic", "cloning.csv", "cloning.png", "cloning.pt"}
+    assert {path.name for path in clone.iterdir()} == names | {"accuracy.csv", "checkpoint.pt"}
+    table, actions = read_columns(clone / "cloning.csv"), read_rows(clone / "accuracy.csv")
+    assert table["held_out/accuracy"][-1] > 0.9 and table["held_out/loss"][-1] < table["held_out/loss"][0]
+    done = {row["name"]: int(row["done"]) for row in actions}
+    assert done["sprint"] > 0 and done["right"] > 0 and sum(done.values()) == done["sprint"] + done["right"]
+    capsys.readouterr()
+    assert main(["evaluate", str(clone), "--episodes", "100", "--levels", "0", "--json", "--no-baselines"]) == 0
+    row = json.loads(capsys.readouterr().out)["results"][0]
+    assert row["method"] == "clone" and row["env_steps"] == 0
+    rate = json.loads((demos / name / "data" / "metadata.json").read_text())["total_episodes"] / 256
+    assert row["goals"] / 100 > rate / 2
+    assert (
+        main(
+            ["train", str(demos / f"{name}.scenic"), "--method", "dr", "--from", str(clone), "--out", str(run), *SHORT]
+        )
+        == 0
+    )
+    settings = RunFolder.open(run).config
+    assert settings.ppo.hidden_size == 16 and settings.env.control == RunFolder.open(clone).config.env.control
+    assert RunFolder.open(run).label == "dr from clone"
+    seen = student_of(run)["normaliser.count"] - student_of(clone)["normaliser.count"]
+    assert int(np.max(np.asarray(seen))) == 2048  # it goes on counting
+
+
+def test_a_training_begins_with_the_clone_and_stays_close_to_it_if_told(demos, tmp_path, capsys):
+    clone = tmp_path / "clone"
+    assert main(["clone", str(demos / "one"), "--out", str(clone), *FEW]) == 0
+    moved = {}
+    for name, flags in (("free", []), ("held", ["--kl-to-clone", "100", "--kl-share", "1"])):
+        run = tmp_path / name
+        command = ["train", "--method", "dr", "--from", str(clone), "--out", str(run), "--seed", "3", *SHORT, *flags]
+        assert main(command) == 0
+        weights = [student_of(path)["actor.layer.weight"] for path in (run, clone)]
+        moved[name] = float((weights[0] - weights[1]).abs().mean())
+    assert RunFolder.open(tmp_path / "free").config.minigame == RunFolder.open(clone).config.minigame
+    assert 0 < moved["held"] < moved["free"]
+
+
+def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_path, monkeypatch):
+    from ued.methods.dr import DR
+
+    clone, whole, killed = (tmp_path / name for name in ("clone", "whole", "killed"))
+    assert main(["clone", str(demos / "one"), "--out", str(clone), *FEW]) == 0
+    flags = ["--method", "dr", "--from", str(clone), "--kl-to-clone", "1", "--checkpoint-seconds", "0", *SHORT]
+    flags += ["--total-env-steps", "4096"]
+    assert main(["train", "--out", str(whole), *flags]) == 0
+    update = DR.update
+
+    def kill(self):
+        if self.updates == 2:
+            raise KeyboardInterrupt
+        return update(self)
+
+    monkeypatch.setattr(DR, "update", kill)
+    with pytest.raises(KeyboardInterrupt):
+        main(["train", "--out", str(killed), *flags])
+    monkeypatch.setattr(DR, "update", update)
+    (clone / "checkpoint.pt").unlink()  # a run keeps what it began with
+    assert main(["train", "--resume", str(killed)]) == 0
+    assert untimed(whole / "metrics.csv") == untimed(killed / "metrics.csv")
+    assert len(untimed(whole / "metrics.csv")) == 4
+
+
+def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsys):
+    from ued.cloning import Cloner
+
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    assert main(["clone", str(demos / "one"), "--out", str(whole), *FEW]) == 0
+    learn = Cloner.learn
+
+    def kill(self, chunks):
+        if self.epoch == 2:
+            raise KeyboardInterrupt
+        return learn(self, chunks)
+
+    monkeypatch.setattr(Cloner, "learn", kill)
+    with pytest.raises(KeyboardInterrupt):
+        main(["clone", str(demos / "one"), "--out", str(killed), *FEW])
+    monkeypatch.setattr(Cloner, "learn", learn)
+    assert main(["clone", str(demos / "one"), "--out", str(killed), *FEW]) == 0
+    assert untimed(whole / "cloning.csv") == untimed(killed / "cloning.csv")
+    assert (whole / "accuracy.csv").read_text() == (killed / "accuracy.csv").read_text()
+    ours, theirs = student_of(whole), student_of(killed)
+    assert all(torch.equal(ours[name], theirs[name]) for name in ours)
+    capsys.readouterr()
+    assert main(["clone", str(demos / "one"), "--out", str(killed), *FEW, "--seed", "4"]) == 1
+    assert "holds a clone of other settings" in capsys.readouterr().err
+
+
+def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
+    from experiments.run import cloning_data
+
+    one = tmp_path / "one"
+    more = ["demonstrate", str(demos / "one.scenic"), "--control", "1", "--episodes", "150", "--out", str(one)]
+    assert main(more) == 0
+    monkeypatch.setattr(cloning_data, "CHUNK_BYTES", 1)
+    data = cloning_data.CloningData(cloning_data.Demonstrations.open(one), 0.99, 0.1, 0)
+    chunks = [len(chunk.returns) for chunk in data.chunks(held_out=False)]
+    held_out = sum(len(chunk.returns) for chunk in data.chunks(held_out=True))
+    assert len(chunks) > 1 and data.is_held_out.sum() == 15
+    steps = json.loads((one / "data" / "metadata.json").read_text())["total_steps"]
+    assert sum(chunks) + held_out == steps
+    assert main(["clone", str(one), "--out", str(tmp_path / "clone"), *FEW]) == 0
+
+
+def refused(capsys, *command):
+    capsys.readouterr()
+    assert main(list(map(str, command))) == 1
+    text = capsys.readouterr().err
+    assert text.count("\n") == 1
+    return text
+
+
+def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
+    clone, run = tmp_path / "clone", tmp_path / "run"
+    assert "holds no demonstrations: it has no" in refused(capsys, "clone", tmp_path, "--out", clone)
+    text = refused(capsys, "clone", demos / "one", "--minigame", "1v1Free", "--out", clone)
+    assert "the demonstrations are of another game" in text and not clone.exists()
+    assert main(["clone", str(demos / "one"), "--out", str(clone), *FEW]) == 0
+    one, two = demos / "one.scenic", demos / "two.scenic"
+    begin = ["train", "--method", "dr", "--from", clone, "--out", run, *SHORT]
+    assert "a student of ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
+    text = refused(capsys, *begin, "--representation", "simple115")
+    assert "a student of env.representation = features; this run cannot begin with it, for it has simple115" in text
+    assert "a student of env.control = 1" in refused(capsys, *begin, two, "--control", "2")
+    assert not run.exists()
+    assert "who sees something else than" in refused(capsys, *begin, "1v1Free")
+    assert main([*map(str, begin), str(one)]) == 0  # the name is still free
+    assert "is a clone; train on from it in a folder of its own" in refused(capsys, "train", "--resume", clone)
+    assert "no checkpoint" in refused(capsys, "train", "--from", demos / "one.scenic")
+    assert main(["train", str(one), "--kl-to-clone", "1"]) == 2
+
+
+def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
+    import shutil
+
+    for number, damage in enumerate(("cut", "part", "unfinished")):
+        copy = tmp_path / damage
+        shutil.copytree(demos / "one", copy)
+        part = copy / "data" / "part-0000.hdf5"
+        if damage == "cut":
+            part.write_bytes(part.read_bytes()[:3000])
+        else:
+            (part if damage == "part" else copy / "data" / "metadata.json").unlink()
+        words = ("is damaged or cut short; delete it", "is cut short: of its 100 episodes there are", "is not finished")
+        assert words[number] in refused(capsys, "clone", copy, "--out", tmp_path / "clone")
+    assert not (tmp_path / "clone").exists()
