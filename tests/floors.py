@@ -61,6 +61,7 @@ FLOORS = {
         "probes",
         "curriculum",
         "learning",  # student, rollout, PPO
+        "cloning",  # of demonstrations
         "levels",  # records, queue, buffer, scores, teacher
         "method",  # what methods are made of
         "methods",  # the papers
