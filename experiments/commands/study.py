@@ -2,6 +2,7 @@
 
     regista study single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
+    regista study multi --team shared --critic central --results runs/mappo --page runs/mappo/page.md
     regista study transfer                          # what `make transfer` does: both engines
 
 Every run is a folder beneath `--out`; a second call skips what is finished, continues what is not, and plays what has
@@ -88,7 +89,7 @@ class TransferStudyConfig(StudyConfig):
 
 @dataclass(frozen=True)
 class BenchmarkStudyConfig(StudyConfig):
-    """What is typed after `regista study single` or `generalisation`."""
+    """What is typed after `regista study single`, `generalisation` or `multi`."""
 
     preset: Literal["fast", "thesis"] = setting(
         "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
@@ -163,7 +164,8 @@ def open_run(out: Path, game: str, seed: int, base: TrainConfig, settings: dict[
     minigame = build.find_minigame(game)
     base = replace(base, env=replace(base.env, control=minigame.control))
     run = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
-    name = f"{minigame.name.replace('/', '_')}-{run.env.representation}-{seed}"
+    team = "" if run.env.control == minigame.control else f"{run.env.control}-"
+    name = f"{minigame.name.replace('/', '_')}-{team}{run.env.representation}-{seed}"
     return RunFolder.create_or_extend(out / name, run)
 
 
@@ -193,20 +195,21 @@ def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str,
     from experiments.studies.rows import add, load, trained
 
     check_results(config, settings)
-    games = config.games or {"single": page.FIGURE_2_7, "generalisation": page.TESTED}[name]
     base = starting_point(config)
     steps = arguments.replace_paths(base, settings).total_env_steps
     table = config.results / page.FILES.format(preset=config.preset)
     table.parent.mkdir(parents=True, exist_ok=True)
     rows = load(table)
-    control = {game: settings.get("env.control", build.find_minigame(game).control) for game in games}
-    wanted = [(game, seed) for seed in range(config.seeds) for game in games]
-    missing = [each for each in wanted if trained(rows, each[0], control[each[0]], each[1]) < steps]
+    wanted = [(*each, seed) for seed in range(config.seeds) for each in games_of(name, config, settings)]
+    missing = [each for each in wanted if trained(rows, *each) < steps]
     print(f"{len(wanted)} runs, {len(wanted) - len(missing)} measured", flush=True)
     processes = config.count_processes(base.threads)
     with Deadline(config.hours) as stop:
         for first in range(0, len(missing), processes):
-            runs = [open_run(config.out / config.preset, *each, base, settings) for each in missing[first:][:processes]]
+            runs = [
+                open_run(config.out / config.preset, game, seed, base, settings | {"env.control": control})
+                for game, control, seed in missing[first:][:processes]
+            ]
             train_unfinished(runs, config, stop)
             if stop:
                 break
@@ -215,6 +218,22 @@ def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str,
     page.write_page(config.results, config.page, config.pictures)
     print(f"{config.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
     return stop.exit_code
+
+
+def games_of(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the games of a study, each with whom its agents move: a team of each kind, or one agent."""
+    from experiments.studies import page
+
+    own = {"single": page.FIGURE_2_7, "generalisation": page.TESTED, "multi": page.TABLE_3_1}[name]
+    games = [build.find_minigame(game) for game in config.games or dict.fromkeys(own)]
+    if "env.control" in settings:
+        return [(game.name, settings["env.control"]) for game in games]
+    if name != "multi":
+        return [(game.name, game.control) for game in games]
+    alone = [game.name for game in games if not game.team_control]
+    if alone:
+        raise UsageError(f"no team is known for {', '.join(alone)}; say whom its agents move with --control")
+    return [(game.name, control) for game in games for control in game.team_control]
 
 
 def check_results(config: BenchmarkStudyConfig, settings: dict[str, Any]) -> None:
@@ -243,9 +262,10 @@ def measure(runs: Sequence[RunFolder], known: Sequence[Any], episodes: int) -> l
         game = run.config.minigame
         print(f"playing {game}, seed {run.config.seed}", flush=True)
         rows += measuring.measure_run(run, episodes)
-        if not any(row.game == game and row.agent == "random" for row in [*known, *rows]):
+        about = (game, "random", run.config.env.control)
+        if not any(row[:3] == about for row in [*known, *rows]):
             rows += measuring.measure_random(run.config, episodes)
-            rows += measuring.measure_expert(build.find_minigame(game), episodes)
+            rows += measuring.measure_experts(build.find_minigame(game), episodes)
     return rows
 
 
@@ -265,5 +285,6 @@ STUDIES = {
     "generalisation": Study(
         "one agent on training and test scenes of 20 games (Figure 2.8)", BenchmarkStudyConfig, study_benchmark
     ),
+    "multi": Study("teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, study_benchmark),
     "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, study_transfer),
 }

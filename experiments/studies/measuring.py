@@ -32,27 +32,35 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
     evaluations = EvalScenes(run.config, programs, episodes).play(student)
     elapsed = read_columns(run.metrics.path)["time/elapsed"]
-    about = {"agent": "ppo", "seed": run.config.seed, "env_steps": env_steps, "seconds": float(elapsed[-1])}
+    single = run.config.env.control == build.find_minigame(run.config.minigame).control
+    about = {
+        "agent": "ppo" if single else "team_ppo",
+        "seed": run.config.seed,
+        "env_steps": env_steps,
+        "seconds": float(elapsed[-1]),
+    }
     return _rows(run.config, evaluations, about)
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
-    """Play so many episodes of uniform keys on each scene of a minigame."""
+    """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
     scenes = EvalScenes(config, build.load_scenes(config), episodes)
     policy = make_baselines(scenes.scenes[build.TRAINING_SCENE])["random"]
     return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
 
 
-def measure_expert(game: Minigame, episodes: int) -> list[Row]:
-    """Play so many episodes of a game's semi-expert program for one agent; no row if there is none."""
+def measure_experts(game: Minigame, episodes: int) -> list[Row]:
+    """Play so many episodes of each of a game's semi-expert programs."""
     from experiments.grf.experts import OURS, Expert, play_expert
 
-    if game.expert is None:
-        return []
-    played = play_expert(Expert(game.expert.stem, False, 0.0, None), OURS, episodes)
-    difference = played.score[:, 0] - played.score[:, 1]
-    row = _row(difference.astype(float), played.lengths, OURS.control)
-    return [Row(game=game.name, agent="expert", scene=TRAIN, seed=0, env_steps=0, seconds=0.0, **row)]
+    rows = []
+    for agent, path in (("expert", game.expert), ("team_expert", game.team_expert)):
+        if path is not None:
+            played = play_expert(Expert(path.stem, agent == "team_expert", 0.0, None), OURS, episodes)
+            difference = (played.score[:, 0] - played.score[:, 1]).astype(float)
+            row = _row(difference, played.lengths, OURS.control)
+            rows.append(Row(game=game.name, agent=agent, scene=TRAIN, seed=0, env_steps=0, seconds=0.0, **row))
+    return rows
 
 
 def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:

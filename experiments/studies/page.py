@@ -5,7 +5,7 @@ Read next: `studies.rows`, what is in the files; `pictures.bars`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,6 +26,7 @@ INTERVALS = "95 % intervals: over runs and their episodes; of one run over its e
 
 FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
 TESTED = tuple(game.name for game in BENCHMARK.values() if game.tests)
+TABLE_3_1 = tuple(row.game for row in published() if row.source == "Table 3.1")
 TABLE_4_1 = tuple(row.game for row in published() if row.agent == "light_cnn")
 
 
@@ -35,13 +36,18 @@ class Measured(NamedTuple):
     preset: str
     rows: Sequence[Row]
 
-    def of(self, game: str, agent: str, scene: str) -> list[Row]:
-        """Return the rows of an agent on a scene, one for each seed."""
-        return [row for row in self.rows if (row.game, row.agent, row.scene) == (game, agent, scene)]
+    def of(self, game: str, agent: str, scene: str, control: str = "") -> list[Row]:
+        """Return the rows of an agent on a scene, one for each seed; of uniform keys those of one agent.
 
-    def estimate(self, game: str, agent: str = "ppo", scene: str = TRAIN) -> Interval | None:
+        `control` is whom a team moves.
+        """
+        control = control or (BENCHMARK[game].control if agent in ("ppo", "random") and game in BENCHMARK else "")
+        found = (row for row in self.rows if (row.game, row.agent, row.scene) == (game, agent, scene))
+        return [row for row in found if control in ("", row.control)]
+
+    def estimate(self, game: str, agent: str = "ppo", scene: str = TRAIN, control: str = "") -> Interval | None:
         """Estimate the goal difference of an agent on a scene, None where it was not measured."""
-        found = self.of(game, agent, scene)
+        found = self.of(game, agent, scene, control)
         return mean_return([row.result() for row in found]) if found else None
 
 
@@ -66,22 +72,23 @@ is drawn from `experiments/studies/results` by `regista study`, which also makes
 ```sh
 regista study single --seeds 5 --hours 3           # the 13 games of Figure 2.7; after three hours call it again
 regista study generalisation --seeds 3 --hours 3   # all 20 that have a test program
+regista study multi --seeds 3                      # teams, one policy per agent: the 15 rows of Table 3.1
 regista study single --preset thesis               # stacked SMM and the thesis's network
 ```"""
 
 
 def about(measured: Measured) -> str:
     """Return what was run, on which commits, and how long it took."""
-    runs = {(row.game, row.seed): row for row in measured.rows if row.agent == "ppo"}.values()
+    runs = {(row.game, row.control, row.seed): row for row in measured.rows if row.env_steps}.values()
     games, seeds = {row.game for row in runs}, {row.seed for row in runs}
     steps = sorted({row.env_steps for row in runs})
     length = " to ".join(dict.fromkeys(count(each) for each in (steps[0], steps[-1]))) if steps else "no"
     spent = sum(row.seconds for row in runs) / 3600
     commits = ", ".join(sorted({row.commit for row in measured.rows} - {""}))
     return (
-        f"{len(runs)} runs of {len(games)} games, {len(seeds)} seed{'s' * (len(seeds) != 1)}, {length} steps each, one "
-        f"agent (`closest1`), paid for goals; {spent:.1f} hours of training in all. The simulator and the games were "
-        f"those of {commits or 'no commit'}. {INTERVALS}."
+        f"{len(runs)} runs of {len(games)} games, {len(seeds)} seed{'s' * (len(seeds) != 1)}, {length} steps each, "
+        f"paid for goals alone; {spent:.1f} hours of training in all. The simulator and the games were those of "
+        f"{commits or 'no commit'}. {INTERVALS}."
     )
 
 
@@ -129,6 +136,28 @@ def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:
     return "\n\n".join([*parts, ranks(measured, games, "test")])
 
 
+def teams(measured: Measured, folder: Path, pictures: Path) -> str:
+    """Return the section of Figure 3.1 and Table 3.1: teams, ours beside the published."""
+    pairs = [(row.game, row.control) for row in published() if row.source == "Table 3.1"]
+    pairs = [each for each in pairs if measured.of(each[0], "team_ppo", TRAIN, each[1])]
+    if not pairs:
+        return ""
+    path = pictures / f"benchmark_multi_{measured.preset}.png"
+    names = [f"{game} ({control})" for game, control in pairs]
+    ours = [measured.estimate(game, "team_ppo", TRAIN, control) for game, control in pairs]
+    theirs = [find_published(game, "team_ppo", control=control) for game, control in pairs]
+    draw_bars(
+        names,
+        [_bars("ours", OURS, ours), _published_bars("published", THEIRS, theirs)],
+        "Teams on the training scenes (thesis, Figure 3.1)",
+        path,
+    )
+    head = ["game", "moved", "uniform keys", "team", "runs", "published", "semi-expert", "published"]
+    rows = [_team_row(measured, *each) for each in pairs]
+    parts = ["### Teams (Figure 3.1, Table 3.1)", f"![Teams]({path.relative_to(folder)})", as_markdown([head, *rows])]
+    return "\n\n".join([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
+
+
 def networks(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of Table 4.1: ours beside both networks of the thesis."""
     games = [game for game in TABLE_4_1 if measured.of(game, "ppo", TRAIN)]
@@ -143,25 +172,30 @@ def networks(measured: Measured, folder: Path, pictures: Path) -> str:
 
 
 Section = Callable[[Measured, Path, Path], str]
-SECTIONS: tuple[Section, ...] = (single, generalisation, networks)
+SECTIONS: tuple[Section, ...] = (single, generalisation, teams, networks)
 
 
 def ranks(measured: Measured, games: Sequence[str], split: str) -> str:
-    """Return Spearman's rank correlation with the published over the games, and which are most out of place."""
-    pairs = {}
-    for game in games:
-        ours, told = measured.estimate(game, scene=split), find_published(game, "ppo", split)
-        if ours is not None and told is not None:
-            pairs[game] = (ours.estimate, told.goal_difference)
-    if len(pairs) < 3:
+    """Return the rank correlation of one agent's goal differences with the published over the games."""
+    pairs = {game: (measured.estimate(game, scene=split), find_published(game, "ppo", split)) for game in games}
+    return correlation(pairs)
+
+
+def correlation(pairs: Mapping[str, tuple[Interval | None, Published | None]]) -> str:
+    """Return Spearman's rank correlation of ours with the published, and who is most out of place, as a sentence.
+
+    Nothing where fewer than three are known of both.
+    """
+    known = {name: (one.estimate, other.goal_difference) for name, (one, other) in pairs.items() if one and other}
+    if len(known) < 3:
         return ""
-    mine, theirs = zip(*pairs.values(), strict=True)
-    gap = {game: _place(mine, one) - _place(theirs, other) for game, (one, other) in pairs.items()}
-    worst = sorted(gap, key=lambda game: -abs(gap[game]))[:OUT_OF_PLACE]
-    moved = ", ".join(f"{game} ({gap[game]:+g} places)" for game in worst if gap[game])
+    mine, theirs = zip(*known.values(), strict=True)
+    gap = {name: _place(mine, one) - _place(theirs, other) for name, (one, other) in known.items()}
+    worst = sorted(gap, key=lambda name: -abs(gap[name]))[:OUT_OF_PLACE]
+    moved = ", ".join(f"{name} ({gap[name]:+g} places)" for name in worst if gap[name])
     about = f" Most out of place, a plus where ours is easier: {moved}." if moved else ""
     return (
-        f"Spearman's rank correlation with the published over {len(pairs)} games: {spearman(mine, theirs):.2f}.{about}"
+        f"Spearman's rank correlation with the published over {len(known)} games: {spearman(mine, theirs):.2f}.{about}"
     )
 
 
@@ -187,6 +221,17 @@ def _tested_row(measured: Measured, game: str) -> list[str]:
     return [game, *ours, *theirs, *keys]
 
 
+def _team_row(measured: Measured, game: str, control: str) -> list[str]:
+    keys, team = (measured.estimate(game, agent, TRAIN, control) for agent in ("random", "team_ppo"))
+    told = [_cell(keys), _cell(team), str(len(measured.of(game, "team_ppo", TRAIN, control)))]
+    theirs = _plain(find_published(game, "team_ppo", control=control))
+    experts = [
+        _cell(measured.estimate(game, "team_expert")),
+        _plain(find_published(game, "team_expert", "train", control)),
+    ]
+    return [game, control, *told, theirs, *experts]
+
+
 def _cell(interval: Interval | None) -> str:
     if interval is None:
         return ""
@@ -200,14 +245,21 @@ def _plain(row: Published | None) -> str:
 
 
 def _ours(measured: Measured, games: Sequence[str], scene: str, colour: str, label: str) -> Bars:
-    nothing = Interval(float("nan"), float("nan"), float("nan"))
-    found = [measured.estimate(game, scene=scene) or nothing for game in games]
-    return Bars(label, colour, *zip(*found, strict=True))
+    return _bars(label, colour, [measured.estimate(game, scene=scene) for game in games])
 
 
 def _theirs(games: Sequence[str], split: str, colour: str, label: str) -> Bars:
-    found = [find_published(game, "ppo", split) for game in games]
-    middles = [float("nan") if row is None else row.goal_difference for row in found]
-    halves = [float("nan") if row is None or row.interval is None else row.interval for row in found]
+    return _published_bars(label, colour, [find_published(game, "ppo", split) for game in games])
+
+
+def _bars(label: str, colour: str, found: Sequence[Interval | None]) -> Bars:
+    nothing = Interval(float("nan"), float("nan"), float("nan"))
+    return Bars(label, colour, *zip(*(each or nothing for each in found), strict=True))
+
+
+def _published_bars(label: str, colour: str, found: Sequence[Published | None]) -> Bars:
+    nan = float("nan")
+    middles = [nan if row is None else row.goal_difference for row in found]
+    halves = [nan if row is None or row.interval is None else row.interval for row in found]
     lows, highs = ([middle + side * half for middle, half in zip(middles, halves, strict=True)] for side in (-1, 1))
     return Bars(label, colour, middles, lows, highs)

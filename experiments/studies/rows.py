@@ -17,7 +17,7 @@ TRAIN = "train"  # the scene of the training distribution
 
 
 class Row(NamedTuple):
-    """A policy on a scene: `agent` is ppo, random or expert, `scene` train or the label of a test."""
+    """A policy on a scene: `agent` is as in `minigames/published.csv`, `scene` is train or the label of a test."""
 
     game: str
     agent: str
@@ -73,5 +73,5 @@ def add(path: Path, rows: Iterable[Row]) -> list[Row]:
 
 def trained(rows: Sequence[Row], game: str, control: str, seed: int) -> int:
     """Return after how many steps of training a run was measured, 0 if it was not."""
-    found = (row for row in rows if row[:3] == (game, "ppo", control) and row.seed == seed)
+    found = (row for row in rows if (row.game, row.control, row.seed) == (game, control, seed))
     return max((row.env_steps for row in found), default=0)

@@ -8,6 +8,7 @@ import pytest
 from experiments.__main__ import main
 from experiments.commands import study
 from experiments.commands.train import train
+from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.results import mean_return
 from experiments.studies import page, rows
@@ -132,6 +133,34 @@ def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single
     assert set(before.splitlines()) < set(again.splitlines()) and len(again.splitlines()) == 1 + 9 + 4
 
 
+def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
+    words, begun = single
+    words[1:5] = ["multi", "--games", "offense/hard_crossing"]
+    assert main(words) == 0
+    assert begun == ["offense_hard_crossing-allNonGK-features-0"]
+    found = rows.load(tmp_path / "results" / "fast.csv")
+    assert {(row.agent, row.control) for row in found} == {("team_ppo", "allNonGK"), ("random", "allNonGK")}
+    text = (tmp_path / "page.md").read_text()
+    assert (
+        "| offense/hard_crossing | allNonGK |" in text and "| 1 | -0.02 ± 0.06 |" in text and "Figure 2.7)" not in text
+    )
+    assert (tmp_path / "benchmark_multi_fast.png").is_file()
+    assert main(words) == 0 and len(begun) == 1
+
+
+def test_the_thesis_has_fifteen_rows_of_teams():
+    games = study.games_of("multi", study.BenchmarkStudyConfig(), {})
+    assert len(games) == 15 and ("offense/11_vs_gk", "2") in games and ("defense/2vs2", "all") in games
+    assert study.games_of("single", study.BenchmarkStudyConfig(games=("defense/2vs2",)), {}) == [
+        ("defense/2vs2", "closest1")
+    ]
+    with pytest.raises(UsageError, match="no team is known for 1v1Free; say whom"):
+        study.games_of("multi", study.BenchmarkStudyConfig(games=("1v1Free",)), {})
+    assert study.games_of("multi", study.BenchmarkStudyConfig(games=("1v1Free",)), {"env.control": "all"}) == [
+        ("1v1Free", "all")
+    ]
+
+
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)
@@ -147,7 +176,9 @@ def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypat
 def test_studies_are_named_and_kept_apart(single, capsys):
     words, begun = single
     assert main(["study", "singel"]) == 2
-    assert "no study 'singel' (did you mean 'single'?); there are single, generalisation" in capsys.readouterr().err
+    assert (
+        "no study 'singel' (did you mean 'single'?); there are single, generalisation, multi" in capsys.readouterr().err
+    )
     own = words[: words.index("--results")]
     assert main([*own, "--gamma", "0.5"]) == 2
     assert "it is no run of preset fast; give --results" in capsys.readouterr().err
