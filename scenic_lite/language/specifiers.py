@@ -44,8 +44,8 @@ class ResolvedSpecifier:
     @property
     def needs(self) -> frozenset[str]:
         """Return the properties of the same object that must be known first."""
-        values = (given.value for given in self.gives.values())
-        return frozenset().union(*(value.needs for value in values if isinstance(value, LazyValue)))
+        needs = [given.value.needs for given in self.gives.values() if isinstance(given.value, LazyValue)]
+        return needs[0] if len(needs) == 1 else frozenset().union(*needs)
 
 
 @dataclass(eq=False)

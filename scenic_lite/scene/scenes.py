@@ -74,7 +74,7 @@ def refuse_huge(value: Value, what: str) -> None:
             stack += [(inner, depth + 1) for inner in parts_of(part)]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Fixed:
     """The reader of a value that is the same in every scene."""
 
@@ -93,6 +93,8 @@ class Planner:
 
     def reader(self, value: Value) -> Reader:
         """Return how to read a value in the form that Scenes give it."""
+        if value is None or isinstance(value, int | float | str):  # most are
+            return Fixed(value)
         if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
             return lambda registers, count: registers[slot]
