@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from experiments.pictures.side_by_side import SideBySide
     from ued.recorder.layout import ScenePainter
 
-Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N]
+Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N(, A)]
 ENGINES = ("ours", "grf")
 NO_ACTION = -1
 WORDS = {RUNNING: "running", OUT_OF_PLAY: "out of play", POSSESSION: "possession", DURATION: "time"}
@@ -30,7 +30,8 @@ ENDINGS = ("scored", "conceded", *(WORDS[end] for end in (OUT_OF_PLAY, POSSESSIO
 class Episodes:
     """E episodes of P players, T steps of the longest; row 0 is the start, what has ended stays as it was.
 
-    Places are in m, y upwards. `observations` are those on which actions were chosen; empty unless they were kept.
+    Places are in m, y upwards. `observations` are those on which actions were chosen; empty unless they were kept. Of
+    several agents both have an axis of agents, `[E, T, A, ...]`.
     """
 
     ball: np.ndarray  # [E, T + 1, 3]
@@ -70,6 +71,7 @@ def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes
     points = [each.points()[row, : each.lengths[row] + 1] for each in both]
     ends = [str(each.endings()[row]) for each in both]
     keys = max(both, key=lambda each: each.lengths[row]).actions[row]
+    keys = keys.reshape(len(keys), -1)[:, 0]  # of several agents the first one's
     return SideBySide(name, painter, ENGINES, (points[0], points[1]), keys[keys != NO_ACTION], (ends[0], ends[1]))
 
 
@@ -78,7 +80,7 @@ def play(
 ) -> Episodes:
     """Play one episode on each of these levels `[E]`, to its end or for so many steps; `observed` keeps observations.
 
-    `env` is reset; it has one agent.
+    `env` is reset.
     """
     env.keep_endings()
     parts = [
@@ -89,11 +91,14 @@ def play(
 
 
 def play_keys(env: FootballVectorEnv, keys: np.ndarray, levels: np.ndarray) -> Episodes:
-    """Play the same keys `[T]`, or keys of its own for each `[E, T]`, on each of these levels `[E]`."""
-    keys = np.broadcast_to(keys, (len(levels), np.shape(keys)[-1]))
+    """Play the same keys `[T]`, or keys of its own for each `[E, T]`, on each of these levels `[E]`.
+
+    Several agents have keys of their own, `[E, T, A]`.
+    """
+    keys = np.broadcast_to(keys, (len(levels), len(keys))) if keys.ndim == 1 else keys
     parts = []
     for at in range(0, len(levels), env.num_envs):
-        own = np.resize(keys[at : at + env.num_envs], (env.num_envs, keys.shape[1]))
+        own = np.resize(keys[at : at + env.num_envs], (env.num_envs, *keys.shape[1:]))
         parts.append(
             play(env, lambda _, step, own=own: own[:, step], levels[at : at + env.num_envs], own.shape[1])  # type: ignore[misc]
         )
@@ -134,9 +139,9 @@ def _play_batch(
     while running.any() and (steps is None or len(actions) < steps):
         env.idle[:] = ~running
         chosen = choose(observation, len(actions))
-        actions.append(np.where(running, chosen, NO_ACTION))
+        actions.append(_held(running, chosen, NO_ACTION))
         if observed:
-            seen.append(np.where(running[:, None], observation, np.nan).astype(np.float32))
+            seen.append(_held(running, observation, np.nan).astype(np.float32))
         observation, rewards, terminated, truncated, info = env.step(chosen)
         over = (terminated | truncated) & running
         now = _frame(after_step(env, over))
@@ -153,7 +158,7 @@ def _play_batch(
     return Episodes(ball, places, owner, keys, watched, lengths[:count], ended[:count], score[:, -1], returns[:count])
 
 
-def _held(running: np.ndarray, new: np.ndarray, old: np.ndarray) -> np.ndarray:
+def _held(running: np.ndarray, new: np.ndarray, old: np.ndarray | float) -> np.ndarray:
     return np.where(running.reshape(-1, *(1,) * (new.ndim - 1)), new, old)
 
 

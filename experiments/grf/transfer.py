@@ -105,14 +105,15 @@ class Played:
         return leaving(far & self._outside_ours(), self.names)
 
     def _outside_ours(self) -> np.ndarray:
-        """Return which features of the engine's episodes are outside, `[E, T, F]`."""
+        """Return which features of the engine's episodes are outside, as these are."""
         seen = self.ours.observations.reshape(-1, len(self.unit))
         low, high = np.nanmin(seen, 0) - SLACK * self.unit, np.nanmax(seen, 0) + SLACK * self.unit
         return (self.grf.observations < low) | (self.grf.observations > high)
 
 
 def leaving(outside: Any, names: Sequence[str]) -> Leaving:
-    """Return when features `[E, T, F]` are outside: the first step of each episode counts."""
+    """Return when features `[E, T, F]`, of a team `[E, T, A, F]`, are outside: the first step of an episode counts."""
+    outside = outside.reshape(*outside.shape[:2], -1, outside.shape[-1]).any(2)
     at = np.asarray(outside.any(2))
     rows = np.flatnonzero(at.any(1))
     if not len(rows):
@@ -182,9 +183,9 @@ class BothEngines:
             replace(plan.other, engine=plan.other.engine or "grf").instead_of(config.env),
         )
         self.envs = [self._make(program, env, count) for env, count in zip(engines, plan.episodes, strict=True)]
-        space = self.envs[0].single_observation_space
-        if space.shape is None or len(space.shape) != 1 or self.envs[0].num_agents != 1:
-            raise CommandError(f"{run.path}: transfer tells of one agent that sees features, not of {space}")
+        space = self.envs[0].agent_observation_space
+        if space.shape is None or len(space.shape) != 1:
+            raise CommandError(f"{run.path}: transfer tells of agents that see features, not {space}")
         self.levels = self.envs[0].sample_levels(max(plan.episodes))
 
     def _make(self, program: Any, config: FootballConfig, count: int) -> FootballVectorEnv:
