@@ -7,7 +7,7 @@
     regista benchmark --suite grf --measure --family experts
     regista benchmark --json > today.json
 
-Read next: `envs.football.batch`, the loop that is measured.
+Read next: `envs.football.batch`, the loop that is measured; `benchmarks.training`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import os
 import platform
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
@@ -27,7 +27,8 @@ import numpy as np
 from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmarks.language import language_suite, render_language
 from experiments.benchmarks.observations import observation_rows
-from experiments.benchmarks.timing import STRETCHES, Measurement, rate
+from experiments.benchmarks.timing import Measurement, rate
+from experiments.benchmarks.training import training_suite
 from experiments.grf.measure import MEASURES, MeasureConfig
 from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.run import arguments, build
@@ -41,7 +42,6 @@ DESCRIPTION = "Measure env steps per second of the simulator and of training, an
 # Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
 # over scenarios and observations. Measured with its own `create_environment(render=False)`.
 REFERENCE = (310, 570)
-WARM_UPDATES = 10  # of a method before it is measured
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class BenchmarkConfig(Checked):
 
     suite: Literal["sim", "train", "language", "all", "grf"] = setting(
         "all",
-        "sim: the simulator alone; train: domain randomisation; language: programs, scenes, behaviors; all of these; "
+        "sim: the simulator alone; train: every method and teams; language: programs, scenes, behaviors; all of these; "
         "grf: likeness to Google Research Football",
     )
     minigame: str = setting("1v1Free", "what is played")
@@ -84,7 +84,7 @@ def main(argv: Sequence[str]) -> int:
     if config.suite in ("sim", "all"):
         suites["simulator"] = simulator_suite(config)
     if config.suite in ("train", "all"):
-        suites["training"] = training_suite(config)
+        suites["training"] = training_suite(config.minigame, config.seconds)
     if config.suite in ("language", "all"):
         suites["language"] = language_suite(config.seconds)
         suites["behaviors"] = behaviors_suite(config.seconds)
@@ -188,41 +188,6 @@ def _levels_per_second(config: BenchmarkConfig) -> float:
 def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
     program = build.load_program(build.find_minigame(config.minigame).program, None)
     return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
-
-
-# ---------------------------------------------------------------- training
-
-
-def training_suite(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure every method with default settings on one thread, and domain randomisation on all cores, too.
-
-    What a curriculum costs beside simulation and networks is the share of `levels`: choosing them and keeping book.
-    """
-    runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
-    rows = []
-    for name, threads in runs:
-        run = replace(TrainConfig(), minigame=config.minigame, method=name, threads=threads)
-        program = build.load_program(build.find_minigame(run.minigame).program, None)
-        method = build.make_method(run, build.make_upomdp(program, run.num_envs, run.env, 0, threads))
-        for _ in range(WARM_UPDATES):  # replay has begun, and the buffer is in use
-            method.update()
-        rows.append(_train(f"{name}, {threads} thread{'s' * (threads > 1)}", method, config.seconds * STRETCHES))
-    return rows
-
-
-def _train(label: str, method: Any, seconds: float) -> Measurement:
-    names = ("sim", "forward", "learn", "levels", "curriculum")
-    steps, began, shares = method.env_steps, time.perf_counter(), dict.fromkeys(names, 0.0)
-    while time.perf_counter() - began < seconds:
-        metrics = method.update()
-        for name in shares:
-            shares[name] += metrics.get(f"time/{name}", 0.0)
-    elapsed = time.perf_counter() - began
-    shares["levels"] += shares.pop("curriculum")
-    words = {"sim": "simulation", "forward": "network forward", "learn": "network update", "levels": "levels"}
-    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
-    parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
-    return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))
 
 
 # ---------------------------------------------------------------- what is printed
