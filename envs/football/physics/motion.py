@@ -31,6 +31,13 @@ class Slide(NamedTuple):
     rise_gain: float = 2.0  # m/s² meanwhile
 
 
+class FollowThrough(NamedTuple):
+    """How a body runs on after a kick, whatever he wants meanwhile."""
+
+    time: float = 0.35  # s
+    slows: float = 6.0  # m/s²
+
+
 class Tiring(NamedTuple):
     """How running tires."""
 
@@ -40,7 +47,7 @@ class Tiring(NamedTuple):
 
 
 # Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
-SLIDE, TIRING = Slide(), Tiring()
+SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 AT_REST = 0.3  # m/s
 AT_FEET = 0.8  # m from the body to a ball that he has
@@ -77,6 +84,10 @@ def plan_motion(match, i):
         vx, vy = thrown(player)
     elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
+    elif match.last_touch == i and match.was_kicked and match.kick_age < FOLLOW.time:
+        player.turning = 0
+        keep = max(speed - FOLLOW.slows * STEP, 0.0) / max(speed, 1e-9)
+        vx, vy = keep * player.vx, keep * player.vy
     else:
         ready = int(player.turning == 0 and player.stance_wait == 0.0 and on_his_toes(match, player))
         player.turning += ready

@@ -64,7 +64,7 @@ class Swing(NamedTuple):
     sprint: float = 0.12  # s more: catching up with the ball
     sprint_spread: float = 0.2  # s either way, at a sprint
     spread: float = 0.04  # s either way, the phase of the stride
-    from_run_up: float = 0.06  # s left for who has asked for a pass on his way to the ball: he swings as he arrives
+    from_run_up: float = 0.06  # s left for who has asked for a kick on his way to the ball: he swings as he arrives
     patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
 
 
@@ -97,7 +97,7 @@ def swing_legs(match):
     if not player.is_aimed:
         aim(match, i)
     player.kick_wait = swing_time(match, player)
-    if match.carry_age <= 1 and not player.is_aimed and player.kick != SHOT:
+    if match.carry_age <= 1 and not player.is_aimed:
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
         player.kick_wait = max(player.kick_wait - run_up, SWING.from_run_up)
     match.kicker = i

@@ -1,0 +1,162 @@
+"""The pull of a free ball on the player whom an agent moves: whom it pulls, how much, and where he meets it.
+
+As in Google Research Football, the first of all at the ball goes for it whatever his keys say, and at his ease if he
+is clearly the first; who is not has his keys' way and the ball's mixed. Read next: `control.keys`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
+from envs.football.physics.pitch import forward
+from envs.football.physics.possession import ball_speed, fall_time, travelled
+from envs.football.physics.vectors import length, toward
+from envs.football.skills.shots import eased
+from envs.football.skills.steering import chase
+from scenic_lite.kernels.jit import kernel
+
+
+class Pull(NamedTuple):
+    """How a free ball pulls a player who is not the first at it."""
+
+    patience: float = 0.2  # s that both teams' times to the ball are longer than they are
+    too_late: float = 0.5  # of the opponents' time by his: up to which it does not pull him
+    sooner: float = 0.85  # share of the time of who was the first at the ball, from below which another becomes it
+    curve: float = 0.8  # of how alike the ways are
+    memory: float = 2.0  # s for which he who touched it last remembers that,
+    touched: float = 0.4  # to this power,
+    soon: float = 1.7  # s to the ball at most
+    standing: float = 1.8  # m/s, slower he stands
+
+
+class Await(NamedTuple):
+    """How a player takes a ball that comes to him, who is clearly the first at it."""
+
+    in_time: float = 1.1  # of the opponents' time by his, with `Pull.patience`, from where on he takes his time
+    rolling: float = 1.0  # m/s, a slower ball does not come
+    longest: float = 3.0  # s until it passes
+    choices: int = 2  # places are compared: where he has it first, where it passes nearest, and between
+    pace: float = 0.4  # weight of how alike his way's velocity is to that of his keys
+    way: float = 0.6  # and its direction
+    nearest: float = 0.1  # and of where it passes nearest
+    urgency: float = 2.6  # 1/s, velocity by distance
+    fastest: float = 8.0  # m/s
+    leg: float = 0.38  # m that he need not run: his leg, and the ball before his foot
+    gathers: float = 0.7  # s until a runner has gathered speed,
+    way_gathering: float = 2.56  # m that he has then run
+
+
+# Documented of Google Research Football; checked by its own episodes, played on from where they were after each step.
+PULL, AWAIT = Pull(), Await()
+RISE = AWAIT.gathers / math.sqrt(AWAIT.way_gathering)  # s per root of m from the stand
+
+
+@kernel
+def follow_magnet(match, i):
+    """Turn the velocity that player i's keys ask for towards a free ball, or his own far from his feet, as much as that
+    pulls him.
+    """
+    player = match.players[i]
+    if player.kick == 0 and (match.carrier not in (NOBODY, i) or match.chaser[player.team] != i):
+        return
+    keys_x, keys_y = player.desired_vx, player.desired_vy
+    if player.kick == 0 and is_ours(match, player.team) and awaits(match, i):
+        return
+    chase(match, i, player.top_speed)
+    if player.kick != 0 or is_ours(match, player.team):
+        return
+    share = pull(match, i)
+    player.desired_vx = share * player.desired_vx + (1.0 - share) * keys_x
+    player.desired_vy = share * player.desired_vy + (1.0 - share) * keys_y
+
+
+@kernel
+def awaits(match, i):
+    """Let player i, who is clearly the first at a ball that comes, meet it where that suits his keys best; return
+    whether he does.
+
+    That is anywhere from where he can have it first to where it passes nearest; he goes there as fast as he must.
+    """
+    player, ball = match.players[i], match.ball
+    speed, time = ball_speed(ball), match.arrival[player.team]
+    if match.carrier == i or speed < AWAIT.rolling or in_time_by(match, player, time) < AWAIT.in_time:
+        return False
+    flight, ux, uy = fall_time(ball), ball.vx / speed, ball.vy / speed
+    first, last = travelled(speed, flight, time), (player.x - ball.x) * ux + (player.y - ball.y) * uy
+    if last <= first:
+        return False
+    latest = last / speed
+    for _ in range(2):
+        latest *= last / travelled(speed, flight, latest)
+    if latest > AWAIT.longest:
+        return False
+    best = -1.0
+    wanted_x, wanted_y = player.desired_vx, player.desired_vy
+    for part in range(AWAIT.choices + 1):
+        share = part / AWAIT.choices
+        way = first + share * (last - first)
+        dx, dy = ball.x + way * ux - player.x, ball.y + way * uy - player.y
+        rating = suits(player, wanted_x, wanted_y, dx, dy) + AWAIT.nearest * share
+        if rating > best:
+            best = rating
+            distance = length(dx, dy)
+            needs = RISE * math.sqrt(max(distance - AWAIT.leg, 0.0))
+            pace = min(needs / (time + share * (latest - time)), 1.0) * player.top_speed
+            pace = pace / (distance + 1e-9) if pace > PULL.standing else 0.0
+            player.desired_vx, player.desired_vy = pace * dx, pace * dy
+    return True
+
+
+@kernel
+def suits(player, wanted_x, wanted_y, dx, dy):
+    """Return how well going (dx, dy) m suits keys that want a velocity, or else where he looks."""
+    distance = length(dx, dy) + 1e-9
+    pace = min(AWAIT.urgency, AWAIT.fastest / distance)
+    like = 1.0 - min(length(wanted_x - pace * dx, wanted_y - pace * dy) / AWAIT.fastest, 1.0)
+    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
+    if player.direction == 0:
+        ux, uy = player.facing_x, player.facing_y
+    angle = math.acos(min(max((ux * dx + uy * dy) / distance, -1.0), 1.0))
+    return AWAIT.pace * like + AWAIT.way * (1.0 - min(angle / (0.5 * math.pi), 1.0))
+
+
+@kernel
+def in_time_by(match, player, time):
+    """Return how well a player is in time for the ball, at which he is in `time` s: above 1 the first."""
+    return (match.arrival[1 - player.team] + PULL.patience) / (time + PULL.patience)
+
+
+@kernel
+def is_ours(match, team):
+    """Return whether the ball is a team's: it had it last, until an opponent is clearly sooner at it, or it now is."""
+    last = match.last_touch
+    ours, theirs = match.arrival[team], match.arrival[1 - team]
+    if last == NOBODY:
+        return ours < theirs
+    return ours * PULL.sooner <= theirs if match.players[last].team == team else ours < PULL.sooner * theirs
+
+
+@kernel
+def pull(match, i):
+    """Return how much, 0 to 1, a free ball pulls the first of his team at it where an opponent is sooner.
+
+    The less the later he is and the more his keys lead elsewhere, unless he has just touched it.
+    """
+    player = match.players[i]
+    time = match.arrival[player.team]
+    in_time = in_time_by(match, player, time)
+    if in_time <= PULL.too_late:
+        return 0.0
+    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
+    if player.direction == 0:
+        ux, uy = player.facing_x, player.facing_y
+    to_x, to_y = toward(player.desired_vx, player.desired_vy)
+    alike = 1.0 - 0.5 * math.acos(min(max(ux * to_x + uy * to_y, -1.0), 1.0)) / math.pi
+    forwards = 0.5 * (1.0 + forward(player.team) * ux)
+    share = math.sqrt(2.0 * (in_time - PULL.too_late)) * eased(alike, PULL.curve) * forwards
+    if match.last_touch == i and match.kick_age < PULL.memory and time < PULL.soon:
+        touched = (1.0 - match.kick_age / PULL.memory) ** PULL.touched
+        share = max(share, touched * math.sqrt(alike))
+    return min(share, 1.0)
