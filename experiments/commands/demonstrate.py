@@ -143,7 +143,7 @@ def _fill(
         progress.show(min(tally.kept, typed.episodes), {"success": tally.successes / tally.played})
     spaces = env.single_observation_space, env.single_action_space
     names = [parameter.name for parameter in env.draws]
-    demos.finish(names, spaces, _gym_id(config), typed.episodes)
+    demos.finish(names, spaces, _gym_settings(env), typed.episodes)
     seconds = time.perf_counter() - began
     pace = f"; {count((tally.steps - before) / seconds)} steps/s" if tally.steps > before else ""
     progress.finish(f"{demos.path}: {min(tally.kept, typed.episodes)} episodes, {tally}{pace}")
@@ -178,12 +178,14 @@ class Tally:
         return f"{self.played} played, success {rate}, {count(self.steps)} steps"
 
 
-def _gym_id(config: DemonstrationsConfig) -> str | None:
-    """Return the Gymnasium id of the environment, if it is a registered one as it stands."""
-    from envs.football.config import FootballConfig
-    from minigames.suites import ALL
-
-    game = ALL.get(config.minigame)
-    if game is None or config.env != FootballConfig(control=game.control):
-        return None
-    return f"regista/{game.name.replace('/', '_')}-v0"
+def _gym_settings(env: FootballVectorEnv) -> dict[str, Any]:
+    """Return what `FootballEnv` is made with to be the environment that was played in, agents and all."""
+    folder, config = env.program.mode.state.root, env.config
+    place = None if folder is None else folder / env.program.file
+    return {
+        "program": env.program.source if place is None else str(place.resolve()),
+        "representation": config.representation,
+        "rewards": config.rewards,
+        "control": config.control,
+        "right_control": config.right_control,
+    }

@@ -158,8 +158,11 @@ class Demonstrations:
 
     # ------------------------------------------------------------ the data set
 
-    def finish(self, names: list[str], spaces: tuple[Space, Space], env_id: str | None, episodes: int) -> None:
-        """Write what all parts have together: the Minari data set of the first `episodes` kept ones, and the table."""
+    def finish(self, names: list[str], spaces: tuple[Space, Space], settings: dict[str, Any], episodes: int) -> None:
+        """Write what all parts have together: the Minari data set of the first `episodes` kept ones, and the table.
+
+        `settings` are those of the `FootballEnv` that Minari recovers.
+        """
         numbers = [number for number, each in enumerate(self.summaries()) for _ in range(int(each.kept.sum()))]
         numbers = numbers[:episodes]
         steps = sum(int(each) for summary in self.summaries() for each in summary.lengths[summary.kept])
@@ -168,7 +171,7 @@ class Demonstrations:
             steps = sum(lengths[:episodes])
         try:
             write_whole(self.path / "data" / "main_data.hdf5", _main_file(numbers))
-            metadata = _metadata(self, spaces, env_id, len(numbers), steps)
+            metadata = _metadata(self, spaces, settings, len(numbers), steps)
             write_whole(self.path / "data" / "metadata.json", json.dumps(metadata).encode())
             write_whole(self.path / "episodes.csv", self._table(names, episodes).encode())
         except OSError as error:
@@ -279,15 +282,16 @@ def _main_file(parts: list[int]) -> bytes:
 
 
 def _metadata(
-    demos: Demonstrations, spaces: tuple[Space, Space], env_id: str | None, episodes: int, steps: int
+    demos: Demonstrations, spaces: tuple[Space, Space], settings: dict[str, Any], episodes: int, steps: int
 ) -> dict[str, Any]:
-    import gymnasium
     import minari
+    from gymnasium.envs.registration import EnvSpec
     from minari.serialization import serialize_space
 
     observation, action = (serialize_space(space) for space in spaces)
     name = "".join(letter if letter.isalnum() else "-" for letter in Path(demos.config.minigame).stem)
-    found: dict[str, Any] = {
+    spec = EnvSpec(f"regista/{name}-v0", entry_point="envs.football.gym_env:FootballEnv", kwargs=settings)
+    return {
         "dataset_id": f"regista/{name}-v0",
         "minari_version": minari.__version__,
         "data_format": "hdf5",
@@ -298,7 +302,5 @@ def _metadata(
         "total_steps": steps,
         "algorithm_name": demos.config.source,
         "regista": {name: value for name, value in asdict(demos.config).items() if name != "source"},
+        "env_spec": spec.to_json(),
     }
-    if env_id is not None:
-        found["env_spec"] = gymnasium.spec(env_id).to_json()
-    return found

@@ -216,11 +216,28 @@ def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     assert "exclude each other" in capsys.readouterr().err
 
 
-def test_a_registered_minigame_is_recovered_from_its_data(tmp_path):
+def test_the_environment_is_recovered_from_the_data(program, tmp_path):
     out = tmp_path / "demos"
-    flags = ["--keep", "all", "--episodes", "3", "--out", str(out)]
-    assert main(["demonstrate", "3v2FourBehaviors", *flags]) == 0
-    import minigames  # noqa: F401
+    flags = ["--keep", "all", "--episodes", "3", "--representation", "simple115"]
+    assert demonstrate(program, out, *flags) == 0
+    data = minari.MinariDataset(out / "data")
+    env = data.recover_environment()
+    assert env.observation_space == data.observation_space and env.action_space == data.action_space
+    (theta,) = (each["options"]["theta"] for each in data.storage.get_episode_metadata([2]))
+    seen, _ = env.reset(options={"theta": theta})
+    assert (seen[:22] == data[2].observations[0][:22]).all()  # everybody stands where he stood
 
-    env = minari.MinariDataset(out / "data").recover_environment()
-    assert env.observation_space == minari.MinariDataset(out / "data").observation_space
+
+@pytest.mark.parametrize(("control", "played"), [("closest1", "run"), ("2", "pair"), ("all", "pair")])
+def test_one_agent_has_another_semi_expert_than_a_team(program, tmp_path, monkeypatch, control, played):
+    from experiments.run import build
+    from minigames.suites import Minigame
+
+    pair = tmp_path / "pair.scenic"
+    pair.write_text(PAIR)
+    game = Minigame("game", tmp_path / "none.scenic", (), "", expert=program, team_expert=pair)
+    monkeypatch.setattr(build, "find_minigame", lambda name: game)
+    monkeypatch.setattr(build, "canonical_name", lambda name: name)
+    out = tmp_path / "demos"
+    assert main(["demonstrate", "game", "--control", control, "--episodes", "2", "--out", str(out)]) == 0
+    assert (out / "program.scenic").read_text() == {"run": RUN, "pair": PAIR}[played]
