@@ -20,15 +20,15 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from envs.football.config import FootballConfig
-from experiments.commands import transfer
-from experiments.run import arguments, build
+from experiments.commands import clone, demonstrate, transfer
+from experiments.run import arguments, build, origin
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig, presets
 from experiments.run.errors import UsageError, nearest
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
 from experiments.run.workers import train_all
-from ued.config import Checked, setting
+from ued.config import Checked, FineTuningConfig, setting
 
 HERE = Path(__file__).parent.parent
 BUDGETS = {  # of `transfer`: steps after which returns hardly rise any more
@@ -89,17 +89,19 @@ class TransferStudyConfig(StudyConfig):
 
 @dataclass(frozen=True)
 class BenchmarkStudyConfig(StudyConfig):
-    """What is typed after `regista study single`, `generalisation` or `multi`."""
+    """What is typed after `regista study single`, `generalisation`, `multi` or `demonstrations`."""
 
     preset: Literal["fast", "thesis"] = setting(
         "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
     )
     out: Path = setting(Path("runs/benchmark"), "folder of the runs")
     episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
+    demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
     results: Path = setting(HERE / "studies" / "results", "folder of the CSV files: what is in them is not made again")
     page: Path = setting(Path("BENCHMARK.md"), "the page that is drawn from them")
     pictures: Path = setting(HERE / "gallery", "folder of its pictures")
     train: TrainConfig = group(training, "each run", without=OWN)
+    fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
 
 
 class Study(NamedTuple):
@@ -159,14 +161,14 @@ def prepare(config: TransferStudyConfig, settings: dict[str, Any]) -> list[RunFo
     return runs
 
 
-def open_run(out: Path, game: str, seed: int, base: TrainConfig, settings: dict[str, Any]) -> RunFolder:
+def open_run(out: Path, game: str, seed: int, base: TrainConfig, settings: dict[str, Any], kind: str = "") -> RunFolder:
     """Create the folder of a run or open it: `base` with what the minigame says, then with what was typed."""
     minigame = build.find_minigame(game)
     base = replace(base, env=replace(base.env, control=minigame.control))
-    run = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
-    team = "" if run.env.control == minigame.control else f"{run.env.control}-"
-    name = f"{minigame.name.replace('/', '_')}-{team}{run.env.representation}-{seed}"
-    return RunFolder.create_or_extend(out / name, run)
+    config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
+    team = "" if config.env.control == minigame.control else f"{config.env.control}-"
+    path = out / f"{minigame.name.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
+    return RunFolder.create_or_extend(path, config)
 
 
 def train_unfinished(runs: Sequence[RunFolder], config: StudyConfig, stop: StopRequest) -> None:
@@ -189,6 +191,15 @@ def words_of_transfer(config: TransferStudyConfig, runs: Sequence[RunFolder]) ->
 # ---------------------------------------------------------------- the thesis's benchmark
 
 
+class Wanted(NamedTuple):
+    """A run that is to be measured; `agent` is as in the tables."""
+
+    game: str
+    agent: str
+    control: str
+    seed: int
+
+
 def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> int:
     """Train, play and write, a few runs after the others, so that what is done is in the files when it stops."""
     from experiments.studies import page
@@ -200,45 +211,111 @@ def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str,
     table = config.results / page.FILES.format(preset=config.preset)
     table.parent.mkdir(parents=True, exist_ok=True)
     rows = load(table)
-    wanted = [(*each, seed) for seed in range(config.seeds) for each in games_of(name, config, settings)]
+    wanted = wanted_runs(name, config, settings)
     missing = [each for each in wanted if trained(rows, *each) < steps]
     print(f"{len(wanted)} runs, {len(wanted) - len(missing)} measured", flush=True)
     processes = config.count_processes(base.threads)
     with Deadline(config.hours) as stop:
         for first in range(0, len(missing), processes):
-            runs = [
-                open_run(config.out / config.preset, game, seed, base, settings | {"env.control": control})
-                for game, control, seed in missing[first:][:processes]
-            ]
-            train_unfinished(runs, config, stop)
+            clones, runs = open_wanted(config, base, settings, missing[first:][:processes], stop)
+            if not stop:
+                train_unfinished(runs, config, stop)
             if stop:
                 break
-            rows = add(table, measure(runs, rows, config.episodes))
+            rows = add(table, measure([*clones, *runs], rows, config.episodes))
             page.write_page(config.results, config.page, config.pictures)
     page.write_page(config.results, config.page, config.pictures)
     print(f"{config.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
     return stop.exit_code
 
 
+def wanted_runs(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> list[Wanted]:
+    """Return the runs of a study, one seed of everything after the other."""
+    from experiments.studies.measuring import TEAM
+
+    kinds = ("ppo", "pretrained") if name == "demonstrations" else ("ppo",)
+    wanted = []
+    for seed in range(config.seeds):
+        for game, control in games_of(name, config, settings):
+            team = "" if control == build.find_minigame(game).control else TEAM
+            wanted += [Wanted(game, team + kind, control, seed) for kind in kinds]
+    return wanted
+
+
 def games_of(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the games of a study, each with whom its agents move: a team of each kind, or one agent."""
-    from experiments.studies import page
+    from experiments.studies.page import PAIRS
 
-    own = {"single": page.FIGURE_2_7, "generalisation": page.TESTED, "multi": page.TABLE_3_1}[name]
-    games = [build.find_minigame(game) for game in config.games or dict.fromkeys(own)]
-    if "env.control" in settings:
-        return [(game.name, settings["env.control"]) for game in games]
-    if name != "multi":
-        return [(game.name, game.control) for game in games]
-    alone = [game.name for game in games if not game.team_control]
-    if alone:
-        raise UsageError(f"no team is known for {', '.join(alone)}; say whom its agents move with --control")
-    return [(game.name, control) for game in games for control in game.team_control]
+    known = PAIRS[name]
+    games = [build.find_minigame(game) for game in config.games or dict.fromkeys(game for game, _ in known)]
+    pairs = []
+    for game in games:
+        controls = [control for other, control in known if other == game.name]
+        if "env.control" in settings:
+            controls = [settings["env.control"]]
+        elif name == "multi":
+            controls = controls or [*game.team_control]
+        elif name != "demonstrations":
+            controls = [game.control]
+        if not controls:
+            what = "team" if name == "multi" else "semi-expert program"
+            raise UsageError(f"no {what} is known for {game.name}; say whom its agents move with --control")
+        pairs += [(game.name, control) for control in controls]
+    return pairs
+
+
+def open_wanted(
+    config: BenchmarkStudyConfig,
+    base: TrainConfig,
+    settings: dict[str, Any],
+    wanted: Sequence[Wanted],
+    stop: StopRequest,
+) -> tuple[list[RunFolder], list[RunFolder]]:
+    """Create the folders of runs or open them; clones, with which some of them begin, are made first."""
+    out = config.out / config.preset
+    clones: list[RunFolder] = []
+    runs: list[RunFolder] = []
+    for each in wanted:
+        own = settings | {"env.control": each.control}
+        if not each.agent.endswith("pretrained"):
+            runs.append(open_run(out, each.game, each.seed, base, own))
+            continue
+        made = make_clone(config, each, base, own, stop)
+        if made is None:
+            break
+        clones.append(RunFolder.open(made))
+        runs.append(open_run(out, each.game, each.seed, base, own, "pretrained-"))
+        if not runs[-1].begun():
+            origin.keep(runs[-1], origin.load(made), config.fine_tuning)
+    return clones, runs
+
+
+def make_clone(
+    config: BenchmarkStudyConfig, wanted: Wanted, base: TrainConfig, settings: dict[str, Any], stop: StopRequest
+) -> Path | None:
+    """Let the semi-expert program play, and clone it; return the clone's folder, None if somebody asked to stop."""
+    seen = arguments.replace_paths(base, settings).env.representation
+    name = f"{wanted.game.replace('/', '_')}-{wanted.control}-{seen}"
+    demos, out = config.out / "demonstrations" / name, config.out / config.preset / f"{name}-clone-{wanted.seed}"
+    if (out / "checkpoint.pt").exists():
+        return out
+    game = [wanted.game, "--representation", seen, "--control", wanted.control]
+    played = [*game, "--episodes", str(config.demonstrations), "--out", str(demos)]
+    cloned = [str(demos), "--preset", config.preset, "--seed", str(wanted.seed), "--out", str(out)]
+    student = {path: value for path, value in settings.items() if path.startswith("ppo.")}
+    cloned += [word for path, value in student.items() for word in (arguments.flag_name(path), str(value))]
+    for command, words in ((demonstrate, played), (clone, cloned)):
+        code = command.main(words)
+        if code:
+            stop.signal = code - 128  # which the command has caught
+            return None
+    return out
 
 
 def check_results(config: BenchmarkStudyConfig, settings: dict[str, Any]) -> None:
     """Refuse to mix runs of other settings than a preset's with those that the repository holds of it."""
     own = sorted(settings.keys() - BOOKKEEPING)
+    own += [] if config.fine_tuning == FineTuningConfig() else ["kl_to_clone"]
     if own and config.results == BenchmarkStudyConfig().results:
         flags = ", ".join(arguments.flag_name(path.rpartition(".")[2]) for path in own)
         raise UsageError(f"with {flags} it is no run of preset {config.preset}; give --results and --page of your own")
@@ -286,5 +363,10 @@ STUDIES = {
         "one agent on training and test scenes of 20 games (Figure 2.8)", BenchmarkStudyConfig, study_benchmark
     ),
     "multi": Study("teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, study_benchmark),
+    "demonstrations": Study(
+        "semi-expert programs, their clones, and training on from these (Figure 2.10, Table 3.2)",
+        BenchmarkStudyConfig,
+        study_benchmark,
+    ),
     "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, study_transfer),
 }

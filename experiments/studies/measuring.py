@@ -21,6 +21,8 @@ from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns
 from experiments.studies.rows import TRAIN, Row
 
+TEAM = "team_"  # before the names of agents
+
 if TYPE_CHECKING:
     from minigames.suites import Minigame
     from ued.evaluation import Evaluation
@@ -31,15 +33,15 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     programs = build.load_scenes(run.config)
     student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
     evaluations = EvalScenes(run.config, programs, episodes).play(student)
-    elapsed = read_columns(run.metrics.path)["time/elapsed"]
+    elapsed = read_columns(run.metrics.path).get("time/elapsed", [0.0])
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": float(elapsed[-1])}
+    return _rows(run.config, evaluations, about | {"agent": agent_of(run)})
+
+
+def agent_of(run: RunFolder) -> str:
+    """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
     single = run.config.env.control == build.find_minigame(run.config.minigame).control
-    about = {
-        "agent": "ppo" if single else "team_ppo",
-        "seed": run.config.seed,
-        "env_steps": env_steps,
-        "seconds": float(elapsed[-1]),
-    }
-    return _rows(run.config, evaluations, about)
+    return ("" if single else TEAM) + {"clone": "cloned", "dr from clone": "pretrained"}.get(run.label, "ppo")
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:

@@ -12,7 +12,8 @@ from typing import NamedTuple
 from experiments.pictures.bars import Bars, draw_bars
 from experiments.run.progress import count
 from experiments.run.report import as_markdown, write_text
-from experiments.run.results import mean_return
+from experiments.run.results import advantage, mean_return
+from experiments.studies.measuring import TEAM
 from experiments.studies.rows import TRAIN, Row, load
 from minigames.published import Published, find_published, published
 from minigames.suites import BENCHMARK
@@ -26,8 +27,14 @@ INTERVALS = "95 % intervals: over runs and their episodes; of one run over its e
 
 FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
 TESTED = tuple(game.name for game in BENCHMARK.values() if game.tests)
-TABLE_3_1 = tuple(row.game for row in published() if row.source == "Table 3.1")
 TABLE_4_1 = tuple(row.game for row in published() if row.agent == "light_cnn")
+# The games of each study, and whom agents move there.
+PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
+    "single": tuple((game, BENCHMARK[game].control) for game in FIGURE_2_7),
+    "generalisation": tuple((game, BENCHMARK[game].control) for game in TESTED),
+    "multi": tuple((row.game, row.control) for row in published() if row.source == "Table 3.1"),
+    "demonstrations": tuple((row.game, row.control) for row in published() if row.agent.endswith("pretrained")),
+}
 
 
 class Measured(NamedTuple):
@@ -60,7 +67,11 @@ def write_page(results: Path, page: Path, pictures: Path) -> None:
             measured = Measured(preset, rows)
             parts += [f"## Preset `{preset}`: {PRESETS[preset]}", about(measured)]
             parts += [section(measured, page.parent, pictures) for section in SECTIONS]
-    write_text(page, "\n\n".join(part for part in parts if part) + "\n")
+    write_text(page, _paragraphs(parts) + "\n")
+
+
+def _paragraphs(parts: Sequence[str]) -> str:
+    return "\n\n".join(part for part in parts if part)
 
 
 HEAD = """\
@@ -73,6 +84,7 @@ is drawn from `experiments/studies/results` by `regista study`, which also makes
 regista study single --seeds 5 --hours 3           # the 13 games of Figure 2.7; after three hours call it again
 regista study generalisation --seeds 3 --hours 3   # all 20 that have a test program
 regista study multi --seeds 3                      # teams, one policy per agent: the 15 rows of Table 3.1
+regista study demonstrations --seeds 3             # semi-experts, their clones, and training on from these
 regista study single --preset thesis               # stacked SMM and the thesis's network
 ```"""
 
@@ -110,7 +122,7 @@ def single(measured: Measured, folder: Path, pictures: Path) -> str:
         f"![PPO on the training scenes]({path.relative_to(folder)})",
         as_markdown([head, *rows]),
     ]
-    return "\n\n".join([*parts, ranks(measured, games, "train")])
+    return _paragraphs([*parts, ranks(measured, games, "train")])
 
 
 def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:
@@ -133,13 +145,12 @@ def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:
         f"![Training and test scenes]({path.relative_to(folder)})",
         as_markdown([head, *rows]),
     ]
-    return "\n\n".join([*parts, ranks(measured, games, "test")])
+    return _paragraphs([*parts, ranks(measured, games, "test")])
 
 
 def teams(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of Figure 3.1 and Table 3.1: teams, ours beside the published."""
-    pairs = [(row.game, row.control) for row in published() if row.source == "Table 3.1"]
-    pairs = [each for each in pairs if measured.of(each[0], "team_ppo", TRAIN, each[1])]
+    pairs = [each for each in PAIRS["multi"] if measured.of(each[0], "team_ppo", TRAIN, each[1])]
     if not pairs:
         return ""
     path = pictures / f"benchmark_multi_{measured.preset}.png"
@@ -155,7 +166,58 @@ def teams(measured: Measured, folder: Path, pictures: Path) -> str:
     head = ["game", "moved", "uniform keys", "team", "runs", "published", "semi-expert", "published"]
     rows = [_team_row(measured, *each) for each in pairs]
     parts = ["### Teams (Figure 3.1, Table 3.1)", f"![Teams]({path.relative_to(folder)})", as_markdown([head, *rows])]
-    return "\n\n".join([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
+    return _paragraphs([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
+
+
+def demonstrations(measured: Measured, folder: Path, pictures: Path) -> str:
+    """Return the section of Figure 2.10 and Table 3.2: semi-experts, their clones, and what training adds to these."""
+    pairs = [each for each in PAIRS["demonstrations"] if _with_demonstrations(measured, *each, "pretrained")]
+    if not pairs:
+        return ""
+    path = pictures / f"benchmark_demonstrations_{measured.preset}.png"
+    bars, cells = [], {each: [] for each in pairs}  # type: ignore[var-annotated]
+    for agent, (label, colour, light) in DEMONSTRATED.items():
+        ours = [_with_demonstrations(measured, *each, agent) for each in pairs]
+        theirs = [_published_with(*each, agent) for each in pairs]
+        bars += [_bars(label, colour, ours), _published_bars(f"{label}, published", light, theirs)]
+        for each, mine, told in zip(pairs, ours, theirs, strict=True):
+            cells[each] += [_cell(mine), _plain(told)]
+    for game, control in pairs:
+        before, after = (
+            measured.of(game, _named(game, control, agent), TRAIN, control) for agent in ("ppo", "pretrained")
+        )
+        gain = advantage(*([row.result() for row in rows] for rows in (after, before))) if before and after else None
+        cells[game, control].append(_cell(gain))
+    draw_bars(
+        [f"{game} ({control})" for game, control in pairs], bars, "With demonstrations (thesis, Figure 2.10)", path
+    )
+    labels = [label for label, *_ in DEMONSTRATED.values()]
+    head = ["game", "moved", *(word for label in labels for word in (label, "published")), "gain of pretraining"]
+    rows = [[game, control, *cells[game, control]] for game, control in pairs]
+    parts = ["### With demonstrations (Figure 2.10, Table 3.2)", f"![With demonstrations]({path.relative_to(folder)})"]
+    return "\n\n".join([*parts, as_markdown([head, *rows])])
+
+
+DEMONSTRATED = {  # label, colours of ours and of the published
+    "expert": ("semi-expert", "#6b7280", "#d1d5db"),
+    "ppo": ("PPO", OURS, THEIRS),
+    "cloned": ("cloned", "#2f855a", "#b2dfc4"),
+    "pretrained": ("cloned, then PPO", TEST_OURS, TEST_THEIRS),
+}
+
+
+def _named(game: str, control: str, agent: str) -> str:
+    return agent if control == BENCHMARK[game].control else TEAM + agent
+
+
+def _with_demonstrations(measured: Measured, game: str, control: str, agent: str) -> Interval | None:
+    moved = "" if agent == "expert" else control  # a program moves whom it says
+    return measured.estimate(game, _named(game, control, agent), TRAIN, moved)
+
+
+def _published_with(game: str, control: str, agent: str) -> Published | None:
+    named = _named(game, control, agent)
+    return find_published(game, "ppo_before" if named == "ppo" else named, control=control)
 
 
 def networks(measured: Measured, folder: Path, pictures: Path) -> str:
@@ -172,7 +234,7 @@ def networks(measured: Measured, folder: Path, pictures: Path) -> str:
 
 
 Section = Callable[[Measured, Path, Path], str]
-SECTIONS: tuple[Section, ...] = (single, generalisation, teams, networks)
+SECTIONS: tuple[Section, ...] = (single, generalisation, teams, demonstrations, networks)
 
 
 def ranks(measured: Measured, games: Sequence[str], split: str) -> str:
@@ -235,7 +297,8 @@ def _team_row(measured: Measured, game: str, control: str) -> list[str]:
 def _cell(interval: Interval | None) -> str:
     if interval is None:
         return ""
-    return f"{interval.estimate:+.2f} [{interval.low:+.2f}, {interval.high:+.2f}]"
+    known = interval.low == interval.low
+    return f"{interval.estimate:+.2f}" + (f" [{interval.low:+.2f}, {interval.high:+.2f}]" if known else "")
 
 
 def _plain(row: Published | None) -> str:

@@ -71,7 +71,7 @@ def add(path: Path, rows: Iterable[Row]) -> list[Row]:
     return kept
 
 
-def trained(rows: Sequence[Row], game: str, control: str, seed: int) -> int:
-    """Return after how many steps of training a run was measured, 0 if it was not."""
-    found = (row for row in rows if (row.game, row.control, row.seed) == (game, control, seed))
-    return max((row.env_steps for row in found), default=0)
+def trained(rows: Sequence[Row], game: str, agent: str, control: str, seed: int) -> int:
+    """Return after how many steps of training an agent was measured, 0 if it was not."""
+    wanted = (game, agent, control, seed)
+    return max((row.env_steps for row in rows if (row.game, row.agent, row.control, row.seed) == wanted), default=0)
