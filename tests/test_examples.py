@@ -11,11 +11,13 @@ SHORT = {
     "cleanrl_style.py": ["--env-steps", "8192"],
     "with_stable_baselines3.py": ["--env-steps", "4096"],
     "choose_among_skills.py": ["--env-steps", "16384"],
+    "with_torchrl.py": ["--env-steps", "512"],
 }
 SAYS = {
     "cleanrl_style.py": "buffer",
     "with_stable_baselines3.py": "alp/components",
     "choose_among_skills.py": "ChoosePassing",
+    "with_torchrl.py": "512 env_steps",
 }
 
 

@@ -16,11 +16,12 @@ from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv
 
 from envs.football.constants import LEFT, NUM_ACTIONS
-from envs.football.gym_env import FootballEnv
+from envs.football.gym_env import ENDINGS, FootballEnv
 from scenic_lite import Program
 from ued.upomdp import of_one_agent
 
 TEAMS = ("left", "right")
+REASONS = {words: number for number, words in ENDINGS.items()}
 
 
 class FootballParallelEnv(ParallelEnv, EzPickle):
@@ -36,7 +37,8 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
     Agents are "agent_0", "agent_1", ... in the order of the vector environment's axis of agents, left ones first. An
     observation belongs to the player whom the agent's next action moves. All agents' episodes end in the same step.
-    `infos` have what `FootballEnv`'s info has: `theta` after a reset, `ended` after a step.
+    `infos` are numbers, the same for all agents: `theta` `[D]` that is played, and `ended`, why the episode ended in
+    this step, of `constants.RUNNING` to `REJECTED`; of a program with `record` also `records`, as `FootballEnv` has.
 
     Attributes:
         teams: "left" or "right" by agent.
@@ -73,9 +75,9 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
         """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
-        observation, info = self.match.reset(seed=seed, options=options)
+        observation, _ = self.match.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
-        return self._apart(observation), {agent: dict(info) for agent in self.agents}
+        return self._apart(observation), self._infos({"ended": ""})
 
     def step(self, actions: dict[str, int]) -> tuple[dict, dict, dict, dict, dict]:
         """Play 0.1 s, with an action of each agent.
@@ -96,7 +98,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
             {agent: float(reward) for agent, reward in zip(agents, rewards, strict=True)},
             dict.fromkeys(agents, terminated),
             dict.fromkeys(agents, truncated),
-            {agent: dict(info) for agent in agents},
+            self._infos(info),
         )
 
     def state(self) -> np.ndarray:
@@ -115,6 +117,12 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
     def close(self) -> None:
         """Let go of what the engine holds."""
         self.match.close()
+
+    def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
+        """Return the same facts for each agent."""
+        theta = self.match.batch.levels["theta"][0]
+        told = {**info, "theta": theta.copy(), "ended": REASONS[info["ended"]]}
+        return {agent: dict(told) for agent in self.possible_agents}
 
     def _apart(self, observation: Any) -> dict[str, Any]:
         self._seen = [observation] if len(self.possible_agents) == 1 else list(observation)

@@ -10,6 +10,7 @@ import pytest
 
 import minigames
 from envs.football.config import FootballConfig
+from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION
 from envs.football.gym_env import FootballEnv
 from envs.football.scenic.lineup import NotAMatchError
 from envs.football.vector_env import FootballVectorEnv
@@ -122,6 +123,15 @@ def test_theta_is_an_option() -> None:
     _, infos = env.reset(options={"theta": [0.5, -0.5]})
     assert env.theta_space.shape == (2,)
     assert all(infos[agent]["theta"].tolist() == [0.5, -0.5] for agent in env.agents)
+
+
+def test_infos_are_numbers_under_the_same_names_throughout() -> None:
+    env = FootballParallelEnv(MATCH, "all")
+    _, infos = env.reset(seed=0)
+    steps = [step[4] for step in walk(env, 100)]
+    assert {frozenset(info[agent]) for info in [infos, *steps] for agent in info} == {frozenset(("theta", "ended"))}
+    reasons = [info["agent_2"]["ended"] for info in steps]
+    assert not any(reasons[:-1]) and reasons[-1] in (GOAL, OUT_OF_PLAY, POSSESSION, DURATION)
 
 
 def test_a_copy_by_pickle_is_made_with_the_same_arguments() -> None:
