@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY, NUM_ACTIONS
+from envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY
 from envs.football.control.agents import num_agents, seen_by
 from envs.football.control.keys import key_of_command
 from envs.football.control.reward import agent_reward, team_reward
@@ -158,7 +158,7 @@ def close_row(batch, outcome, seen, final, settings, index):
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)
         action = match.last_actions[agent]
-        outcome.agent_actions[index, agent] = action if action < NUM_ACTIONS else NO_KEY
+        outcome.agent_actions[index, agent] = max(action, NO_KEY)  # the real engine does not tell what its AI wants
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.ended[index] = match.ended

@@ -50,10 +50,11 @@ DIRECTION_LEFT, DIRECTION_TOP_LEFT, DIRECTION_TOP, DIRECTION_TOP_RIGHT = 1, 2, 3
 DIRECTION_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_BOTTOM, DIRECTION_BOTTOM_LEFT = 5, 6, 7, 8
 LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT = 9, 10, 11, 12
 SPRINT, RELEASE_DIRECTION, RELEASE_SPRINT, SLIDING, DRIBBLE, RELEASE_DRIBBLE = 13, 14, 15, 16, 17, 18
-BUILTIN_AI = 19  # never a learner's action; of an agent: its player is left to the program, or to the AI
+BUILTIN_AI = 19  # never a learner's action
 STAND = -1  # a lazy player, who does nothing at all; never a learner's action either
 NUM_ACTIONS = 19
 NO_KEY = -1  # what was done is none of the 19
+BY_PROGRAM = -2  # an agent leaves its player to the program; never a learner's action
 NUM_COMMANDS = 20  # with the built-in AI's; several actions at once are digits of this base
 ACTION_NAMES = (
     *("idle", "left", "top_left", "top", "top_right", "right", "bottom_right", "bottom", "bottom_left"),

@@ -14,7 +14,7 @@ from gymnasium.spaces import Discrete, MultiDiscrete, Space
 
 from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
-from envs.football.constants import BUILTIN_AI, NO_FAULT, NUM_ACTIONS
+from envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
 from envs.football.engine import Engine, Simulator
 from envs.football.observation.observer import RAW, Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
@@ -137,7 +137,7 @@ class FootballVectorEnv(UPOMDP):
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
         out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
-        chosen = np.full_like(out.agent_actions, BUILTIN_AI) if self.scripted else self._checked(actions)
+        chosen = np.full_like(out.agent_actions, BY_PROGRAM) if self.scripted else self._checked(actions)
         self._engine.step(self._batch, chosen, out, seen, final, self._settings)
         if out.faults.any():
             self._report_faults()

@@ -179,3 +179,13 @@ def test_wishes_of_built_in_players_as_keys(fields, told):
     for name, value in fields.items():
         player[name] = value
     assert key_of_wish(player, 0) == told
+
+
+def test_what_a_program_did_last_is_repeated_where_actions_stick():
+    program = "model football.model\nparam sticky_noise = 0.5\nLeftGK\nego = LeftCF at 70 @ 0\n"
+    program += "Ball at 72 @ 0\nRightGK\nRightCB at 80 @ 1\n"
+    env = FootballVectorEnv(program, 64, config=FootballConfig(control="all"))
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    told = [script.step(np.zeros((64, 2), int))[4]["agent_actions"] for _ in range(100)]  # raises for a fault
+    assert np.mean([one == two for one, two in zip(told[1:], told, strict=False)]) > 0.6

@@ -13,10 +13,12 @@ from envs.football.constants import (
     ACTIVE,
     BAD_ACTION,
     BUILTIN_AI,
+    BY_PROGRAM,
     CLOSEST,
     LEFT,
     NO_KEY,
     NOBODY,
+    NUM_ACTIONS,
     RIGHT,
 )
 from envs.football.control.active_player import choose_active
@@ -29,16 +31,19 @@ from scenic_lite.kernels.rng import uniform
 def assign_actions(match, actions):
     """Give the agents' players their actions `[A]`, and everybody else the built-in AI's.
 
-    An agent's BUILTIN_AI leaves its player to the program, or to the built-in AI where the program leaves him.
+    An agent's BY_PROGRAM leaves its player to the program, or to the built-in AI where the program leaves him.
     """
     for i in range(match.num_players):
         match.players[i].action = BUILTIN_AI
     for agent in range(num_agents(match)):
         action = actions[agent]
         if match.engine.sticky_noise > 0.0 and match.step > 0 and uniform(match) < match.engine.sticky_noise:
-            action = match.last_actions[agent]
+            last = match.last_actions[agent]
+            action = action if last == NO_KEY else last
         match.last_actions[agent] = action
-        if not 0 <= action <= BUILTIN_AI:
+        if action == BY_PROGRAM:
+            continue
+        if not 0 <= action < NUM_ACTIONS:
             match.fault = BAD_ACTION
             action = 0
         if match.agents[agent] != NOBODY:
@@ -51,7 +56,7 @@ def press_commanded_keys(match):
     """Let the agents that leave their players to the program press what it commands, one key a step as agents do."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
-        if match.last_actions[agent] == BUILTIN_AI and i != NOBODY and match.players[i].action != BUILTIN_AI:
+        if match.last_actions[agent] == BY_PROGRAM and i != NOBODY and match.players[i].action != BUILTIN_AI:
             player = match.players[i]
             player.action = key_of_command(player, player.action)
             match.last_actions[agent] = seen_by(player.team, player.action)
@@ -62,7 +67,7 @@ def note_wishes(match):
     """Note as an agent's action what comes nearest to what the built-in AI wants, where it has decided."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
-        if match.last_actions[agent] != BUILTIN_AI:
+        if match.last_actions[agent] != BY_PROGRAM:
             continue
         match.last_actions[agent] = NO_KEY
         if i != NOBODY:

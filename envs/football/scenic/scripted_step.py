@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from envs.football.constants import (
     BUILTIN_AI,
+    BY_PROGRAM,
     NO_FAULT,
     NOBODY,
     NUM_COMMANDS,
@@ -79,7 +80,7 @@ def command_players(match, object_to_player, commands):
         i = object_to_player[o]
         if i == THE_BALL or commands[o] == NO_COMMAND:
             continue
-        if match.players[i].agent != NOBODY and match.last_actions[match.players[i].agent] != BUILTIN_AI:
+        if match.players[i].agent != NOBODY and match.last_actions[match.players[i].agent] != BY_PROGRAM:
             continue
         match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
 
