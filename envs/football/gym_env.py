@@ -42,8 +42,8 @@ class FootballEnv(gymnasium.Env):
         engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
 
     `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs),
-    `info["agent_rewards"]` `[A]` what each agent is paid, `info["records"]`, of a program with `record`, what was
-    recorded in the step, by name.
+    `info["agent_rewards"]` `[A]` what each of several agents is paid, `info["records"]`, of a program with `record`,
+    what was recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
@@ -89,7 +89,9 @@ class FootballEnv(gymnasium.Env):
         observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
         self._over = over = bool(terminated[0] or truncated[0])
         seen = self._first(info["final_obs"] if over else observations)
-        own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])], "agent_rewards": info["agent_rewards"][0]}
+        own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
+        if self.batch.num_agents > 1:
+            own["agent_rewards"] = info["agent_rewards"][0]
         if "records" in info:
             own["records"] = {name: values[0] for name, values in info["records"].items() if is_there(values[0])}
         return seen, float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own

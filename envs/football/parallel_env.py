@@ -89,8 +89,8 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         if actions.keys() != set(self.agents):
             raise ValueError(f"step() needs an action of each of {', '.join(self.agents)}, got {', '.join(actions)}")
         chosen = [int(actions[agent]) for agent in self.agents]
-        observation, _, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
-        agents, rewards = self.agents, info.pop("agent_rewards")
+        observation, reward, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
+        agents, rewards = self.agents, info.pop("agent_rewards", [reward])
         if terminated or truncated:
             self.agents = []
         return (
