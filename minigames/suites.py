@@ -122,13 +122,13 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "offense/easy_crossing",
             "the ball wide in the box, a mate on the other side, a back between",
-            "a shot from where the ball lies does as well as the cross; fails from the other side",
+            "soon learned from where the ball lies; little of it carries over to the other side",
             **ATTACK,
         ),
         _page(
             "offense/hard_crossing",
             "a winger by the line, two mates among three backs",
-            "the cross has to find a head between three backs; hardly anybody scores",
+            "the cross has to find a mate between three backs",
             **ATTACK,
         ),
         _page(
@@ -150,13 +150,13 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "defense/gk_vs_opponent",
             "a keeper alone against an attacker",
-            "the easiest defence: coming out is enough",
+            "the easiest defence",
             **DEFENCE,
         ),
         _page(
             "defense/2vs2",
             "two backs against two attackers, the goal empty",
-            "the ball must be won before the shot; tests begin much nearer to the goal",
+            "the ball must be won before the shot; tests begin much nearer to it",
             **DEFENCE,
         ),
         _page(
@@ -168,7 +168,7 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "defense/2vs2_high_pass",
             "a high pass from the wing to an attacker before the box",
-            "nobody is closest to a ball in the air for long",
+            "whom the learner moves changes while the ball is in the air",
             **DEFENCE,
         ),
         _page(
@@ -186,19 +186,19 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "defense/3vs3_side_buildup",
             "three against three from the side, the goal empty",
-            "a shot from afar is enough for them",
+            "nobody is behind the three: any shot counts",
             **DEFENCE,
         ),
         _page(
             "defense/hesitant_dribble",
             "a back alone against the built-in attacker, the goal empty",
-            "the hardest defence: one duel, and it is a goal",
+            "one duel before an empty goal; the hardest defence of the published",
             **DEFENCE,
         ),
         _page(
             "defense/zigzag_dribble",
             "a back and a keeper who stands still, against an attacker who goes round",
-            "he has room; tests begin a few metres from him",
+            "he reacts from afar; in the tests he starts a few metres from the back and reacts late",
             **DEFENCE,
         ),
         _page("grf/empty_goal", "the ball in the middle, nobody in the way", "fifty metres of running", **ATTACK),
@@ -213,7 +213,7 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "grf/run_to_score_with_keeper",
             "the keeper ahead, five chasers behind",
-            "the keeper comes out: round him, or nothing",
+            "nothing is learned from goals alone, as published: the keeper must be passed",
             rewards=CHECKPOINTS,
             expert=EXPERTS / "run_to_score.scenic",
             **ATTACK,
@@ -235,14 +235,14 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "grf/3_vs_1_with_keeper",
             "three attackers before the box against a back and the keeper",
-            "a shot from afar is caught: one has to come nearer, or pass",
+            "shoot, or pass to either side",
             tested=False,
             **ATTACK,
         ),
         _page(
             "grf/counterattack_easy",
             "eleven a side, five attackers ahead of most opponents",
-            "the one that nobody learns from scoring alone",
+            "eleven to watch, and nothing learned from goals alone, as published",
             tested=False,
             rewards=CHECKPOINTS,
             team_control=("3",),

@@ -142,7 +142,9 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
     assert {(row.agent, row.control) for row in found} == {("team_ppo", "allNonGK"), ("random", "allNonGK")}
     text = (tmp_path / "page.md").read_text()
     assert (
-        "| offense/hard_crossing | allNonGK |" in text and "| 1 | -0.02 ± 0.06 |" in text and "Figure 2.7)" not in text
+        "| offense/hard_crossing | allNonGK |" in text
+        and "| 1 × 64 | -0.02 ± 0.06 |" in text
+        and "Figure 2.7)" not in text
     )
     assert (tmp_path / "benchmark_multi_fast.png").is_file()
     assert main(words) == 0 and len(begun) == 1
@@ -242,7 +244,7 @@ def test_ranks_tell_who_is_out_of_place():
     games = list(page.FIGURE_2_7)
     alike = page.Measured("fast", [made(game, page.find_published(game, "ppo").goal_difference) for game in games])
     assert page.ranks(alike, games, "train").startswith(
-        "Spearman's rank correlation with the published over 13 games: 1.00."
+        "Spearman's rank correlation with the published over train scenes of 13 games: 1.00."
     )
     first, *others = alike.rows
     moved = page.Measured("fast", [first._replace(goal_difference=-0.9), *others])
