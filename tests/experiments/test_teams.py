@@ -1,6 +1,7 @@
 """Teams on the command line: trained, gone on with, tested, played in two engines, refused."""
 
 import csv
+import dataclasses
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from experiments.__main__ import main
 from experiments.grf.episodes import NO_ACTION, play, play_keys
 from experiments.grf.transfer import leaving
 from experiments.run.baselines import make_baselines
+from experiments.run.build import find_minigame, load_program, make_method, make_upomdp, starting_point
 from experiments.run.errors import CommandError
 from experiments.run.evaluator import load_student
 from experiments.run.folder import RunFolder
@@ -106,3 +108,22 @@ def test_the_baselines_play_for_every_agent():
     env = loaded("closest3")
     for policy in make_baselines(env).values():
         env.step(policy.play(env.observe(), torch.Generator().manual_seed(0)))
+
+
+@pytest.mark.parametrize(
+    ("control", "representation", "agents"),
+    [
+        *((f"closest{k}", "features", k) for k in (1, 2, 3)),
+        *(("2", "features", 2), ("all", "simple115", 4), ("allNonGK", "features", 3), ("closest2", "smm", 2)),
+    ],
+)
+def test_students_learn_in_every_control_mode(control, representation, agents):
+    config = starting_point("fast", GAME)
+    env = dataclasses.replace(config.env, control=control, representation=representation)
+    ppo = dataclasses.replace(config.ppo, num_steps=4, num_minibatches=1, update_epochs=1)
+    upomdp = make_upomdp(load_program(find_minigame(GAME).program, None), 2, env, 0, 1)
+    method = make_method(dataclasses.replace(config, method="paired", env=env, ppo=ppo, num_envs=2), upomdp)
+    metrics = method.update()
+    assert metrics["env_steps"] == 2 * 2 * 4 and metrics["protagonist/grad_norm"] > 0
+    told = {name for name in metrics if name.startswith("protagonist/agent_") and name.endswith("/entropy")}
+    assert len(told) == (agents if agents > 1 else 0)
