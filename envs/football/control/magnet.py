@@ -23,7 +23,6 @@ class Pull(NamedTuple):
 
     patience: float = 0.2  # s that both teams' times to the ball are longer than they are
     too_late: float = 0.5  # of the opponents' time by his: up to which it does not pull him
-    sooner: float = 0.85  # share of the time of who was the first at the ball, from below which another becomes it
     curve: float = 0.8  # of how alike the ways are
     memory: float = 2.0  # s for which he who touched it last remembers that,
     touched: float = 0.4  # to this power,
@@ -65,7 +64,7 @@ def follow_magnet(match, i):
     if player.kick == 0 and is_ours(match, player.team) and awaits(match, i):
         return
     chase(match, i, player.top_speed)
-    if player.kick != 0 or is_ours(match, player.team):
+    if is_ours(match, player.team):
         return
     share = pull(match, i)
     player.desired_vx = share * player.desired_vx + (1.0 - share) * keys_x
@@ -130,12 +129,8 @@ def in_time_by(match, player, time):
 
 @kernel
 def is_ours(match, team):
-    """Return whether the ball is a team's: it had it last, until an opponent is clearly sooner at it, or it now is."""
-    last = match.last_touch
-    ours, theirs = match.arrival[team], match.arrival[1 - team]
-    if last == NOBODY:
-        return ours < theirs
-    return ours * PULL.sooner <= theirs if match.players[last].team == team else ours < PULL.sooner * theirs
+    """Return whether a team is the first at the ball."""
+    return match.arrival[team] < match.arrival[1 - team]
 
 
 @kernel
