@@ -274,3 +274,19 @@ def test_half_of_the_passes_across_the_pitch_fly(
         play(matches, [action], 0)
         highest = np.maximum(highest, matches["ball"]["z"])
     assert least <= np.mean(highest > 0.7) <= most
+
+
+def test_a_shot_keeps_its_direction_while_the_run_takes_the_foot_elsewhere() -> None:
+    """Passes are aimed again when they leave the foot, shots are not: so a run across the goal takes them along."""
+    players = [(40.0, -6.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)]
+    matches = position(players, (40.4, -6.0), OPEN, range(40))
+    play(matches, [0, *[DIRECTION_TOP] * 8, SHOT, 0])
+    kicking = matches["kicker"] >= 0
+    assert kicking.any()
+    player = matches["players"][kicking, 0]
+    meant = np.arctan2(player["aim_y"] - player["y"], player["aim_x"] - player["x"])
+    play(matches, [0])
+    player = matches["players"][kicking, 0]
+    still = matches["kicker"][kicking] >= 0
+    now = np.arctan2(player["aim_y"] - player["y"], player["aim_x"] - player["x"])
+    assert np.abs(now - meant)[still].max() < 0.001

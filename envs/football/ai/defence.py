@@ -13,9 +13,10 @@ from typing import NamedTuple
 from envs.football.ai.formation import LINE, MINDSET, between
 from envs.football.ai.run_speed import go, reaction_time
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
+from envs.football.physics.ball import rolled
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import man_on_ball
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.possession import ball_speed, man_on_ball
+from envs.football.physics.vectors import apart, length, squared_apart
 from envs.football.skills.steering import go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
 
@@ -29,6 +30,20 @@ class Duel(NamedTuple):
     slide_loose: float = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
     tackle_range: float = 2.0  # m to a ball
     coming: float = 1.5  # m/s at which it comes: whoever it comes to tries for it
+
+
+class Race(NamedTuple):
+    """Who is sooner at a led ball: his run fades out while a circle that he reaches grows around it."""
+
+    ahead: float = 0.1  # m before the body, where the circle begins
+    leg: float = 0.28  # m, its radius then
+    fades: float = 0.7  # s until his run has faded out
+    pace: float = 0.94  # share of his top speed at which it grows in the end
+    step: float = 0.03  # s of the search
+    longest: float = 0.66  # s: who needs longer is not asked
+    nearest: float = 5.0  # m to the ball, the same
+    sooner: float = 0.85  # share of the carrier's time in which he has to be there
+    slack: float = 0.01  # s, added to both
 
 
 class Guard(NamedTuple):
@@ -70,7 +85,7 @@ class Trap(NamedTuple):
 
 
 # Documented of Google Research Football; families tackles, academy and matches of `regista benchmark --suite grf`.
-DUEL, GUARD, MEET, TRAP = Duel(), Guard(), Meet(), Trap()
+DUEL, RACE, GUARD, MEET, TRAP = Duel(), Race(), Guard(), Meet(), Trap()
 
 
 @kernel
@@ -89,6 +104,44 @@ def tackles(match, player):
             return False
     coming = -(dx * ball.vx + dy * ball.vy) / (length(dx, dy) + 1e-9)
     return coming > DUEL.coming and forward(player.team) * dx > 0.0
+
+
+@kernel
+def wins_race(match, i):
+    """Return whether player i, the first of his team at a ball that an opponent leads, is clearly sooner at it.
+
+    The original has its one designated player run for the ball then, whomever he marks.
+    """
+    player, ball = match.players[i], match.ball
+    if match.carrier == NOBODY or match.keeper_holding != NOBODY or match.chaser[player.team] != i:
+        return False
+    carrier = match.players[match.carrier]
+    if carrier.team == player.team or squared_apart(player, ball.x, ball.y) > RACE.nearest * RACE.nearest:
+        return False
+    speed = ball_speed(ball)
+    mine = time_to_led_ball(ball, player, speed)
+    his = time_to_led_ball(ball, carrier, speed)
+    if carrier.stride < 0.0:
+        his = min(his, -carrier.stride)  # he is about to play it
+    return mine + RACE.slack < RACE.sooner * (his + RACE.slack)
+
+
+@kernel
+def time_to_led_ball(ball, player, speed):
+    """Estimate in s how soon a player plays the ball, which rolls on at `speed` m/s meanwhile."""
+    pace = RACE.pace * player.top_speed
+    here_x, here_y = player.x + RACE.ahead * player.facing_x, player.y + RACE.ahead * player.facing_y
+    time = 0.0
+    while time < RACE.longest:
+        time += RACE.step
+        share = rolled(speed, time) / speed if speed > 0.0 else 0.0
+        run = time * (1.0 - 0.5 * time / RACE.fades)
+        away_x = ball.x + share * ball.vx - here_x - run * player.vx
+        away_y = ball.y + share * ball.vy - here_y - run * player.vy
+        reach = RACE.leg + 0.5 * pace * time * time / RACE.fades
+        if away_x * away_x + away_y * away_y < reach * reach:
+            break
+    return time
 
 
 @kernel

@@ -92,7 +92,7 @@ def shoot(match, player, goal_x, y):
     run = STRIKE.run_share * length(player.vx, player.vy) / STRIKE.full_speed
     ux, uy = toward(STRIKE.aim_share * ux - run * player.facing_x, STRIKE.aim_share * uy - run * player.facing_y)
     distance = length(line_x - from_x, y - from_y)
-    ask_kick(player, SHOT, from_x + distance * ux, from_y + distance * uy)
+    ask_kick(player, SHOT, player.x + distance * ux, player.y + distance * uy)
     far = min(length(goal_x - player.x, player.y) / STRIKE.far, 1.0)
     power = (STRIKE.power_least + (1.0 - STRIKE.power_least) * uniform(match)) * (
         STRIKE.power_near + STRIKE.power_far * far

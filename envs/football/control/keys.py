@@ -158,7 +158,7 @@ def steer(match, i):
 
 @kernel
 def run_on(player, speed):
-    """Let the carrier who has asked for a kick run straight on, at his keys' speed if they do not lead back.
+    """Let the carrier who has asked for a kick run straight on, up to a run if his keys do not lead back.
 
     Who hardly runs yet stands to pass, and starts where his keys lead to shoot.
     """
@@ -168,7 +168,7 @@ def run_on(player, speed):
         share = 0.0 if player.kick < SHOT else speed
         player.desired_vx, player.desired_vy = share * ux, share * uy
         return
-    share = max(speed / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
+    share = max(min(speed, CARRY_RUN) / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
     player.desired_vx, player.desired_vy = share * player.vx, share * player.vy
 
 

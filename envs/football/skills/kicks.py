@@ -21,7 +21,7 @@ from envs.football.constants import (
     STEP,
 )
 from envs.football.physics.possession import forget_kick, lose_ball
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.vectors import apart, length, toward
 from envs.football.rules.offside import whistled
 from envs.football.skills.passes import aim_pass, play_pass
 from envs.football.skills.saves import foresee_shot
@@ -80,6 +80,7 @@ class Behind(NamedTuple):
 # grf`, families passes and shots.
 GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
+FAR = 1e4  # m, from where a point is no more than a direction
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
 STANDS = 1.0  # m/s, who is slower kicks from where he looks
 AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, as far off the first aim as this
@@ -97,10 +98,19 @@ def swing_legs(match):
     if not player.is_aimed:
         aim(match, i)
     player.kick_wait = swing_time(match, player)
+    if player.kick == SHOT:
+        keep_direction(player)
     if match.carry_age <= 1 and not player.is_aimed:
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
         player.kick_wait = max(player.kick_wait - run_up, SWING.from_run_up)
     match.kicker = i
+
+
+@kernel
+def keep_direction(player):
+    """Let a shot keep its direction, wherever the run takes the foot meanwhile: only passes are aimed again."""
+    ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
+    player.aim_x, player.aim_y = player.x + FAR * ux, player.y + FAR * uy
 
 
 @kernel

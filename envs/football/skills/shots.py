@@ -65,8 +65,8 @@ class Difficulty(NamedTuple):
 class BadShot(NamedTuple):
     """What becomes of the hardest shot."""
 
-    drag: float = 0.9  # towards the run
-    scatter: float = 0.46
+    drag: float = 0.8  # towards the run
+    scatter: float = 0.5
     height: float = 0.7
     height_meant: float = 0.05  # of a good one
     weakness: float = 0.5
@@ -76,7 +76,7 @@ class Curl(NamedTuple):
     """How a shot bends."""
 
     bend: float = 0.5  # share of the angle between body and shot, by which the shot starts off towards the body
-    twist: float = 0.28 * math.pi  # rad, the body has turned with the leg to be no further off
+    twist: float = 0.18 * math.pi  # rad, the body has turned with the leg to be no further off
     slow: float = 0.4  # share of that for a slow shot
     fast: float = 0.6  # more for the fastest:
     fastest: float = 70.0  # m/s
@@ -98,7 +98,7 @@ SHOT_STRENGTH = (0.65, 0.57, 0.56, 0.64, 0.53, 0.69, 0.56, 0.62, 0.68, 0.68, 0.6
 
 @kernel
 def aim_shot(match, player, ux, uy):
-    """Aim at the goal line: the further the keys (ux, uy) point off the middle of the goal, the further off it.
+    """Aim along the way to the goal line: the further the keys (ux, uy) point off its middle, the further off it.
 
     Straight away from it they prefer no side: then he aims to that on which he turns round.
     """
@@ -111,7 +111,7 @@ def aim_shot(match, player, ux, uy):
     if math.pi - abs(deviation) < AIM.astern:
         left = math.copysign(AIM.astern_share, goal_x)  # as he sees it: turned with the pitch
         side = left if uniform(match) < 0.5 else -left
-    player.aim_x, player.aim_y = goal_x, side * AIM.widest * share
+    player.aim_x, player.aim_y = player.x + dx, player.y + dy + side * AIM.widest * share
 
 
 @kernel
