@@ -131,7 +131,7 @@ def test_a_keeper_of_more_range_comes_out_further() -> None:
 def test_a_keeper_of_more_reach_saves_more() -> None:
     saved = []
     for reach in (0.6, 1.0, 1.6):
-        matches = duel((38.0, -6.0), (54.0, 0.0), seeds=range(200), keeper_reach=reach)
+        matches = duel((42.0, 0.0), (54.0, 0.0), seeds=range(200), keeper_reach=reach)
         for key in (DIRECTION_RIGHT, 0, 0, SHOT, *[0] * 12):
             play(matches, [key], 0)
         saved.append(np.mean(matches["save_succeeds"]))
