@@ -7,7 +7,19 @@ import pytest
 from pitch import position, take_over
 
 from envs.football.config import FootballConfig
-from envs.football.constants import CM, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, RUN_SPEED, SHORT_PASS, SHOT, SPRINT
+from envs.football.constants import (
+    CM,
+    DIRECTION_RIGHT,
+    DRIBBLE,
+    GK,
+    LEFT,
+    NOBODY,
+    RIGHT,
+    RUN_SPEED,
+    SHORT_PASS,
+    SHOT,
+    SPRINT,
+)
 from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.scenic.lineup import NotAMatchError
 from envs.football.simulator import step_matches
@@ -311,6 +323,18 @@ def test_the_magnet_can_be_switched_off() -> None:
             step_matches(matches, np.array([[1]]))
         ends.append(matches["players"]["x"][0, 0])
     assert ends[0] > 3.0 and ends[1] < -0.9 * RUN_SPEED
+
+
+def test_sprint_and_dribble_together_free_a_player_of_the_magnet() -> None:
+    """A free ball pulls him against either key alone, and against none with both."""
+    players = [(0.0, 0.0, LEFT, CM), (50.0, 20.0, RIGHT, GK)]
+    ends = []
+    for sticky in ([SPRINT], [DRIBBLE], [SPRINT, DRIBBLE]):
+        matches = position(players, (12.0, 0.0), MatchConfig(game_duration=100))
+        for key in (*sticky, *[1] * 15):
+            step_matches(matches, np.array([[key]]))
+        ends.append(matches["players"]["x"][0, 0])
+    assert ends[0] > 3.0 and ends[1] > 3.0 and ends[2] < -0.9 * RUN_SPEED
 
 
 def test_a_player_who_was_sent_off_is_not_chosen() -> None:

@@ -143,7 +143,8 @@ def may_ask(match, i, button):
 def steer(match, i):
     """Want the velocity that the sticky keys ask for, or as far as the ball pulls i the way to it.
 
-    Who has the ball and has asked for a kick runs on as he runs until he has kicked.
+    Who has the ball and has asked for a kick runs on as he runs until he has kicked. Sprint and dribble held together
+    free who has not got it of the pull: then his keys alone count, as in Google Research Football.
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
@@ -152,7 +153,8 @@ def steer(match, i):
         run_on(player, speed)
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
-    if match.use_magnet and not at_feet and match.game_mode == NORMAL:
+    freed = player.sprint and player.dribble
+    if match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:
         follow_magnet(match, i)
 
 
