@@ -50,7 +50,7 @@ ROOT = Path(__file__).parents[2]
             2,
             "regista: --theta takes 6 numbers in [-1, 1] for free.scenic, got 0 2",
         ),
-        (["study"], 2, "regista: there is one study, transfer, not ''"),
+        (["study"], 2, "regista: no study ''; there are single, generalisation, multi, "),
         (["study", "transfer", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (
