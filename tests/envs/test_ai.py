@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
+from envs.football.ai.decide import choose_command
+from envs.football.ai.defence import wins_race
 from envs.football.ai.formation import formation_slots
 from envs.football.constants import CB, CF, CM, GK, LEFT, NOBODY, RIGHT, SHOT
 from envs.football.kick_off import MatchConfig
@@ -77,6 +79,42 @@ def test_a_lone_defender_gives_way_in_midfield(difficulty: float) -> None:
         play(matches, [5], player=1)
     assert np.all(matches["carrier"] == 1)
     assert np.all(matches["players"]["x"][:, 2] > matches["players"]["x"][:, 1] + 1.5)
+
+
+def led_ball(away: float, stride: float = 0.0, team: int = RIGHT) -> np.ndarray:
+    """A match in which player 2 runs at 7 m/s after a ball 1.1 m ahead, which rolls towards player 3, `away` m on."""
+    players = [*KEEPERS, (0.0, 0.0, team, CF), (-1.1 - away, 0.0, LEFT, CB), (-9.0, 9.0, RIGHT, CF)]
+    matches = alone(players, (-1.1, 0.0), n=1)
+    runner, ball = matches["players"][:, 2], matches["ball"]
+    runner["vx"], runner["facing_x"], runner["facing_y"], runner["stride"] = -7.0, -1.0, 0.0, stride
+    ball["vx"], matches["carrier"], matches["chaser"] = -8.0, 2, (3, 2)
+    matches["players"]["marked_opponent"][:, 3] = 4  # another one, of whom he lets go
+    return matches
+
+
+@pytest.mark.parametrize(
+    ("away", "stride", "team", "wins"),
+    [(1.5, 0.0, RIGHT, True), (5.5, 0.0, RIGHT, False), (1.5, -0.17, RIGHT, False), (1.5, 0.0, LEFT, False)],
+    ids=["sooner", "too far", "hardly sooner", "a mate's"],
+)
+def test_who_is_clearly_sooner_at_a_led_ball_runs_for_it(away: float, stride: float, team: int, wins: bool) -> None:
+    matches = led_ball(away, stride, team)
+    assert bool(wins_race(matches[0], 3)) == wins
+    matches["chaser"][:, LEFT] = 0
+    assert not wins_race(matches[0], 3)  # not the first of his team
+
+
+def test_nobody_races_for_a_ball_that_is_free_or_in_hands() -> None:
+    free, held = led_ball(1.5), led_ball(1.5)
+    free["carrier"], held["keeper_holding"] = NOBODY, 2
+    assert not wins_race(free[0], 3) and not wins_race(held[0], 3)
+
+
+def test_who_wins_the_race_leaves_whom_he_marks() -> None:
+    for stride, runs in ((0.0, True), (-0.17, False)):
+        matches = led_ball(1.5, stride)
+        choose_command(matches[0], 3)
+        assert bool(matches["players"]["desired_vx"][0, 3] > 5.0) == runs
 
 
 def test_nobody_supports_from_an_offside_place() -> None:
