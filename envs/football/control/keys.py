@@ -143,13 +143,14 @@ def may_ask(match, i, button):
 def steer(match, i):
     """Want the velocity that the sticky keys ask for, or as far as the ball pulls i the way to it.
 
-    Who has the ball and has asked for a kick runs on as he runs until he has kicked. Sprint and dribble held together
-    free who has not got it of the pull: then his keys alone count, as in Google Research Football.
+    Who has the ball and has asked for a pass runs on as he runs until he has kicked, and for a shot while his leg
+    swings: until then his keys lead. Sprint and dribble held together free who has not got it of the pull: then his
+    keys alone count, as in Google Research Football.
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
     speed = key_speed(player, match.carrier == i)
-    if at_feet and player.kick != 0:
+    if at_feet and player.kick != 0 and (player.kick != SHOT or match.kicker == i):
         run_on(player, speed)
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
