@@ -121,11 +121,8 @@ def single(measured: Measured, folder: Path, pictures: Path) -> str:
     draw_bars(games, bars, "PPO on the training scenes (thesis, Figure 2.7)", path)
     head = ["game", "uniform keys", "PPO", "runs", "published", "semi-expert", "published"]
     rows = [_single_row(measured, game) for game in games]
-    parts = [
-        "### One agent (Figure 2.7)",
-        f"![PPO on the training scenes]({path.relative_to(folder)})",
-        as_markdown([head, *rows]),
-    ]
+    picture = f"![PPO on the training scenes]({path.relative_to(folder)})"
+    parts = ["### One agent (Figure 2.7)", picture, as_markdown([head, *rows])]
     return _paragraphs([*parts, ranks(measured, games, "train")])
 
 
@@ -144,11 +141,8 @@ def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:
     draw_bars(games, bars, "From training scenes to test scenes (thesis, Figure 2.8)", path)
     head = ["game", "train", "test", "train, published", "test, published", "uniform keys, test", "published"]
     rows = [_tested_row(measured, game) for game in games]
-    parts = [
-        "### From training to test scenes (Figure 2.8)",
-        f"![Training and test scenes]({path.relative_to(folder)})",
-        as_markdown([head, *rows]),
-    ]
+    picture = f"![Training and test scenes]({path.relative_to(folder)})"
+    parts = ["### From training to test scenes (Figure 2.8)", picture, as_markdown([head, *rows])]
     return _paragraphs([*parts, OTHER_TESTS, *(ranks(measured, games, split) for split in (TRAIN, "test"))])
 
 
