@@ -23,7 +23,7 @@ from ued.curriculum import Curriculum
 from ued.learning.learner import Learner
 from ued.learning.student import Student
 from ued.learning.worker import collect
-from ued.levels.diagnostics import level_metrics
+from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
 from ued.levels.record import mean_returns
 from ued.seeding import SeedStream
@@ -126,7 +126,8 @@ class Method:
         self.last = LevelBatch(levels, [learner.name for learner in self.learners])
         self.updates += 1
         counters = {"env_steps": float(self.env_steps), "updates": float(self.updates)}
-        return counters | metrics | level_metrics(levels) | seconds
+        programs = program_metrics(levels, getattr(self.upomdp, "names", ()))
+        return counters | metrics | level_metrics(levels) | programs | seconds
 
     # ------------------------------------------------------------ what others ask
 

@@ -27,18 +27,23 @@ class Mixture(UPOMDP):
 
     θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
     order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
-    padded with zeros to the longest, and a one-hot of the program behind.
+    padded with zeros to the longest, and a one-hot of the program behind. Where `only` is the index of a program, that
+    one is played whatever θ says: a test of it, seen as students of the mixture see it.
+
+    Attributes:
+        program_dims: the programs' numbers of columns; an adversary has a head for each.
 
     Raises `ValueError` for members that do not go together.
     """
 
-    def __init__(self, members: Sequence[UPOMDP], names: Sequence[str]) -> None:
+    def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
         _check(members, names)
-        self.members, self.names = tuple(members), tuple(names)
+        self.members, self.names, self.only = tuple(members), tuple(names), only
+        self.program_dims = tuple(member.theta_dim for member in members)
         first = members[0]
         self.sizes = [flatdim(member.single_observation_space) for member in members]
         self.width = max(self.sizes)
-        widest = max(member.theta_dim for member in members)
+        widest = max(self.program_dims)
         draws = [LinearParameter("program", 0.0, float(len(members)))]
         draws += [LinearParameter(str(k + 1), -1.0, 1.0) for k in range(widest)]
         space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
@@ -57,6 +62,8 @@ class Mixture(UPOMDP):
     def program_of(self, theta: Any) -> np.ndarray:
         """Return the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
         column = check_theta(theta, self.theta_dim)[:, 0]
+        if self.only is not None:
+            return np.full(len(column), self.only, np.int32)
         return np.minimum((column + 1) / 2 * len(self.members), len(self.members) - 1).astype(np.int32)
 
     def valid(self, theta: Any) -> np.ndarray:
@@ -142,7 +149,7 @@ class Mixture(UPOMDP):
         return self._observations.copy()
 
     def copy(self) -> Mixture:
-        twin = Mixture([member.copy() for member in self.members], self.names)
+        twin = Mixture([member.copy() for member in self.members], self.names, self.only)
         twin.set_state(self.get_state())
         return twin
 

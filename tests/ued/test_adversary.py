@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from ued.config import AdversaryConfig
-from ued.levels.adversary import Adversary, Beta, RunningScale, Squashed
+from ued.levels.adversary import Adversary, Beta, Composed, RunningScale, Squashed
 from ued.seeding import torch_generator
 
 PEAK = 0.5
@@ -38,6 +38,46 @@ def test_proposals_begin_uniform_and_inside(distribution):
     assert theta.std(0) == pytest.approx(np.full(6, UNIFORM_STD), abs=0.04)
     quarters = np.stack([np.histogram(column, 4, (-1, 1))[0] for column in theta.T]) / len(theta)
     assert np.abs(quarters - 0.25).max() < 0.06
+
+
+@pytest.mark.parametrize("distribution", ["squashed", "beta"])
+def test_of_a_mixture_programs_begin_alike_and_unused_columns_stay_at_0(distribution):
+    config = AdversaryConfig(distribution=distribution)
+    adversary = Adversary(4, config, torch_generator(0), program_dims=(0, 3, 1))
+    theta = adversary.theta(adversary.propose(6000))
+    program = np.rint((theta[:, 0] + 1) / 2 * 3 - 0.5).astype(int)
+    assert theta[:, 0] == pytest.approx((2 * program + 1) / 3 - 1, abs=1e-6)
+    assert np.bincount(program) / 6000 == pytest.approx([1 / 3] * 3, abs=0.04)
+    assert not theta[program == 0, 1:].any() and not theta[program == 2, 2:].any()
+    assert theta[program == 1, 1:].std(0) == pytest.approx(np.full(3, UNIFORM_STD), abs=0.04)
+    assert theta[program == 2, 1].std() == pytest.approx(UNIFORM_STD, abs=0.04)
+
+
+def test_of_a_mixture_densities_and_entropy_are_those_of_choice_and_part():
+    logits = torch.log(torch.tensor([[0.2, 0.8]]))
+    parts = [Squashed(torch.zeros(1, d), torch.zeros(1, d)) for d in (1, 2)]
+    policy, raw = Composed(logits, parts, 3), torch.tensor([[-0.5, 0.3, 0.0], [0.5, 0.3, -0.7]])
+    own = [parts[0].log_prob(raw[:1, 1:2]).item(), parts[1].log_prob(raw[1:, 1:3]).item()]
+    expected = [math.log(0.2) + own[0], math.log(0.8) + own[1]]
+    assert policy.log_prob(raw).tolist() == pytest.approx(expected, abs=1e-5)
+    uniform = [Beta(torch.full((1, d), -4.0), torch.full((1, d), -4.0)) for d in (1, 2)]
+    entropy = Composed(logits, uniform, 3).theta_entropy(torch_generator(0)).item()
+    chosen = -0.2 * math.log(0.2) - 0.8 * math.log(0.8)
+    assert entropy == pytest.approx(chosen + 0.2 * math.log(2) + 0.8 * 2 * math.log(2), abs=1e-3)
+
+
+def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
+    config, rng = AdversaryConfig(), np.random.default_rng(0)
+    adversary = Adversary(3, config, torch_generator(0), program_dims=(2, 2, 2))
+    for _ in range(150):
+        proposals = adversary.propose(128)
+        theta = adversary.theta(proposals)
+        metrics = adversary.learn(proposals, (theta[:, 0] > 1 / 3) * landscape(theta[:, 1:], rng))
+    theta = adversary.theta(adversary.propose(2000))
+    last = theta[:, 0] > 1 / 3
+    assert last.mean() > 0.8
+    assert np.abs(theta[last, 1:].mean(0) - PEAK).max() < 0.25
+    assert math.isfinite(metrics["entropy"])
 
 
 @pytest.mark.slow

@@ -86,6 +86,18 @@ def test_methods_train_on_it_and_resume(make):
     one, other = method.update(), resumed.update()
     assert all(one[k] == other[k] or one[k] != one[k] for k in one if not k.startswith("time/"))
     assert one["env_steps"] == 5 * 32 * 12 * len(method.learners)
+    assert sum(one[f"program/{name}"] for name in ("plain", "half", "choice")) == pytest.approx(1)
+    assert 0 <= one["program_success/choice"] <= 1
+
+
+def test_a_program_alone_is_seen_as_in_the_mixture():
+    whole = mixture(3)
+    alone = Mixture(whole.members, whole.names, only=1)
+    assert alone.observation_space == whole.observation_space
+    assert set(alone.sample_levels(50)["program"].tolist()) == {1}
+    seen, _ = alone.reset(seed=0, options={"theta": [[-1.0, 0.3, -0.4]] * 3})
+    assert seen[0] == pytest.approx([0.3, -0.4, 0, 1, 0])
+    assert alone.copy().only == 1
 
 
 def test_members_must_go_together():

@@ -3,12 +3,14 @@
 A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3), or a Beta distribution does, as in CLUTR. The
 vector z lets the same weights propose many different levels; the entropy bonus is measured in θ's own space, because
 the entropy of the Gaussian before squashing is largest where tanh saturates, and would drive all levels into the
-corners. Read next: `levels.teacher`.
+corners. On a mixture of programs it first chooses one, and has a distribution over θ for each (`Composed`).
+Read next: `levels.teacher`.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +46,7 @@ class Squashed(Gaussian):
     def __init__(self, one: Tensor, other: Tensor) -> None:
         mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
         super().__init__(mean, (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE))
+        self.dim = mean.shape[-1]
 
     def theta_entropy(self, generator: torch.Generator) -> Tensor:
         """Estimate the entropy `[B]` of θ from one sample each that gradients flow through.
@@ -66,6 +69,7 @@ class Beta:
         # Both parameters begin near 1, which is uniform.
         alpha, beta = (1 + softplus(4 * x - 3) for x in (one, other))
         self.beta = torch.distributions.Beta(alpha, beta, validate_args=False)
+        self.dim = one.shape[-1]
 
     def sample(self, generator: torch.Generator) -> Tensor:
         one, other = (
@@ -86,24 +90,90 @@ class Beta:
         return raw.astype(np.float64)
 
 
-ThetaPolicy = Squashed | Beta  # a distribution over θ for each row of a batch, drawn as `raw` [B, D]
 DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "beta": Beta}
 
 
-class AdversaryNetwork(nn.Module):
-    """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units."""
+class Composed:
+    """θ of a mixture of K programs: column 0 says which, then come that program's own columns; see `ued.mixture`.
 
-    def __init__(self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int) -> None:
+    `raw` is the same: θ's column 0 as it is, the middle of the program's share, and what was drawn for the others, 0
+    where the program has none. Entropies are of both choices: at most log K and the mean of the programs' D log 2.
+
+    Args:
+        logits: `[B, K]` of the programs.
+        parts: the K programs' distributions over their own columns.
+        width: of `raw`.
+    """
+
+    def __init__(self, logits: Tensor, parts: Sequence[Squashed | Beta], width: int) -> None:
+        self.log_share = logits.log_softmax(-1)
+        self.parts, self.width = parts, width
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        program = torch.multinomial(self.log_share.exp(), 1, generator=generator)  # [B, 1]
+        raw = torch.zeros(len(program), self.width)
+        raw[:, :1] = (2 * program + 1) / len(self.parts) - 1
+        for k, part in enumerate(self.parts):
+            own = part.sample(generator)  # [B, D_k]
+            raw[:, 1 : 1 + own.shape[1]] = torch.where(program == k, own, raw[:, 1 : 1 + own.shape[1]])
+        return raw
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        program = ((raw[:, :1] + 1) / 2 * len(self.parts)).long()  # [B, 1]
+        own = [part.log_prob(raw[:, 1 : 1 + part.dim]) for part in self.parts]
+        return (self.log_share + torch.stack(own, 1)).gather(1, program)[:, 0]
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Return the entropy `[B]` of the choice, and of θ given it."""
+        within = torch.stack([part.theta_entropy(generator) for part in self.parts], 1)  # [B, K]
+        return (self.log_share.exp() * (within - self.log_share)).sum(1)
+
+
+ThetaPolicy = Squashed | Beta | Composed  # a distribution over θ for each row of a batch, drawn as `raw` [B, D]
+
+
+class AdversaryNetwork(nn.Module):
+    """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units.
+
+    On a mixture, `program_dims` are its programs' numbers of columns: each has heads of its own, and one chooses.
+    """
+
+    def __init__(
+        self,
+        dim: int,
+        config: AdversaryConfig,
+        generator: torch.Generator,
+        context_size: int,
+        program_dims: Sequence[int] = (),
+    ) -> None:
         super().__init__()
         self.distribution = DISTRIBUTIONS[config.distribution]
+        self.dim, self.program_dims = dim, tuple(program_dims)
         self.torso = mlp(context_size, config.hidden_size, 2, generator)
-        self.heads = nn.ModuleList(linear(config.hidden_size, dim, 0.01, generator) for _ in range(2))
+        columns = sum(self.program_dims) if self.program_dims else dim
+        self.heads = nn.ModuleList(linear(config.hidden_size, columns, 0.01, generator) for _ in range(2))
         self.value = linear(config.hidden_size, 1, 1.0, generator)
+        if self.program_dims:
+            self.choice = linear(config.hidden_size, len(self.program_dims), 0.01, generator)
 
     def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
         """Return the distributions and the regret to expect `[B]` for contexts `[B, Z]`."""
         features = self.torso(z)
-        return self.distribution(*(head(features) for head in self.heads)), self.value(features)[:, 0]
+        one, other = (head(features) for head in self.heads)
+        return self._policy(features, one, other), self.value(features)[:, 0]
+
+    def _policy(self, features: Tensor, one: Tensor, other: Tensor) -> ThetaPolicy:
+        if not self.program_dims:
+            return self.distribution(one, other)
+        halves = (half.split(self.program_dims, -1) for half in (one, other))
+        return Composed(self.choice(features), [self.distribution(*own) for own in zip(*halves, strict=True)], self.dim)
+
+    def theta(self, raw: np.ndarray) -> np.ndarray:
+        """Return θ `[n, D]` for what was drawn."""
+        theta = self.distribution.theta(raw)
+        if self.program_dims:
+            theta[:, 0] = raw[:, 0]
+        return theta
 
 
 class Adversary(Resumable):
@@ -114,6 +184,7 @@ class Adversary(Resumable):
         config: its network and its learning.
         generator: of its weights and draws.
         context_size: entries of the context where this is no random vector; see `propose`.
+        program_dims: of a mixture, the number of columns of each program.
 
     Raises `ValueError` where there is nothing to propose (D = 0).
     """
@@ -121,7 +192,12 @@ class Adversary(Resumable):
     state_fields = ("network", "optimizer", "generator", "scale")
 
     def __init__(
-        self, dim: int, config: AdversaryConfig, generator: torch.Generator, context_size: int | None = None
+        self,
+        dim: int,
+        config: AdversaryConfig,
+        generator: torch.Generator,
+        context_size: int | None = None,
+        program_dims: Sequence[int] = (),
     ) -> None:
         if dim < 1:
             raise ValueError(
@@ -130,7 +206,7 @@ class Adversary(Resumable):
             )
         self.dim, self.config, self.generator = dim, config, generator
         self.context_size = context_size or config.context_size
-        self.network = AdversaryNetwork(dim, config, generator, self.context_size)
+        self.network = AdversaryNetwork(dim, config, generator, self.context_size, program_dims)
         self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
         self.scale = RunningScale()
 
@@ -147,7 +223,7 @@ class Adversary(Resumable):
 
     def theta(self, proposals: Proposals) -> np.ndarray:
         """Return the proposed θ, float64 `[n, D]` in [-1, 1]."""
-        return self.network.distribution.theta(proposals.raw)
+        return self.network.theta(proposals.raw)
 
     def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
         """Learn from the regret `[n]` of these proposals; return the means of the losses over the epochs."""

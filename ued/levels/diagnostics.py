@@ -7,6 +7,8 @@ Read next: `method`, which logs them in every update.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ued.levels.record import Origin, mean_returns
@@ -27,6 +29,18 @@ def level_metrics(levels: np.ndarray) -> dict[str, float]:
     if len(score):
         metrics["score"] = float(score.mean())
     return metrics | theta_metrics(levels["level"]["theta"])
+
+
+def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float]:
+    """Return of each program of a mixture its share of finished level records `[L]`, and the success rate on these."""
+    metrics = {}
+    for k, name in enumerate(names):
+        mine = levels["level"]["program"] == k
+        returns = levels["returns"][mine, 0]
+        played = ~np.isnan(returns)
+        metrics[f"program/{name}"] = float(mine.mean()) if len(levels) else np.nan
+        metrics[f"program_success/{name}"] = float((returns[played] > 0).mean()) if played.any() else np.nan
+    return metrics
 
 
 def theta_metrics(theta: np.ndarray) -> dict[str, float]:

@@ -36,7 +36,8 @@ class Teacher(Resumable):
         seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
-        self.adversary = Adversary(space.theta_dim, config.adversary, torch_generator(seeds.next()), size)
+        programs = getattr(space, "program_dims", ())
+        self.adversary = Adversary(space.theta_dim, config.adversary, torch_generator(seeds.next()), size, programs)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
