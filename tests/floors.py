@@ -29,6 +29,7 @@ FLOORS = {
     "envs": (
         "football.constants",
         "football.config",
+        "football.limits",  # what fields may hold
         "football.state",  # the record of a match
         "football.physics",  # bodies and ball
         "football.rules",  # the laws of the game: restarts, fouls, offside

@@ -78,7 +78,6 @@ def _play(
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
-    upomdp.upcoming = lambda: playlist[next_episode:]
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
     while (episode < episodes).any():
@@ -100,5 +99,5 @@ def _play(
             upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():
                 observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
-    upomdp.idle[:], upomdp.upcoming = False, None
+    upomdp.idle[:] = False
     return returns, lengths, steps * num_envs

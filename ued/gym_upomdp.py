@@ -15,7 +15,7 @@ import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ued.upomdp import UPOMDP, Parameter, check_theta, sample_valid_theta
+from ued.upomdp import UPOMDP, Parameter, check_theta, sample_valid_theta, set_stream
 
 Apply = Callable[[gymnasium.Env, dict[str, Any]], object]
 Range = tuple[float, float]
@@ -223,7 +223,7 @@ class GymUPOMDP(UPOMDP):
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
         self.levels[:] = state["levels"]
-        self.np_random.bit_generator.state = state["np_random"]
+        set_stream(self.np_random, state["np_random"])
         self.vector = copy.deepcopy(state["envs"])
         self._observations = state["observations"].copy()
         return self._observations.copy()

@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from ued.gym_upomdp import LinearParameter
-from ued.upomdp import UPOMDP, check_theta
+from ued.upomdp import UPOMDP, check_theta, set_stream
 
 ACTIONS = 4
 
@@ -106,7 +106,7 @@ class Frontier(UPOMDP):
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
         for name in ("place", "lost", "levels"):
             getattr(self, name)[:] = state[name]
-        self.np_random.bit_generator.state = state["np_random"]
+        set_stream(self.np_random, state["np_random"])
         return self._look()
 
     def copy(self) -> Frontier:

@@ -83,6 +83,14 @@ def new_levels(theta: Any, dim: int, rng: np.random.Generator) -> np.ndarray:
     return levels
 
 
+def set_stream(generator: np.random.Generator, state: Any) -> None:
+    """Put a stream back into a state that it has had. Raises ValueError for what is no such state."""
+    try:
+        generator.bit_generator.state = state
+    except (TypeError, KeyError, ValueError, OverflowError) as error:
+        raise ValueError(f"np_random is no state of a {type(generator.bit_generator).__name__}") from error
+
+
 def sample_valid_theta(
     rng: np.random.Generator, count: int, dim: int, valid: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
@@ -113,8 +121,6 @@ class UPOMDP(VectorEnv):
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
             next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
-        upcoming: gives levels that are likely to be started soon, in this order: where starting many takes hardly
-            longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
@@ -143,7 +149,6 @@ class UPOMDP(VectorEnv):
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.next_levels: Callable[[int], np.ndarray] | None = None
-        self.upcoming: Callable[[], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
     @property
@@ -178,10 +183,6 @@ class UPOMDP(VectorEnv):
     def valid(self, theta: Any) -> np.ndarray:
         """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
         return np.ones(len(check_theta(theta, self.theta_dim)), bool)
-
-    def _playable(self, levels: np.ndarray) -> np.ndarray:
-        """Return which levels `[k]` can be started: bool `[k]`."""
-        return self.valid(levels["theta"])
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
@@ -236,7 +237,7 @@ class UPOMDP(VectorEnv):
             raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)
         levels = levels.copy()
-        replaced = ~self._playable(levels)
+        replaced = ~self.valid(levels["theta"])
         if replaced.any():
             levels[replaced] = self.sample_levels(int(replaced.sum()))
         self.levels[chosen] = levels

@@ -12,7 +12,6 @@ A record is a NumPy archive without pickled objects: reading a stranger's runs n
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -26,6 +25,7 @@ from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
 KIND = "regista match record"
+LARGEST = 2**31  # bytes of a record, unpacked
 FORMAT = f"{KIND} 3"  # 2: before matches had engines of their own
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents", "levels")
@@ -74,8 +74,11 @@ class Record:
 
     def make_env(self) -> FootballVectorEnv:
         """Return the environment as it was at the start. Raises `RecordError` where that is not possible."""
-        path = Path(self.file)
-        source = path if self.file and path.is_file() and path.read_text() == self.program else self.program
+        try:
+            path = Path(self.file)
+            source: Path | str = path if path.is_file() and path.read_text() == self.program else self.program
+        except (OSError, ValueError):  # no path, or no text
+            source = self.program
         try:
             env = FootballVectorEnv(source, len(self.last), config=self.config)
             env.scripted = self.scripted
@@ -140,10 +143,12 @@ def load_record(path: str | Path) -> Record:
     """Read a record. Raises `RecordError` for a file that is none, that is damaged, or of another version."""
     try:
         with np.load(path, allow_pickle=False) as archive:
+            if sum(each.file_size for each in archive.zip.infolist()) > LARGEST:
+                raise RecordError(f"{path} is larger than any record: it would be more than {LARGEST:,} bytes")
             found = {name: archive[name] for name in archive.files}
-    except (ValueError, EOFError, OSError, zipfile.BadZipFile) as error:
-        if isinstance(error, FileNotFoundError | PermissionError | IsADirectoryError):
-            raise
+    except (FileNotFoundError, PermissionError, IsADirectoryError, RecordError):
+        raise
+    except Exception as error:  # whatever a damaged archive makes NumPy stumble over
         raise RecordError(f"{path} is no record of a match, or it is damaged") from error
     stated = str(found.get("format"))
     if not stated.startswith(KIND):
@@ -156,15 +161,30 @@ def load_record(path: str | Path) -> Record:
     if found["last"].dtype != MATCH or found["matches"].dtype != MATCH:
         raise RecordError(f"{path} was made by another version of the simulator: its matches have other fields")
     try:
-        config = FootballConfig(**json.loads(str(found["config"])))
-        random = json.loads(str(found["np_random"]))
-    except (TypeError, ValueError) as error:
+        record = _decoded(found)
+    except (TypeError, ValueError, RecursionError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
+    return record
+
+
+def _decoded(found: dict[str, Any]) -> Record:
+    """Return the record that these arrays are. Raises ValueError or TypeError where they do not fit together."""
+    program, file, config, random = (str(found[name]) for name in ("program", "program_file", "config", "np_random"))
+    actions, lengths, count = found["actions"], found.get("lengths"), len(np.atleast_1d(found["last"]))
+    if found["last"].shape != (count,) or not count:
+        raise ValueError("it has no matches")
+    if actions.dtype.kind not in "iu" or actions.shape[1:2] != (count,):
+        raise ValueError(f"actions must be whole numbers for each of {count} matches")
+    if lengths is not None and (
+        lengths.dtype.kind not in "iu" or lengths.shape != (count,) or lengths.min() < 0 or lengths.max() > len(actions)
+    ):
+        raise ValueError(f"lengths must be 0 to {len(actions)} steps for each of {count} matches")
     state = {name: array for name, array in found.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
-    state["np_random"] = random
-    texts = str(found["program"]), str(found["program_file"])
-    scripted = bool(found.get("scripted", False))
-    return Record(*texts, config, state, found["actions"], found["last"], scripted, found.get("lengths"))
+    state["np_random"] = json.loads(random)
+    # Which program on this machine plays is no business of whoever recorded the matches.
+    settings = replace(FootballConfig(**json.loads(config)), grf_python=None)
+    scripted = bool(np.all(found.get("scripted", False)))
+    return Record(program, file, settings, state, actions, found["last"], scripted, lengths)
 
 
 def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:

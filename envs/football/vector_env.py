@@ -16,13 +16,14 @@ from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_o
 from envs.football.config import FootballConfig
 from envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
 from envs.football.engine import Engine, Simulator
+from envs.football.limits import Limits, StateError
 from envs.football.observation.observer import RAW, Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.starts import INVALID, Starts
+from envs.football.state import WHO
 from scenic_lite import Program, load
-from ued.upomdp import UPOMDP, check_theta
+from ued.upomdp import UPOMDP, check_theta, set_stream
 
 
 class FootballVectorEnv(UPOMDP):
@@ -83,10 +84,13 @@ class FootballVectorEnv(UPOMDP):
             self.behaviors.is_live,
             self.lineup.object_to_player,
         )
-        self._starts = Starts(self.lineup, self.behaviors)
         self._outcome = empty_outcome(num_envs, self.num_agents)
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
+        match, registers = self.lineup.limits, self.behaviors.limits
+        self._limits = {"matches": match, "starts": match, "registers": registers, "start_registers": registers}
+        seen = self._batch.minimap_agents[:1].size
+        self._limits["minimap_agents"] = Limits.of_array(seen, dict.fromkeys(range(seen), WHO), self.lineup.counts)
         self._started = False
         self.scripted = False  # the program plays the agents' players: see `with_scripted_policy`
         self.ended_matches: np.ndarray | None = None  # see `keep_endings`
@@ -118,9 +122,6 @@ class FootballVectorEnv(UPOMDP):
         """Return for θ `[N, D]` whether each is a valid scene: `[N]`."""
         return self.program.valid(check_theta(theta, self.theta_dim))
 
-    def _playable(self, levels: np.ndarray) -> np.ndarray:
-        return self._starts.rows(levels, self.upcoming) != INVALID
-
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return for θ `[N, D]` what each draws, by name, in the program's units."""
         return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
@@ -130,8 +131,9 @@ class FootballVectorEnv(UPOMDP):
         return self.program.sample(count, self.np_random)[0]
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
-        batch.starts[where], batch.start_registers[where] = self._starts.matches[rows], self._starts.registers[rows]
+        batch = self._batch
+        batch.starts[where] = self.lineup.starts(levels["theta"], levels["seed"])
+        batch.start_registers[where] = self.behaviors.registers(levels["theta"])
         self._engine.begin(batch, where, self._settings)
         self._started = True
         return self.observe()
@@ -217,7 +219,8 @@ class FootballVectorEnv(UPOMDP):
     def set_state(self, state: dict[str, Any]) -> Any:
         """Take back what `get_state` gave; return the observations of that moment.
 
-        Raises ValueError for a state of other matches: another number, another program or representation.
+        Raises `StateError` for a state of other matches: another number, another program or representation, or with
+        values that no match has (see `state`); nothing is taken then.
         """
         batch = self._batch
         pairs = {
@@ -230,10 +233,13 @@ class FootballVectorEnv(UPOMDP):
             "levels": self.levels,
         }
         check_state(state, pairs)
+        for name, limits in self._limits.items():
+            limits.check(state[name], name)
+        check_theta(state["levels"]["theta"], self.theta_dim)
+        set_stream(self.np_random, state["np_random"])
         for name, array in pairs.items():
-            array[:] = state[name]
+            bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
         self._engine.set_state(state, batch)
-        self.np_random.bit_generator.state = state["np_random"]
         self._started = True
         return self.observe()
 
@@ -282,8 +288,13 @@ def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehav
     return Simulator(behaviors.code)
 
 
+def bytes_of(array: np.ndarray) -> np.ndarray:
+    """Return what an array holds, as bytes: a view, where it lies in one piece."""
+    return np.ascontiguousarray(np.asarray(array)).reshape(-1).view(np.uint8)
+
+
 def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
-    """Raise ValueError unless the arrays of a state have the shapes and fields that are wanted."""
+    """Raise `StateError` unless the arrays of a state have the shapes and fields that are wanted."""
     for name, array in wanted.items():
         found = state.get(name)
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
@@ -293,7 +304,7 @@ def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
             what = f"shape {list(found.shape)}" if found.shape != array.shape else "other fields"
         else:
             what = "none" if found is None else f"a {type(found).__name__}"
-        raise ValueError(
+        raise StateError(
             f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
             "program, number of matches, control and representation must be those of the environment that gave it"
         )

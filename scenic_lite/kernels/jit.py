@@ -7,10 +7,13 @@ Read next: `envs.football.simulator`, the largest user.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
 import re
 import shutil
+import stat
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -102,20 +105,29 @@ def sources() -> list[Path]:
 
 def digest() -> str:
     """Name the present state of `sources()` in 16 hexadecimal digits."""
-    state = hashlib.sha256(f"{numba.__version__} {LINKING}".encode())
+    state = hashlib.sha256(f"{numba.__version__} {LINKING} {_numba_config.BOUNDSCHECK}".encode())
     for path in sources():
         state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
     return state.hexdigest()[:16]
 
 
 def _cache_folder() -> Path:
-    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder."""
+    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder.
+
+    What lies in a cache is run. So a folder into which somebody else could have put something is not used.
+    """
     user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
     chosen = os.environ.get("NUMBA_CACHE_DIR")
-    for parent in (Path(chosen) if chosen else user_cache, Path(tempfile.gettempdir()) / "regista"):
+    for parent in (Path(chosen) if chosen else user_cache, Path(tempfile.gettempdir()) / f"regista-{os.getuid()}"):
         folder = parent / digest()
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _private(parent.resolve()):
+                continue
+            folder.mkdir(mode=0o700, exist_ok=True)
+            if not _private(folder):
+                continue
+            folder.chmod(0o700)
             folder.touch()  # newest: `_forget` goes by age
             with tempfile.TemporaryFile(dir=folder):
                 pass
@@ -123,7 +135,27 @@ def _cache_folder() -> Path:
             continue
         _forget(parent)
         return folder
-    return Path(tempfile.mkdtemp(prefix="regista-"))
+    fresh = Path(tempfile.mkdtemp(prefix="regista-"))
+    atexit.register(_remove, fresh, os.getpid())
+    print(f"regista: compiled kernels are kept in {fresh} until this program ends", file=sys.stderr)
+    return fresh
+
+
+def _private(folder: Path) -> bool:
+    """Return whether a folder is the user's, and nobody else may write into it; say it where that is not so."""
+    found = folder.lstat()
+    mine, writable = found.st_uid == os.getuid(), bool(found.st_mode & 0o022)
+    if mine and not writable and stat.S_ISDIR(found.st_mode):
+        return True
+    why = "it belongs to somebody else" if not mine else "others may write into it" if writable else "it is no folder"
+    print(f"regista: {folder} is not used as a cache of compiled kernels: {why}", file=sys.stderr)
+    return False
+
+
+def _remove(folder: Path, maker: int) -> None:
+    """Remove a temporary cache when the process ends that made it, not when a child of it does."""
+    if os.getpid() == maker:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _forget(parent: Path) -> None:

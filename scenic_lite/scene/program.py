@@ -10,7 +10,7 @@ import ast
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import (
     Constraint,
     Constraints,
-    Outlines,
     RejectionReport,
     constraint_of_requirement,
     constraints_of,
@@ -42,16 +41,6 @@ from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, colum
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
-
-
-class Evaluation(NamedTuple):
-    """What N rows of theta give: registers of the tape, rectangles, `ok` [N] and `failed` [R, N] as in Scenes."""
-
-    registers: list[Any]
-    outlines: Outlines
-    ok: np.ndarray
-    failed: np.ndarray
-    faults: Faults
 
 
 class Program:
@@ -139,15 +128,11 @@ class Program:
         Never raises for rows that describe no valid scene: their `ok` is False.
         """
         self.mode.budget.new_call()
-        registers, outlines, ok, failed, _ = self._evaluate(self.layout.checked(theta))
-        positions, headings = self._plan.arrangement.placed(outlines, len(ok))
-        properties, params, arguments = self._plan.read(registers, len(ok))
-        return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
+        return self._evaluate(self.layout.checked(theta))[0]
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return whether each row of theta [N, D] describes a valid scene: [N] bool."""
-        self.mode.budget.new_call()
-        return self._evaluate(self.layout.checked(theta)).ok
+        return self.instantiate(theta).ok
 
     def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
         """Return the values that one row theta [D] gives to the draws, for `Mode.row`."""
@@ -169,8 +154,8 @@ class Program:
         """Return the tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
-    def _evaluate(self, theta: np.ndarray) -> Evaluation:
-        """Return what the tape gives for theta [N, D], and whether these are scenes; not the scenes themselves."""
+    def _evaluate(self, theta: np.ndarray) -> tuple[Scenes, Faults]:
+        """Return the scenes of theta [N, D], and what could not be computed in them."""
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
         known = np.isfinite(scaled.sum(axis=0))  # [N]
@@ -178,13 +163,14 @@ class Program:
             scaled[:, ~known] = self.layout.offset
         with np.errstate(all="ignore"):
             registers = self.tape.run(scaled)
-            outlines = self._plan.arrangement.outlines(registers, count)
+            positions, headings, outlines = self._plan.arrangement.write(registers, count)
             failed = self._constraints.failed(registers, outlines, count)  # [R, N]
             faults = Faults(self._checks, self.tape, registers, failed)
             violated = self._constraints.hard_of(failed).any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
             ok = np.isfinite(placed) & ~violated & ~faults.in_values & known  # [N]
-        return Evaluation(registers, outlines, ok, failed, faults)
+        properties, params, arguments = self._plan.read(registers, count)
+        return Scenes(positions, headings, properties, params, arguments, ok, failed.T), faults
 
     # ------------------------------------------------------------ sampling
 
@@ -209,12 +195,11 @@ class Program:
                 raise self._impossible(rng, n - len(pending), n, draws)
             tries = tries_for_each(len(pending), draws, accepted)  # K
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * tries, self.dim))  # [P * K, D]
-            _, _, valid, violated, faults = self._evaluate(candidates)
-            violated = violated.T  # [P * K, R]
+            scenes, faults = self._evaluate(candidates)
+            violated = scenes.failed  # [P * K, R]
             if soft:
                 violated = violated & np.repeat(in_force[pending], tries, axis=0)
-                valid = valid & ~violated.any(axis=1)
-            valid = valid.reshape(len(pending), tries)  # [P, K]
+            valid = (scenes.ok & ~violated.any(axis=1)).reshape(len(pending), tries)  # [P, K]
             if faults.any:
                 tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first that is valid
                 faults.raise_first(violated, tried.ravel())

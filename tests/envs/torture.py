@@ -22,6 +22,7 @@ from envs.football.constants import (
     GK,
     GOAL_KICK,
     LEFT,
+    MAX_PLAYERS,
     NO_FAULT,
     NOBODY,
     NORMAL,
@@ -35,9 +36,11 @@ from envs.football.constants import (
     THROW_IN,
 )
 from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.limits import Limits, fields_of
 from envs.football.rules.fouls import report_foul
 from envs.football.simulator import step_match
 from envs.football.skills.contacts import FEET
+from envs.football.state import MATCH, TABLES
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 from tests.envs.pitch import step_players
@@ -55,6 +58,7 @@ COMPLAINTS = (
     *("an agent and its player disagree", "a touch that is no kick made the ball fast", "a half that cannot be"),
 )
 STYLES = 8
+LIMITED_EVERY = 50  # steps, after which every number is to be within its limits
 FASTEST_TOUCH = FEET.fast  # m/s that a touch can give the ball which is no kick: out of a keeper's slide
 
 
@@ -422,8 +426,12 @@ def torture(count: int, steps: int, seed: int) -> int:
     matches = np.concatenate([scene(rng, 1000 * seed + k) for k in range(count)]).view(np.recarray)
     starts, befores, styles = matches.copy(), matches.copy(), rng.integers(0, STYLES, count)
     actions, played = np.zeros((count, matches["players"].shape[1]), np.int64), np.zeros(1, np.int64)
-    where, wrong = torment(matches, starts, befores, styles, actions, steps, played)
-    if wrong:
+    limits = Limits(list(fields_of(MATCH, TABLES)), dict.fromkeys(("players", "agents"), MAX_PLAYERS))
+    for begin in range(0, steps, LIMITED_EVERY):
+        where, wrong = torment(matches, starts, befores, styles, actions, min(LIMITED_EVERY, steps - begin), played)
+        limits.check(matches, "matches")
+        if not wrong:
+            continue
         match = matches[where]
         raise AssertionError(
             f"{COMPLAINTS[wrong]}: match {where} of torture({count}, {steps}, {seed}) at step {match['step']}, "

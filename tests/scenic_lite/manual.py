@@ -18,8 +18,8 @@ import numpy as np
 
 from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run, toy_world
 
 MANUAL = Path(__file__).parents[2] / "scenic_lite" / "README.md"

@@ -17,10 +17,16 @@ from scenic_lite.kernels.rng import streams, uniform
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
     """The folder that a fresh process would cache in, asked without touching this one's."""
+    return asked(tmp_path, **environment)[0]
+
+
+def asked(tmp_path: Path, **environment: str) -> tuple[str, str]:
+    """The same, and what it says of it on stderr."""
     command = [sys.executable, "-c", "from scenic_lite.kernels import jit; print(jit.CACHE)"]
     inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     inherited |= {"PYTHONPATH": str(jit.ROOT), "TMPDIR": str(tmp_path), **environment}
-    return subprocess.run(command, env=inherited, capture_output=True, text=True, check=True).stdout.strip()
+    done = subprocess.run(command, env=inherited, capture_output=True, text=True, check=True)
+    return done.stdout.strip(), done.stderr.strip()
 
 
 def test_the_cache_is_where_the_user_wants_it(tmp_path: Path) -> None:
@@ -33,7 +39,33 @@ def test_the_cache_is_where_the_user_wants_it(tmp_path: Path) -> None:
 def test_an_impossible_cache_folder_is_no_obstacle(tmp_path: Path) -> None:
     blocker = tmp_path / "file"
     blocker.write_text("not a folder")
-    assert cache_folder(tmp_path, NUMBA_CACHE_DIR=str(blocker)).startswith(str(tmp_path / "regista"))
+    found = cache_folder(tmp_path, NUMBA_CACHE_DIR=str(blocker))
+    assert found == str(tmp_path / f"regista-{os.getuid()}" / jit.digest())
+    assert Path(found).stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("depth", [0, 1])
+def test_a_cache_into_which_others_may_write_is_not_used(tmp_path: Path, depth: int) -> None:
+    folder = tmp_path / "numba"
+    shared = folder if depth == 0 else folder / jit.digest()
+    shared.mkdir(parents=True)
+    shared.chmod(0o777)
+    fallback = tmp_path / f"regista-{os.getuid()}"
+    fallback.mkdir(mode=0o700)
+    found, said = asked(tmp_path, NUMBA_CACHE_DIR=str(folder))
+    assert found == str(fallback / jit.digest())
+    assert said == f"regista: {shared} is not used as a cache of compiled kernels: others may write into it"
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give a folder away")
+def test_a_cache_of_somebody_else_is_not_used(tmp_path: Path) -> None:
+    for folder in (tmp_path / "numba", tmp_path / f"regista-{os.getuid()}"):
+        folder.mkdir(mode=0o700)
+        os.chown(folder, 12345, 12345)
+    found, said = asked(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "numba"))
+    assert said.count("it belongs to somebody else") == 2
+    assert said.endswith(f"regista: compiled kernels are kept in {found} until this program ends")
+    assert not Path(found).exists()
 
 
 def test_old_caches_are_removed_and_foreign_files_kept(tmp_path: Path) -> None:

@@ -5,14 +5,19 @@ Read next: `scenic.scripted_step`, how a match is played with them; `scenic_lite
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from envs.football.constants import PROGRAM_FAULT
+from envs.football.limits import Kind, Limits, Place
 from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes as op
+from scenic_lite.dynamics.machine.bytecode import COMPLETE, FAULT, FAULT_ROW, REJECTED, TERMINATED
 from scenic_lite.dynamics.machine.compiled import recorded
+from scenic_lite.dynamics.machine.verify import slots
 
 
 class CompiledBehaviors:
@@ -33,6 +38,16 @@ class CompiledBehaviors:
         self.is_live = not does_nothing(self.code.rows)
         self.num_registers = self.code.register_count
         self.has_records = bool(self.compiled.records)
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What registers may hold: rows in slots, what has ended a match; a program may compute any other number."""
+        compiled, kinds = self.compiled, dict[int, Kind]()
+        kinds |= {int(slot): Place(len(self.code.rows)) for slot in slots(self.code)}
+        kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # a match that fails begins anew at once
+        kinds |= {REJECTED: Place(1 + len(compiled.broken))}
+        kinds |= {TERMINATED: Place(1 + len(compiled.reasons)), COMPLETE: Place(1 + len(compiled.reasons))}
+        return Limits.of_array(self.num_registers, kinds)
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
         """Return what the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""

@@ -6,6 +6,7 @@ Read next: `vector_env`.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ import numpy as np
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
 from envs.football.control.control_modes import count_agents
 from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.limits import Limits, fields_of
 from envs.football.scenic.domain import FACTORS, SETTINGS
 from envs.football.scenic.world_table import THE_BALL
+from envs.football.state import MATCH, TABLES
 from scenic_lite import Program, Scenes, SourceSpan
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
@@ -106,6 +109,17 @@ class Lineup:
     def num_players(self) -> int:
         """P, of both teams."""
         return len(self.players)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many there are of what fields of a match may name."""
+        return {"players": self.num_players, "agents": sum(self.num_agents)}
+
+    @cached_property
+    def limits(self) -> Limits:
+        """What the fields of its matches may hold."""
+        any_match = kick_off(np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), self.roster, [0], self.config)
+        return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64))
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""

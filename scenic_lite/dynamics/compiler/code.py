@@ -16,6 +16,7 @@ from scenic_lite.core.budget import exceeded
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import FIRST_FREE
 from scenic_lite.dynamics.machine.register_values import RegisterValue
+from scenic_lite.dynamics.machine.verify import ENDS
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
@@ -227,6 +228,3 @@ class Assembler:
         finally:
             self.temporaries.used = used
             self.known.clear()
-
-
-ENDS = frozenset({op.END, op.JUMP, op.LOOP_BACK, op.RESUME, op.REJECT, op.FAULT, op.TAKE, op.WAIT, op.TERMINATE})

@@ -13,6 +13,7 @@ from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing
 from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.machine.register_values import leaves
+from scenic_lite.dynamics.machine.verify import verify
 from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Tape, Value
@@ -29,8 +30,10 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
     relocate([*c.output.commands, tuple(each.value for each in c.output.records)], layout)
+    objects = len(program.objects)
+    cells = objects * len(c.world.fields) + len(c.world.facts)
     return Compiled(
-        code_of(c, rows, threads, layout),
+        verify(code_of(c, rows, threads, layout), objects, cells),
         program,
         tuple(number_of(program, thread) for thread in threads),
         listing.places,

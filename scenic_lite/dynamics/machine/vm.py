@@ -63,6 +63,9 @@ def run_thread(code, registers, commands, thread, rng):
     pc = int(registers[code.threads[thread, 0]])
     if pc == 0:
         return
+    if not 0 < pc < len(rows):
+        stop(registers, INDEX_ERROR, 0)
+        return
     rounds = 0
     for _ in range(MOST_ROWS):
         opcode, a, b, c = rows[pc, 0], rows[pc, 1], rows[pc, 2], rows[pc, 3]
@@ -121,21 +124,28 @@ def run_thread(code, registers, commands, thread, rng):
             return
         elif opcode == op.SET_SLOT:
             registers[a] = c
-        elif opcode == op.RESUME:
-            pc = int(registers[a])
-        elif opcode == op.RESUME_IF_RUNNING:
-            if registers[a] != 0:
-                pc = int(registers[a])
+        elif opcode == op.RESUME or opcode == op.RESUME_IF_RUNNING:
+            if opcode == op.RESUME or registers[a] != 0:
+                target = int(registers[a])
+                if not 0 <= target < len(rows):
+                    stop(registers, INDEX_ERROR, pc - 1)
+                    return
+                pc = target
         elif opcode == op.SELECT:
             place = int(registers[b])
             if place < 0 or place >= lists[c - 1]:
                 stop(registers, INDEX_ERROR, pc - 1)
                 return
             registers[a] = registers[lists[c + place]]
-        elif opcode == op.LOAD_INDEXED:
-            registers[a] = registers[b + int(registers[c])]
-        elif opcode == op.STORE:
-            registers[a + int(registers[b])] = registers[c]
+        elif opcode == op.LOAD_INDEXED or opcode == op.STORE:
+            place = a + int(registers[b]) if opcode == op.STORE else b + int(registers[c])
+            if not 0 <= place < len(registers):
+                stop(registers, INDEX_ERROR, pc - 1)
+                return
+            if opcode == op.STORE:
+                registers[place] = registers[c]
+            else:
+                registers[a] = registers[place]
         elif opcode == op.LESS:
             registers[a] = registers[b] < registers[c]
         elif opcode == op.LESS_EQUAL:
@@ -199,7 +209,11 @@ def run_thread(code, registers, commands, thread, rng):
             for i in range(c):
                 registers[a + i] = registers[b + i]
         elif opcode == op.SORT:
-            sort_order(registers, a, b, int(registers[c]))
+            count = int(registers[c])
+            if count > len(registers) - max(a, b):
+                stop(registers, INDEX_ERROR, pc - 1)
+                return
+            sort_order(registers, a, b, count)
         elif opcode == op.FLOOR_DIVIDE or opcode == op.MODULO:
             if registers[c] == 0:
                 stop(registers, DIVISION_BY_ZERO, pc - 1)

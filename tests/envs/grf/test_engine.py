@@ -194,7 +194,7 @@ def test_theta_sets_the_scene_of_a_single_match(python):
     env.close()
 
 
-def test_a_record_is_replayed(python, tmp_path):
+def test_a_record_is_replayed_by_the_engine_of_this_machine(python, tmp_path, monkeypatch):
     env = make(python)
     env.reset(seed=0)
     recorder = Recorder(env)
@@ -202,6 +202,8 @@ def test_a_record_is_replayed(python, tmp_path):
         recorder.step(actions)
     recorder.save(tmp_path / "match.npz")
     assert load_record(tmp_path / "match.npz").config.engine == "grf"
+    assert load_record(tmp_path / "match.npz").config.grf_python is None  # a file does not say what is run
+    monkeypatch.setenv("REGISTA_GRF_PYTHON", python)
     assert len(list(replay(tmp_path / "match.npz"))) == 13
 
 

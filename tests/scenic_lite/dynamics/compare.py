@@ -10,9 +10,10 @@ import numpy as np
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine.compiled import Compiled, CompiledController
+from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.values.geometry import Vector
+from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.toy_world import Controller, first_table, run, toy_world
 
 MINUS_ZERO = re.compile(r"-0(?![\d.])")

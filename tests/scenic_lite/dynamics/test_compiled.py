@@ -14,11 +14,11 @@ from scenic_lite import ScenicError, load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes, vm
-from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
+from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.generated import program as generated
 from tests.scenic_lite.dynamics.generated_scenarios import program as generated_scenarios
 from tests.scenic_lite.dynamics.toy_world import toy_world

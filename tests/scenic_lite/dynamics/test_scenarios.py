@@ -8,9 +8,9 @@ import pytest
 
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.machine.compiled import CompiledController
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
+from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.playing import actions, played
 from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
 

@@ -1,0 +1,174 @@
+"""What the fields of a record may hold, and the one check that a record which came from outside keeps to it.
+
+Kernels look nothing up twice and check no bounds: an index that is out of range writes into the next match. So every
+table of fields says, in place of a bare type, which numbers a field may hold, and whatever takes a state from outside
+(`set_state`, and through it checkpoints and records of matches) checks all of it at once, as words of 64 bits.
+Read next: `state`, the tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from scenic_lite.kernels.jit import kernel
+
+LARGEST = 1e9  # magnitude of a real number in a record: far beyond any pitch, and yet a fine integer
+MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; of two, the greater number has the greater
+WORD = 8  # bytes
+
+
+class StateError(ValueError):
+    """A state that is none of these matches; the message says what was found where, and what would do."""
+
+
+class Whole(NamedTuple):
+    """A whole number from `low` to `high`; below the number of things that `high` names, where it is a name.
+
+    `given`: a match has what the line-up of its program gives it, and nothing else.
+    """
+
+    low: int
+    high: int | str
+    given: bool = False
+
+    def __str__(self) -> str:
+        return f"a whole number from {self.low:,} to {self.high:,}"
+
+
+class Real(NamedTuple):
+    """A number of this magnitude at most: NaN never is."""
+
+    largest: float = LARGEST
+
+    def __str__(self) -> str:
+        return f"a number from {-self.largest:g} to {self.largest:g}"
+
+
+class Place(NamedTuple):
+    """A number that the machine takes for a place among so many, whole or not: not negative, and less than that."""
+
+    places: int
+
+    def __str__(self) -> str:
+        return f"a number from 0 to {self.places - 1:,}"
+
+
+Kind = Whole | Real | Place | str  # or what NumPy calls it: "?" for truth values, "u8" where any 64 bits will do
+Table = tuple[tuple[str, Kind, tuple[int, ...], str, str], ...]  # name, kind, shape, unit, meaning
+
+
+def stored(kind: Kind) -> str:
+    """Return how NumPy stores such a field."""
+    return kind if isinstance(kind, str) else "i8" if isinstance(kind, Whole) else "f8"
+
+
+def bits(number: float) -> int:
+    """Return the 64 bits of a double as a whole number."""
+    return int(np.float64(number).view(np.int64))
+
+
+class Limits:
+    """The limits of every word of some rows: of a word's masked bits, as a whole number, the least and the greatest.
+
+    Attributes:
+        masks, lows, highs: int64 `[W]`.
+        used: int64 `[W]`, the bits of a word that belong to a field.
+        fields: the name of each of these fields, the byte at which it begins, and what it may be.
+    """
+
+    def __init__(
+        self, fields: list[tuple[str, int, Kind]], counts: Mapping[str, int], given: np.ndarray | None = None
+    ) -> None:
+        size = 1 + max((at for _, at, _ in fields), default=-WORD) // WORD
+        self.masks, self.lows, self.highs, self.used = (np.zeros(size, np.int64) for _ in range(4))
+        self.fields = [(name, at, self._numbered(kind, counts)) for name, at, kind in fields]
+        masks, used = self.masks.view(np.uint8), self.used.view(np.uint8)
+        for _, at, kind in self.fields:
+            word = at // WORD
+            used[at : at + (1 if kind == "?" else WORD)] = 0xFF
+            if kind == "?":
+                masks[at] = 0xFE  # the byte is 0 or 1
+            elif isinstance(kind, Real):
+                self.masks[word], self.highs[word] = MAGNITUDE, bits(kind.largest)
+            elif isinstance(kind, Place):
+                self.masks[word], self.highs[word] = -1, bits(kind.places - 1)
+            elif isinstance(kind, Whole):
+                self.masks[word] = -1
+                self.lows[word], self.highs[word] = kind[:2]
+                if kind.given and given is not None:
+                    self.lows[word] = self.highs[word] = given[word]
+
+    @classmethod
+    def of_array(cls, size: int, kinds: Mapping[int, Kind], counts: Mapping[str, int] | None = None) -> Limits:
+        """Return the limits of rows of so many numbers of 64 bits, of some of which it is said what they may be."""
+        return cls([(f"[{i}]", WORD * i, kinds.get(i, "f8")) for i in range(size)], counts or {})
+
+    @staticmethod
+    def _numbered(kind: Kind, counts: Mapping[str, int]) -> Kind:
+        if isinstance(kind, Whole) and isinstance(kind.high, str):
+            return kind._replace(high=counts[kind.high] - 1)
+        return kind
+
+    def check(self, rows: np.ndarray, where: str) -> None:
+        """Raise `StateError` unless every field of rows `[N, ...]` is within its limits."""
+        words = words_of(rows)
+        wrong = first_outside(words, self.used, self.masks, self.lows, self.highs)
+        if wrong >= 0:
+            row, word = divmod(wrong, len(self.masks))
+            raise StateError(f"{where}[{row}]{self._explained(words[row], word)}")
+
+    def _explained(self, words: np.ndarray, word: int) -> str:
+        """Say what is wrong with one word of a row `[W]`."""
+        low, high, content = self.lows[word], self.highs[word], words.view(np.uint8)
+        for name, at, kind in self.fields:
+            if kind == "?" and at // WORD == word and content[at] > 1:
+                return f"{name} is the byte {content[at]}; it must be 0 or 1"
+            if kind != "?" and at // WORD == word:
+                value = words[word : word + 1].view(stored(kind))[0]
+                wanted = f"{low}, as the program has it" if low == high and isinstance(kind, Whole) else kind
+                return f"{name} is {value:g}; it must be {wanted}"
+        raise AssertionError(f"no field has word {word}")
+
+
+def words_of(rows: np.ndarray) -> np.ndarray:
+    """Return rows `[N, ...]` as words of 64 bits `[N, W]`: a view, where they lie side by side."""
+    rows = np.ascontiguousarray(rows)
+    return rows.reshape(-1).view(np.int64).reshape(len(rows), rows.nbytes // WORD // max(len(rows), 1))
+
+
+def fields_of(dtype: np.dtype, tables: Mapping[np.dtype, Table], path: str = "", at: int = 0) -> Iterator[Any]:
+    """Yield the name, the first byte and the kind of every number in a record, given the tables of its parts."""
+    kinds = {name: kind for name, kind, *_ in tables[dtype]}
+    for name, (part, offset, *_) in (dtype.fields or {}).items():
+        base, shape = part.subdtype or (part, ())
+        for place, index in enumerate(np.ndindex(*shape)):
+            inside = f"{path}.{name}" + "".join(f"[{number}]" for number in index)
+            begin = at + offset + place * base.itemsize
+            if base.fields:
+                yield from fields_of(base, tables, inside, begin)
+            else:
+                yield inside, begin, kinds[name]
+
+
+@kernel
+def first_outside(words, used, masks, lows, highs):
+    """Return the number of the first of the words [N, W] that is outside its limits [W], or -1.
+
+    A row of zeros is a match that has not begun.
+    """
+    for row in range(words.shape[0]):
+        wrong, begun = False, False
+        for word in range(words.shape[1]):
+            value = words[row, word] & masks[word]
+            wrong |= (value < lows[word]) | (value > highs[word])
+        for word in range(words.shape[1]):
+            begun |= wrong and words[row, word] & used[word] != 0
+        if begun:
+            for word in range(words.shape[1]):
+                value = words[row, word] & masks[word]
+                if value < lows[word] or value > highs[word]:
+                    return row * words.shape[1] + word
+    return -1
