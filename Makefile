@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo results transfer grf test test-quick torture lint format benchmark clean
+.PHONY: setup demo results transfer publish grf test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -28,6 +28,11 @@ results: $(READY)
 STUDY ?=
 transfer: $(READY)
 	$(BIN)/regista study transfer --out runs/transfer $(STUDY)
+
+# The repository's page BENCHMARK.md, from runs beneath runs/benchmark that are made where they are not there: hours.
+# Which part, and for how long: STUDY="single --seeds 5 --hours 3".
+publish: $(READY)
+	$(BIN)/regista study $(or $(STUDY),generalisation) --publish
 
 # Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
 grf:

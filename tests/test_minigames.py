@@ -7,7 +7,7 @@ from envs.football.constants import METRES_PER_X, METRES_PER_Y
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
+from minigames import BENCHMARK, MINIGAMES
 from scenic_lite import load
 
 OBJECTS = {
@@ -138,3 +138,10 @@ def test_every_strategy_comes_up_in_training():
     selectors = (env.levels["theta"][:, 8] + 1) / 2
     counts = np.histogram(selectors, bins=4, range=(0, 1))[0]
     assert (counts > 5).all()
+
+
+@pytest.mark.parametrize("name", BENCHMARK)
+def test_defences_say_that_they_are(name):
+    game = BENCHMARK[name]
+    for path in (game.program, *(path for _, path in game.tests)):
+        assert Lineup(program_of(path)).config.defending == name.startswith("defense/")

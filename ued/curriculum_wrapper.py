@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 
 from ued.curriculum import Curriculum
-from ued.gym_upomdp import UPOMDPWrapper
+from ued.gym_upomdp import UPOMDPWrapper, told_success
 
 
 class CurriculumFeed:
@@ -77,6 +77,7 @@ class CurriculumWrapper(gymnasium.Wrapper):
         if (terminated or truncated) and self.record is not None:
             num_played = int(self.record["num_played"][0, 0])
             self.record["returns"][0, 0, num_played] = self.total
+            self.record["success"][0, 0, num_played] = told_success(info)
             self.record["num_played"][0, 0] = num_played + 1
             if num_played + 1 == self.record["num_episodes"][0]:
                 self.feed.finish(self.record)

@@ -14,7 +14,7 @@ import torch
 
 from ued.learning.student import Student
 from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP
+from ued.upomdp import UPOMDP, successes
 
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
 
@@ -25,6 +25,7 @@ class Evaluation:
 
     Attributes:
         returns: `[E]` undiscounted.
+        success: `[E]` 1 or 0; see `upomdp.successes`.
         lengths: `[E]` steps.
         level: `[E]` index into `levels`.
         levels: `[L]` records of the levels that were asked for, or drawn.
@@ -32,6 +33,7 @@ class Evaluation:
     """
 
     returns: np.ndarray
+    success: np.ndarray
     lengths: np.ndarray
     level: np.ndarray
     levels: np.ndarray
@@ -65,23 +67,24 @@ def evaluate(
     index = np.arange(episodes) % len(pool)  # [E]
     playlist = upomdp.make_levels(pool["theta"][index])  # [E] with seeds of their own
     playlist["program"] = pool["program"][index]
-    returns, lengths, env_steps = _play(student, upomdp, playlist, torch_generator(seeds.next()), greedy)
-    return Evaluation(returns, lengths, index, pool.copy(), env_steps)
+    played = _play(student, upomdp, playlist, torch_generator(seeds.next()), greedy)
+    returns, success, lengths, env_steps = played
+    return Evaluation(returns, success, lengths, index, pool.copy(), env_steps)
 
 
 def _play(
     student: Student, upomdp: UPOMDP, playlist: np.ndarray, generator: torch.Generator, greedy: bool
-) -> tuple[np.ndarray, np.ndarray, int]:
-    """Play each of these levels `[E]` once; return returns `[E]`, lengths `[E]` and the steps it took."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Play each of these levels `[E]` once; return returns, success and lengths `[E]`, and the steps it took."""
     episodes, num_envs = len(playlist), upomdp.num_envs
-    returns, lengths = np.zeros(episodes), np.zeros(episodes, np.int64)
+    returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
     while (episode < episodes).any():
-        observation, reward, terminated, truncated, _ = upomdp.step(student.play(observation, generator, greedy))
+        observation, reward, terminated, truncated, info = upomdp.step(student.play(observation, generator, greedy))
         steps += 1
         listed = episode < episodes  # [N]
         returns[episode[listed]] += reward[listed]
@@ -93,6 +96,7 @@ def _play(
         ends = (terminated | truncated) & listed  # [N]
         num_ends = int(ends.sum())
         if num_ends:
+            success[episode[ends]] = successes(info, np.flatnonzero(ends), returns[episode[ends]])
             episode[ends] = np.arange(next_episode, next_episode + num_ends)
             next_episode += num_ends
             starts = ends & (episode < episodes)  # [N]
@@ -100,4 +104,4 @@ def _play(
             if starts.any():
                 observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
     upomdp.idle[:] = False
-    return returns, lengths, steps * num_envs
+    return returns, success, lengths, steps * num_envs

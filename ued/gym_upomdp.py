@@ -128,6 +128,14 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         return observation, {**info, "theta": self.theta.copy()}
 
 
+SUCCESS = ("success", "is_success")  # what environments call it in their info: Meta-World, Gymnasium-Robotics
+
+
+def told_success(info: Mapping[str, Any]) -> Any:
+    """Return what an environment says of its success in its info, NaN where it says nothing."""
+    return next((info[name] for name in SUCCESS if name in info), math.nan)
+
+
 class _Slot(gymnasium.Wrapper):
     """One environment of a batch: takes its own row of `options["theta"]` `[N, D]` at each reset."""
 
@@ -205,10 +213,20 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        self._observations, rewards, terminated, truncated, _ = self.vector.step(actions)
+        self._observations, rewards, terminated, truncated, told = self.vector.step(actions)
         ended, final = terminated | truncated, self._observations
         observations = self._restart(np.flatnonzero(ended))
-        return observations, rewards, terminated, truncated, {"final_obs": final.copy(), "_final_obs": ended}
+        info = {"final_obs": final.copy(), "_final_obs": ended, "success": self._success(told)}
+        return observations, rewards, terminated, truncated, info
+
+    def _success(self, told: Mapping[str, Any]) -> np.ndarray:
+        """Return `info["success"]` `[N]` from the infos of the environments, some of which may say nothing."""
+        success = np.full(self.num_envs, np.nan)
+        for name in reversed(SUCCESS):
+            if name in told:
+                says = told.get(f"_{name}", np.ones(self.num_envs, bool))
+                success[says] = np.asarray(told[name], float)[says]
+        return success
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that changes; the environments themselves are Python objects, copied deeply."""

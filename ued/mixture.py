@@ -116,7 +116,7 @@ class Mixture(UPOMDP):
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         rewards = np.zeros(self.num_envs)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
-        final = np.zeros_like(self._observations)
+        final, success = np.zeros_like(self._observations), np.full(self.num_envs, np.nan)
         for k, member in enumerate(self.members):
             where = np.flatnonzero(~member.idle)
             if not len(where):
@@ -124,9 +124,10 @@ class Mixture(UPOMDP):
             observations, reward, over, cut, info = member.step(actions)
             rewards[where], terminated[where], truncated[where] = reward[where], over[where], cut[where]
             self._see(k, observations, where, self._observations)
+            success[where] = np.asarray(info.get("success", success), float)[where]
             ended = where[(over | cut)[where]]
             self._see(k, info["final_obs"], ended, final)
-        info = {"final_obs": final, "_final_obs": terminated | truncated}
+        info = {"final_obs": final, "_final_obs": terminated | truncated, "success": success}
         return self._observations.copy(), rewards, terminated, truncated, info
 
     # ------------------------------------------------------------ state

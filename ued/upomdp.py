@@ -51,6 +51,15 @@ def of_one_agent(space: Space, agents: int) -> Space:
     raise ValueError(f"{agents} agents need a Box or a MultiDiscrete with an axis for them, got {space}")
 
 
+def successes(info: dict[str, Any], ended: np.ndarray, returns: np.ndarray) -> np.ndarray:
+    """Return which of the episodes that ended in the environments `ended` `[k]` succeeded: float `[k]`, 0 or 1.
+
+    What the environment says in `info["success"]` `[N]` counts; where it says nothing, or NaN, a return above 0 does.
+    """
+    said = np.asarray(info["success"], float)[ended] if "success" in info else np.full(len(ended), np.nan)
+    return np.where(np.isnan(said), returns > 0, said)
+
+
 def level_dtype(dim: int) -> np.dtype:
     """Return the record of one level: `program` (its index), `seed` (of the episode's stream), `theta` [D]."""
     return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
@@ -114,6 +123,8 @@ class UPOMDP(VectorEnv):
     Subclasses call `__init__` and give `_start`, `_step`, and where they can `valid`, `describe`, `get_state`,
     `set_state`. Episodes that end start again in the same step (`AutoresetMode.SAME_STEP`): `info["final_obs"]` holds
     the last observations of those that ended, dense `[N, ...]`, and `info["_final_obs"]` `[N]` says which rows count.
+    Whether an ended episode succeeded is for the environment to say, in `info["success"]` `[N]`: 1, 0, or NaN where it
+    does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
 
     Attributes:
         draws: what the D columns of θ are: name, low, high, and for a program the place in its text.

@@ -13,6 +13,7 @@ from numba import prange
 
 from envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY
 from envs.football.control.agents import num_agents, seen_by
+from envs.football.control.episode import has_succeeded
 from envs.football.control.keys import key_of_command
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observer import observe, remember_minimap
@@ -46,6 +47,7 @@ class Outcome(NamedTuple):
     agent_rewards: np.ndarray  # [N, A] float64
     terminated: np.ndarray  # [N] bool
     truncated: np.ndarray  # [N] bool
+    success: np.ndarray  # [N] bool, see `episode.has_succeeded`
     ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `REJECTED`
     faults: np.ndarray  # [N] int64
     agent_actions: np.ndarray  # [N, A] int64, what was done for each agent: one of the 19 actions, or NO_KEY
@@ -55,6 +57,7 @@ class BatchSettings(NamedTuple):
     """What is the same for all matches."""
 
     checkpoints: bool  # checkpoints count
+    defending: bool  # an episode succeeds where no goal is conceded
     deterministic: bool  # every episode repeats the same stream of random numbers
     restart: bool  # an ended match starts again at once; if not, the caller sees to it
     observation: int  # what agents see: `observation.FEATURES` to `RAW`
@@ -75,6 +78,7 @@ def empty_outcome(count: int, agents: int) -> Outcome:
     return Outcome(
         np.zeros(count),
         np.zeros((count, agents)),
+        np.zeros(count, bool),
         np.zeros(count, bool),
         np.zeros(count, bool),
         np.zeros(count, np.int64),
@@ -161,6 +165,7 @@ def close_row(batch, outcome, seen, final, settings, index):
         outcome.agent_actions[index, agent] = max(action, NO_KEY)  # the real engine does not tell what its AI wants
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
+    outcome.success[index] = has_succeeded(match, settings.defending)
     outcome.ended[index] = match.ended
     outcome.faults[index] = match.fault
     remember_minimap(batch, index, settings.observation)

@@ -35,6 +35,7 @@ class MatchConfig:
     end_episode_on_score: npt.ArrayLike = True
     end_episode_on_out_of_play: npt.ArrayLike = True
     end_episode_on_possession_change: npt.ArrayLike = True
+    defending: bool = False  # an episode succeeds where no goal is conceded: see `episode.has_succeeded`
     offsides: npt.ArrayLike = False
     second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off again; never
     left_team_difficulty: npt.ArrayLike = 1.0

@@ -40,7 +40,9 @@ class FootballVectorEnv(UPOMDP):
     Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a lost
     ball or out of play is terminated; one that reaches `game_duration` is truncated. A `terminate` of the program
     terminates a match; one that breaks a requirement of the program is truncated. `info["ended"]` `[N]` gives the
-    reason, `constants.RUNNING` to `REJECTED`. What monitors set `scenic_reward` to is part of the reward:
+    reason, `constants.RUNNING` to `REJECTED`. `info["success"]` `[N]`: the agents' team has scored more goals than
+    the other, or with `param defending = True` it has conceded none; NaN, a return above 0 counts, where the program
+    itself pays. What monitors set `scenic_reward` to is part of the reward:
     `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents;
     `info["agent_actions"]` `[N, A]` what was done, -1 where it is none of the 19 (`with_scripted_policy`). What
     the program has recorded in the step is in `info["records"]` by name: `[N]`, vectors `[N, 2]`, NaN (None, of what is
@@ -78,6 +80,7 @@ class FootballVectorEnv(UPOMDP):
         super().__init__(num_envs, self._observer.space, actions, self.program.draws)
         self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
+            bool(self.lineup.config.defending),
             bool(self.lineup.config.deterministic),
             self._engine.restarts and self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
@@ -150,6 +153,9 @@ class FootballVectorEnv(UPOMDP):
         ended = out.terminated | out.truncated
         last = self._observer.read(final, self._batch.matches)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
+        info["success"] = out.success.astype(float)
+        if self.behaviors.pays and not self._settings.defending:
+            info["success"][:] = np.nan  # what its program pays for is its success
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:
             info["records"] = self.behaviors.recorded(self._batch.registers)

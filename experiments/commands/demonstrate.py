@@ -16,11 +16,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from experiments.run import arguments, build
 from experiments.run.arguments import positional
-from experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, check_installed
+from experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
 from experiments.run.errors import CommandError, UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count
@@ -44,7 +42,9 @@ class DemonstrateConfig(Checked):
     out: Path | None = setting(None, "folder (default demos/MINIGAME)")
     run: Path | None = setting(None, "the student of this run plays, not the program")
     keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
-    success_above: float = setting(0.0, "an episode is successful if its return is above this; of defenders: -0.5")
+    success_above: float | None = setting(
+        None, "an episode is successful if its return is above this; else by its game"
+    )
     max_played: int = setting(0, "give up after so many episodes; 0: after 100 for each that is to be kept", ">=0")
     greedy: bool = setting(False, "the student takes its most likely actions")
     seed: int = setting(0, "seed of levels and of chance", ">=0")
@@ -129,16 +129,13 @@ def _fill(
     from experiments.run.demonstrator import parts
 
     config, most = demos.config, typed.max_played or 100 * typed.episodes
-    tally, began, number = Tally(config), time.perf_counter(), demos.num_parts()
+    tally, began, number = Tally(), time.perf_counter(), demos.num_parts()
     for summary in demos.summaries():
-        tally.add(summary.returns, summary.lengths, summary.kept)
+        tally.add(summary)
     progress, before = Progress(typed.episodes, tally.kept, unit="episodes"), tally.steps
     playing = parts(env, student, config.seed, number)
     while tally.kept < typed.episodes and tally.played < most and not stop:
-        part = next(playing)
-        kept = np.ones(len(part.returns), bool) if config.keep == "all" else part.returns > config.success_above
-        demos.add(number, part, kept, tally.kept)
-        tally.add(part.returns, part.lengths, kept)
+        tally.add(demos.add(number, next(playing), tally.kept))
         number += 1
         progress.show(min(tally.kept, typed.episodes), {"success": tally.successes / tally.played})
     spaces = env.single_observation_space, env.single_action_space
@@ -159,16 +156,15 @@ def _fill(
 class Tally:
     """What was played so far."""
 
-    def __init__(self, config: DemonstrationsConfig) -> None:
-        self.config = config
+    def __init__(self) -> None:
         self.played = self.kept = self.successes = self.steps = 0
 
-    def add(self, returns: np.ndarray, lengths: np.ndarray, kept: np.ndarray) -> None:
+    def add(self, part: Summary) -> None:
         """Count a part."""
-        self.played += len(returns)
-        self.kept += int(kept.sum())
-        self.successes += int((returns > self.config.success_above).sum())
-        self.steps += int(lengths.sum())
+        self.played += len(part.kept)
+        self.kept += int(part.kept.sum())
+        self.successes += int(part.success.sum())
+        self.steps += int(part.lengths.sum())
 
     def __str__(self) -> str:
         from experiments.run.report import two_digits

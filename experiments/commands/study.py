@@ -2,12 +2,12 @@
 
     regista study single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
-    regista study multi --team shared --critic central --results runs/mappo --page runs/mappo/page.md
+    regista study multi --team shared --critic central --out runs/mappo
     regista study transfer                          # what `make transfer` does: both engines
 
-Every run is a folder beneath `--out`; a second call skips what is finished, continues what is not, and plays what has
-not been played. Read next: `run.workers`, which trains; `studies.measuring` and `commands.transfer`, which play;
-`studies.page`.
+Every run is a folder beneath `--out`, and so are the tables, the page and its pictures; a second call skips what is
+finished, continues what is not, and plays what has not been played. `--publish` writes the repository's own page.
+Read next: `run.workers`, which trains; `studies.measuring` and `commands.transfer`, which play; `studies.page`.
 """
 
 from __future__ import annotations
@@ -94,14 +94,20 @@ class BenchmarkStudyConfig(StudyConfig):
     preset: Literal["fast", "thesis"] = setting(
         "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
     )
-    out: Path = setting(Path("runs/benchmark"), "folder of the runs")
+    out: Path = setting(Path("runs/benchmark"), "folder of the runs, the tables, the page and its pictures")
+    publish: bool = setting(False, "keep tables, page and pictures in the repository: BENCHMARK.md")
     episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
     demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
-    results: Path = setting(HERE / "studies" / "results", "folder of the CSV files: what is in them is not made again")
-    page: Path = setting(Path("BENCHMARK.md"), "the page that is drawn from them")
-    pictures: Path = setting(HERE / "gallery", "folder of its pictures")
     train: TrainConfig = group(training, "each run", without=OWN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
+
+
+class Places(NamedTuple):
+    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
+
+    results: Path
+    page: Path
+    pictures: Path
 
 
 class Study(NamedTuple):
@@ -162,13 +168,19 @@ def prepare(config: TransferStudyConfig, settings: dict[str, Any]) -> list[RunFo
 
 
 def open_run(out: Path, game: str, seed: int, base: TrainConfig, settings: dict[str, Any], kind: str = "") -> RunFolder:
-    """Create the folder of a run or open it: `base` with what the minigame says, then with what was typed."""
+    """Create the folder of a run or open it, if it was made with the same settings."""
+    return RunFolder.create_or_extend(*plan_run(out, game, seed, base, settings, kind))
+
+
+def plan_run(
+    out: Path, game: str, seed: int, base: TrainConfig, settings: dict[str, Any], kind: str = ""
+) -> tuple[Path, TrainConfig]:
+    """Return a run's folder and settings: `base` with what the minigame says, then with what was typed."""
     minigame = build.find_minigame(game)
     base = replace(base, env=replace(base.env, control=minigame.control))
     config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
     team = "" if config.env.control == minigame.control else f"{config.env.control}-"
-    path = out / f"{minigame.name.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
-    return RunFolder.create_or_extend(path, config)
+    return out / f"{minigame.name.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}", config
 
 
 def train_unfinished(runs: Sequence[RunFolder], config: StudyConfig, stop: StopRequest) -> None:
@@ -199,20 +211,26 @@ class Wanted(NamedTuple):
     control: str
     seed: int
 
+    @property
+    def kind(self) -> str:
+        """What its folder is called behind its game: nothing of a run that begins anew."""
+        return "pretrained-" if self.agent.endswith("pretrained") else ""
+
 
 def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str, Any]) -> int:
     """Train, play and write, a few runs after the others, so that what is done is in the files when it stops."""
     from experiments.studies import page
     from experiments.studies.rows import add, load, trained
 
-    check_results(config, settings)
-    base = starting_point(config)
+    places, base = places_of(config), starting_point(config)
+    check_published(config, settings)
     steps = arguments.replace_paths(base, settings).total_env_steps
-    table = config.results / page.FILES.format(preset=config.preset)
+    table = places.results / page.FILES.format(preset=config.preset)
     table.parent.mkdir(parents=True, exist_ok=True)
     rows = load(table)
     wanted = wanted_runs(name, config, settings)
     missing = [each for each in wanted if trained(rows, *each) < steps]
+    check_same(config, base, settings, wanted)
     print(f"{len(wanted)} runs, {len(wanted) - len(missing)} measured", flush=True)
     processes = config.count_processes(base.threads)
     with Deadline(config.hours) as stop:
@@ -223,9 +241,9 @@ def study_benchmark(name: str, config: BenchmarkStudyConfig, settings: dict[str,
             if stop:
                 break
             rows = add(table, measure([*clones, *runs], rows, config.episodes))
-            page.write_page(config.results, config.page, config.pictures)
-    page.write_page(config.results, config.page, config.pictures)
-    print(f"{config.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
+            page.write_page(*places)
+    page.write_page(*places)
+    print(f"{places.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
     return stop.exit_code
 
 
@@ -277,14 +295,14 @@ def open_wanted(
     runs: list[RunFolder] = []
     for each in wanted:
         own = settings | {"env.control": each.control}
-        if not each.agent.endswith("pretrained"):
+        if not each.kind:
             runs.append(open_run(out, each.game, each.seed, base, own))
             continue
         made = make_clone(config, each, base, own, stop)
         if made is None:
             break
         clones.append(RunFolder.open(made))
-        runs.append(open_run(out, each.game, each.seed, base, own, "pretrained-"))
+        runs.append(open_run(out, each.game, each.seed, base, own, each.kind))
         if not runs[-1].begun():
             origin.keep(runs[-1], origin.load(made), config.fine_tuning)
     return clones, runs
@@ -312,13 +330,34 @@ def make_clone(
     return out
 
 
-def check_results(config: BenchmarkStudyConfig, settings: dict[str, Any]) -> None:
+def places_of(config: BenchmarkStudyConfig) -> Places:
+    """Return where a study writes: beneath its folder, or in the repository if it is told to."""
+    if config.publish:
+        return Places(HERE / "studies" / "results", HERE.parent / "BENCHMARK.md", HERE / "gallery")
+    return Places(config.out / "results", config.out / "BENCHMARK.md", config.out / "pictures")
+
+
+def check_published(config: BenchmarkStudyConfig, settings: dict[str, Any]) -> None:
     """Refuse to mix runs of other settings than a preset's with those that the repository holds of it."""
     own = sorted(settings.keys() - BOOKKEEPING)
     own += [] if config.fine_tuning == FineTuningConfig() else ["kl_to_clone"]
-    if own and config.results == BenchmarkStudyConfig().results:
+    if own and config.publish:
         flags = ", ".join(arguments.flag_name(path.rpartition(".")[2]) for path in own)
-        raise UsageError(f"with {flags} it is no run of preset {config.preset}; give --results and --page of your own")
+        raise UsageError(f"with {flags} it is no run of preset {config.preset}; leave out --publish")
+
+
+def check_same(
+    config: BenchmarkStudyConfig, base: TrainConfig, settings: dict[str, Any], wanted: Sequence[Wanted]
+) -> None:
+    """Refuse to go on with runs of other settings: those that are measured are not opened any more.
+
+    Raises `ConfigError` that names the run, the setting and both values.
+    """
+    for each in wanted:
+        own = settings | {"env.control": each.control}
+        path, planned = plan_run(config.out / config.preset, each.game, each.seed, base, own, each.kind)
+        if (path / "config.json").exists():
+            RunFolder.open(path).extend(planned)
 
 
 def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from scenic_lite import Scenes
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
+TITLE_GAP = 2.2  # font sizes between the rows of panels: a title must not touch what is above it
 LABELLED = 12  # objects at most: more labels than that would hide the scene
 
 
@@ -43,7 +44,7 @@ def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
             validity = "" if scenes.ok[index] else " (not valid)"
             axes.set_title(f"scene {index}{validity}", fontweight="normal", color=plots.FAINT)
         legend(figure, view)
-        figure.tight_layout(rect=(0, 0.03, 1, 1))
+        figure.tight_layout(rect=(0, 0.03, 1, 1), h_pad=TITLE_GAP)
         plots.save(figure, path)
 
 
@@ -65,7 +66,7 @@ def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
             painter.draw(axes, row[None])
             axes.set_title(f"scene {index}", fontweight="normal", color=plots.FAINT)
         plots.marker_legend(figure, painter)
-        figure.tight_layout(rect=(0, 0.03, 1, 1))
+        figure.tight_layout(rect=(0, 0.03, 1, 1), h_pad=TITLE_GAP)
         plots.save(figure, path)
 
 

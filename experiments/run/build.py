@@ -144,7 +144,7 @@ def warn_of_play(program: Program) -> None:
 
 @cache
 def warn(text: str) -> None:
-    """Print a warning on stderr, the first time that it comes up: a program is compiled for many purposes."""
+    """Print a note on stderr, the first time that it comes up: a program is compiled for many purposes."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -157,7 +157,7 @@ def make_upomdp(program: Program, num_envs: int, config: FootballConfig, seed: i
     from scenic_lite.kernels.jit import compiled
 
     if config.engine == "regista" and not compiled(step_batch):
-        print(f"compiling kernels (once, about {COMPILE_SECONDS} s)", file=sys.stderr, flush=True)
+        warn(f"compiling kernels (once, about {COMPILE_SECONDS} s)")
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
     with warnings.catch_warnings(record=True) as caught:

@@ -47,7 +47,9 @@ class DemonstrationsConfig(Checked):
     minigame: str = setting("", "a minigame's name, or the path of a .scenic program")
     source: str = setting("program", "who played: program, or the path of a run")
     keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
-    success_above: float = setting(0.0, "an episode is successful if its return is above this; of defenders: -0.5")
+    success_above: float | None = setting(
+        None, "an episode is successful if its return is above this; else by its game"
+    )
     greedy: bool = setting(False, "a student takes its most likely actions")
     seed: int = setting(0, "seed of levels and of chance", ">=0")
     part: int = setting(256, "episodes that are played side by side", ">=1")
@@ -55,11 +57,12 @@ class DemonstrationsConfig(Checked):
 
 
 class Summary(NamedTuple):
-    """The N episodes of a part as numbers: θ `[N, D]`, seeds `[N]`, returns `[N]`, lengths `[N]`, kept bool `[N]`."""
+    """The N episodes of a part as numbers: θ `[N, D]`, seeds, returns, success, lengths `[N]`, kept bool `[N]`."""
 
     theta: np.ndarray
     seed: np.ndarray
     returns: np.ndarray
+    success: np.ndarray
     lengths: np.ndarray
     kept: np.ndarray
 
@@ -127,8 +130,11 @@ class Demonstrations:
     def summaries(self) -> Iterator[Summary]:
         """Yield the numbers of every part. Raises `CommandError` for one that is damaged."""
         for number in range(self.num_parts()):
-            with self.opened(number) as file:
-                yield Summary(*(file["summary"][name][()] for name in Summary._fields))
+            try:
+                with self.opened(number) as file:
+                    yield Summary(*(file["summary"][name][()] for name in Summary._fields))
+            except (OSError, KeyError) as error:
+                raise damaged(self.part_path(number)) from error
 
     def opened(self, number: int) -> Any:
         """Open the data of a part for reading. Raises `CommandError` for a file that is damaged or cut short."""
@@ -138,23 +144,29 @@ class Demonstrations:
         except OSError as error:
             raise damaged(path) from error
 
-    def add(self, number: int, part: Part, kept: np.ndarray, first: int) -> None:
-        """Write a part, of whose episodes those are kept (bool `[N]`); they are numbered from `first` on.
+    def add(self, number: int, part: Part, first: int) -> Summary:
+        """Write a part, what is kept of its episodes numbered from `first` on; return its numbers.
 
         Raises `CommandError` if the disk refuses; the parts before it stay.
         """
         from envs.football.replay import save_record
 
+        above = self.config.success_above
+        success = part.success > 0 if above is None else part.returns > above
+        kept = np.ones_like(success) if self.config.keep == "all" else success
+        levels = part.levels
+        summary = Summary(levels["theta"], levels["seed"], part.returns, success, part.lengths, kept)
         indices, content = np.flatnonzero(kept), io.BytesIO()
         if len(indices):
             save_record(part.record.rows(indices), content)
-        data = _part_file(part, kept, first)
+        data = _part_file(part, summary, first)
         try:
             if len(indices):
                 write_whole(self.path / "records" / f"{number:04d}.npz", content.getvalue())
             write_whole(self.part_path(number), data)
         except OSError as error:
             raise cannot_write(self.path, error) from error
+        return summary
 
     # ------------------------------------------------------------ the data set
 
@@ -178,13 +190,23 @@ class Demonstrations:
             raise cannot_write(self.path, error) from error
 
     def _table(self, names: list[str], episodes: int) -> str:
-        header = ["part", "match", "episode", "seed", "return", "length", *(f"theta/{name}" for name in names)]
+        header = [
+            "part",
+            "match",
+            "episode",
+            "seed",
+            "return",
+            "success",
+            "length",
+            *(f"theta/{name}" for name in names),
+        ]
         lines, number = [",".join(f'"{name}"' if "," in name else name for name in header)], 0
         for part, each in enumerate(self.summaries()):
             for row in range(len(each.kept)):
                 label = number if each.kept[row] and number < episodes else None
                 number += bool(each.kept[row])
-                cells = [part, row, label, each.seed[row], each.returns[row], each.lengths[row], *each.theta[row]]
+                told = (each.seed[row], each.returns[row], int(each.success[row]), each.lengths[row])
+                cells = [part, row, label, *told, *each.theta[row]]
                 lines.append(",".join(spell(cell) for cell in cells))
         return "\n".join(lines) + "\n"
 
@@ -236,12 +258,11 @@ def _in_memory(fill: Callable[[Any], None]) -> bytes:
         return file.id.get_file_image()
 
 
-def _part_file(part: Part, kept: np.ndarray, first: int) -> bytes:
+def _part_file(part: Part, summary: Summary, first: int) -> bytes:
     def fill(file: Any) -> None:
-        values = (part.levels["theta"], part.levels["seed"], part.returns, part.lengths, kept)
-        for name, value in zip(Summary._fields, values, strict=True):
+        for name, value in summary._asdict().items():
             file[f"summary/{name}"] = value
-        for number, index in enumerate(np.flatnonzero(kept), first):
+        for number, index in enumerate(np.flatnonzero(summary.kept), first):
             group = file.create_group(f"episode_{number}")
             group.attrs.update({"id": number, "seed": part.levels["seed"][index]})
             group.attrs["options/theta"] = part.levels["theta"][index]

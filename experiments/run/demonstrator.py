@@ -43,10 +43,11 @@ class Episode:
 
 @dataclass(frozen=True)
 class Part:
-    """The N episodes of one part: levels `[N]`, returns `[N]`, lengths `[N]`, and the record of all of them."""
+    """The N episodes of one part: levels, returns, success (0 or 1), lengths `[N]`, and the record of all of them."""
 
     levels: np.ndarray
     returns: np.ndarray
+    success: np.ndarray
     lengths: np.ndarray
     record: Record
     _steps: _Steps
@@ -59,12 +60,13 @@ class Part:
 def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray) -> Part:
     """Play one episode on each of the levels `[N]`; the program plays where nobody chooses (`env.scripted`)."""
     from envs.football.replay import Record
+    from ued.upomdp import successes
 
     observation, _ = env.reset_to_levels(levels)
     state, size = env.get_state(), env.num_envs
     steps = _Steps(env.num_agents, env.single_observation_space.dtype == np.uint8)
     running, lengths = np.ones(size, bool), np.zeros(size, np.int64)
-    returns = np.zeros(size)
+    returns, success = np.zeros(size), np.zeros(size)
     shape = env.action_space.shape
     assert shape is not None
     idle_hands = np.zeros(shape, np.int64)
@@ -75,9 +77,11 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
         observation, rewards, terminated, truncated, info = env.step(actions)
         over = (terminated | truncated) & running
         steps.add(seen, info, rewards, terminated)
-        if over.any():
-            steps.end(np.flatnonzero(over), info["final_obs"])
         returns[running] += rewards[running]
+        ended = np.flatnonzero(over)
+        if len(ended):
+            steps.end(ended, info["final_obs"])
+            success[ended] = successes(info, ended, returns[ended])
         lengths += running
         running &= ~over
     env.idle[:] = False
@@ -88,7 +92,7 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
     file = "" if folder is None else str((folder / program.file).resolve())
     last = np.asarray(env.matches)
     record = Record(program.source, file, env.config, state, done, last, env.scripted, lengths)
-    return Part(levels, returns, lengths, record, steps)
+    return Part(levels, returns, success, lengths, record, steps)
 
 
 class _Steps:

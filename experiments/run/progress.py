@@ -17,23 +17,28 @@ BAR = 24  # characters
 
 
 class Progress:
-    """Show the share done, the speed, what remains and a few numbers. `begun` steps were done before."""
+    """Show the share done, the speed, what remains and a few numbers. `begun` steps were done before.
+
+    The clock runs from the first steps that are shown: what comes before them, as compiling, is done once.
+    """
 
     def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None, unit: str = "steps") -> None:
         self.total, self.unit = total, unit
         self.stream = sys.stdout if stream is None else stream
         self.tty = self.stream.isatty()
         self._begun = begun
-        self._start = time.monotonic()
+        self._start: float | None = None  # until steps are shown
         self._shown = -PLAIN_SECONDS
 
     def show(self, steps: int, facts: dict[str, float] | None = None) -> None:
         """Show that `steps` of the total are done, with named numbers. Cheap: most calls draw nothing."""
         now = time.monotonic()
+        if self._start is None and steps > self._begun:
+            self._start, self._begun = now, steps
         if now - self._shown < (REDRAW_SECONDS if self.tty else PLAIN_SECONDS):
             return
         self._shown = now
-        self._write(self._line(steps, facts or {}, now - self._start))
+        self._write(self._line(steps, facts or {}, now))
 
     def finish(self, text: str) -> None:
         """Leave a last line."""
@@ -41,10 +46,10 @@ class Progress:
             self.stream.write("\r\x1b[K")
         print(text, file=self.stream, flush=True)
 
-    def _line(self, steps: int, facts: dict[str, float], seconds: float) -> str:
-        speed = (steps - self._begun) / max(seconds, 1e-9)
+    def _line(self, steps: int, facts: dict[str, float], now: float) -> str:
+        speed = 0.0 if self._start is None else (steps - self._begun) / max(now - self._start, 1e-9)
         share = min(steps / self.total, 1.0)
-        parts = [f"{share:4.0%}  {count(steps)} {self.unit}  {count(speed)}/s"]
+        parts = [f"{share:4.0%}  {count(steps)} {self.unit}", *([f"{count(speed)}/s"] if speed else [])]
         parts += [f"{name} {value:+.2f}" for name, value in facts.items() if value == value]
         if speed > 0:
             parts.append(f"{duration((self.total - steps) / speed)} left")

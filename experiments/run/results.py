@@ -24,7 +24,7 @@ WORST = 0.1  # of the levels drawn at random, in CVaR10
 
 @dataclass(frozen=True)
 class Result:
-    """One policy on one scene. A goal is an episode with a positive return."""
+    """One policy on one scene. `goals` are the episodes that succeeded: of a defence those without a goal."""
 
     method: str
     seed: int
@@ -65,7 +65,7 @@ def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, traine
         episodes=len(returns),
         mean_return=float(returns.mean()),
         return_std=float(returns.std()),
-        goals=int((returns > 0).sum()),
+        goals=int(evaluation.success.sum()),
         mean_length=float(evaluation.lengths.mean()),
         env_steps=trained[0],
         updates=trained[1],
@@ -82,7 +82,7 @@ def summarise_levels(evaluation: Evaluation, method: str, seed: int) -> LevelRes
     from ued.statistics import cvar
 
     count = len(evaluation.levels)
-    goals = (evaluation.returns > 0).reshape(-1, count).T  # [L, k]
+    goals = (evaluation.success > 0).reshape(-1, count).T  # [L, k]
     halves = goals[:, ::2].mean(1), goals[:, 1::2].mean(1)
     one, other = (cvar(halves[i], WORST, by=halves[1 - i]) for i in (0, 1))
     spread = [cvar((halves[i] - rate) ** 2, WORST, by=halves[1 - i]) for i, rate in enumerate((one, other))]

@@ -64,6 +64,7 @@ class Measured(NamedTuple):
 
 def write_page(results: Path, page: Path, pictures: Path) -> None:
     """Write the page and its pictures from all files of a folder. Raises `CommandError` if the disk refuses."""
+    pictures.mkdir(parents=True, exist_ok=True)
     parts = [HEAD]
     for preset in PRESETS:
         rows = load(results / FILES.format(preset=preset))
@@ -82,7 +83,7 @@ HEAD = """\
 # The benchmark of the thesis, made again
 
 Goal differences per episode, of agents in our simulator beside what is published of Google Research Football. This page
-is drawn from `experiments/studies/results` by `regista study`, which also makes what is missing:
+is drawn by `regista study` from small tables; what is missing in them it makes, and what is there it leaves:
 
 ```sh
 regista study single --seeds 5 --hours 3           # the 13 games of Figure 2.7; after three hours call it again

@@ -12,6 +12,7 @@ param end_episode_on_score = True
 param end_episode_on_out_of_play = True
 param end_episode_on_possession_change = True
 param right_team_difficulty = 1
+param defending = True
 
 behavior Cross(start, receivers):
     """Run to a place on the wing and cross high to one of the receivers, drawn at that moment."""

@@ -229,7 +229,7 @@ def levels_played(goals):
     count, each = goals.shape
     returns = goals.T.ravel().astype(float)
     levels = np.zeros(count, level_dtype(2))
-    return Evaluation(returns, np.ones(len(returns), int), np.arange(count * each) % count, levels, 0)
+    return Evaluation(returns, returns, np.ones(len(returns), int), np.arange(count * each) % count, levels, 0)
 
 
 def test_the_worst_levels_are_found_by_other_episodes():

@@ -121,7 +121,7 @@ def test_it_goes_on_where_it_was_killed(program, tmp_path, monkeypatch, capsys):
     def kill(self, number, *rest):
         if number == 1:
             raise KeyboardInterrupt
-        add(self, number, *rest)
+        return add(self, number, *rest)
 
     monkeypatch.setattr(demonstrations.Demonstrations, "add", kill)
     with pytest.raises(KeyboardInterrupt):

@@ -185,6 +185,16 @@ def test_progress_is_a_bar_on_a_terminal_and_a_line_elsewhere():
         assert screen.text.endswith("done\n")
 
 
+def test_the_time_left_is_told_from_the_pace_after_the_first_steps(monkeypatch):
+    now = iter([0.0, 100.0, 200.0])
+    monkeypatch.setattr("experiments.run.progress.time.monotonic", lambda: next(now, 300.0))
+    screen = Screen(False)
+    progress = Progress(1000, begun=100, stream=screen)
+    for steps in (100, 200, 300):  # the first hundred wait for the compiler
+        progress.show(steps)
+    assert screen.text.splitlines() == [" 10%  100 steps", " 20%  200 steps", " 30%  300 steps  1/s  12 min left"]
+
+
 def test_numbers_are_short():
     assert [count(n) for n in (950, 12_345, 4_560_000)] == ["950", "12.3k", "4.56M"]
     assert [duration(s) for s in (42, 180, 3900 * 2)] == ["42 s", "3 min", "2 h 10"]

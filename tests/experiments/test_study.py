@@ -91,8 +91,7 @@ def single(monkeypatch, tmp_path):
             train(RunFolder.open(run.path), stop)
 
     monkeypatch.setattr(study, "train_all", train_all)
-    places = {"--out": "runs", "--results": "results", "--page": "page.md", "--pictures": "."}
-    words = [word for flag, place in places.items() for word in (flag, str(tmp_path / place))]
+    words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
     return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
 
@@ -101,7 +100,7 @@ def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single,
     words, begun = single
     assert main(words) == 0
     assert begun == ["offense_easy_crossing-features-0", "grf_run_to_score_with_keeper-features-0"]
-    config = RunFolder.open(tmp_path / "runs" / "fast" / begun[1]).config
+    config = RunFolder.open(tmp_path / "fast" / begun[1]).config
     assert config.env.rewards == "scoring" and config.env.control == "closest1"  # whatever is best: as published
     found = rows.load(tmp_path / "results" / "fast.csv")
     agents = {(row.game, row.agent, row.scene) for row in found}
@@ -112,17 +111,18 @@ def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single,
         assert row.episodes == 6 and row.scored + row.conceded <= 6
         assert row.goal_difference == pytest.approx((row.scored - row.conceded) / 6, abs=1e-5)
         assert (row.env_steps, row.seconds > 0) == ((64, True) if row.agent == "ppo" else (0, False))
-    text = (tmp_path / "page.md").read_text()
+    text = (tmp_path / "BENCHMARK.md").read_text()
     assert "2 runs of 2 games, 1 seed, 64 steps each" in text and "(Figure 2.8)" in text
     assert "| +0.52 ± 0.12 | +0.01 ± 0.03 |" in text
-    assert (tmp_path / "benchmark_generalisation_fast.png").is_file()
+    assert (tmp_path / "pictures" / "benchmark_generalisation_fast.png").is_file()
+    assert "](pictures/benchmark_generalisation_fast.png)" in text
 
 
 def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single, tmp_path):
     words, begun = single
     assert main(words) == 0
     before = (tmp_path / "results" / "fast.csv").read_text()
-    for path in (tmp_path / "runs").rglob("*.pt"):
+    for path in (tmp_path / "fast").rglob("*.pt"):
         path.unlink()  # another machine: the tables alone are there
     assert main(words) == 0
     assert len(begun) == 2 and (tmp_path / "results" / "fast.csv").read_text() == before
@@ -140,13 +140,13 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
     assert begun == ["offense_hard_crossing-allNonGK-features-0"]
     found = rows.load(tmp_path / "results" / "fast.csv")
     assert {(row.agent, row.control) for row in found} == {("team_ppo", "allNonGK"), ("random", "allNonGK")}
-    text = (tmp_path / "page.md").read_text()
+    text = (tmp_path / "BENCHMARK.md").read_text()
     assert (
         "| offense/hard_crossing | allNonGK |" in text
         and "| 1 × 64 | -0.02 ± 0.06 |" in text
         and "Figure 2.7)" not in text
     )
-    assert (tmp_path / "benchmark_multi_fast.png").is_file()
+    assert (tmp_path / "pictures" / "benchmark_multi_fast.png").is_file()
     assert main(words) == 0 and len(begun) == 1
 
 
@@ -157,16 +157,15 @@ def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
     assert main([*words, "--kl-to-clone", "0.25"]) == 0
     stem = "offense_11_vs_gk-closest1-features-clone-0"
     assert begun == ["offense_11_vs_gk-features-0", "offense_11_vs_gk-pretrained-features-0"]
-    assert (tmp_path / "runs" / "fast" / stem / "checkpoint.pt").is_file()
-    assert (tmp_path / "runs" / "fast" / begun[1] / "origin.pt").is_file()
+    assert (tmp_path / "fast" / stem / "checkpoint.pt").is_file()
+    assert (tmp_path / "fast" / begun[1] / "origin.pt").is_file()
     found = {row.agent: row for row in rows.load(tmp_path / "results" / "fast.csv") if row.scene == "train"}
     assert found.keys() == {"ppo", "cloned", "pretrained", "random", "expert", "team_expert"}
     assert [found[agent].env_steps for agent in ("ppo", "cloned", "pretrained")] == [64, 0, 64]
-    text = (tmp_path / "page.md").read_text()
+    text = (tmp_path / "BENCHMARK.md").read_text()
     assert "(Figure 2.10, Table 3.2)" in text and "| +0.89 ± 0.03 |" in text
     assert main([*words, "--kl-to-clone", "0.25"]) == 0 and len(begun) == 2
-    own = [word for word in words if "results" not in word]
-    assert main([*own, "--kl-to-clone", "0.25"]) == 2
+    assert main([*words, "--kl-to-clone", "0.25", "--publish"]) == 2
 
 
 def test_the_thesis_has_fifteen_rows_of_teams():
@@ -205,9 +204,8 @@ def test_studies_are_named_and_kept_apart(single, capsys):
         "no study 'singel' (did you mean 'single'?); there are single, generalisation, multi, "
         in capsys.readouterr().err
     )
-    own = words[: words.index("--results")]
-    assert main([*own, "--gamma", "0.5"]) == 2
-    assert "it is no run of preset fast; give --results" in capsys.readouterr().err
+    assert main([*words, "--gamma", "0.5", "--publish"]) == 2
+    assert "it is no run of preset fast; leave out --publish" in capsys.readouterr().err
     assert main(["study", "single", "--games", "offense/easy_crosing"]) == 2
     assert "did you mean 'offense/easy_crossing'" in capsys.readouterr().err
     assert begun == []
@@ -256,3 +254,18 @@ def test_uniform_keys_are_played_on_all_scenes(tmp_path):
     config = study.open_run(tmp_path, "grf/empty_goal_close", 0, study.training(), {}).config
     found = measure_random(config, 4)
     assert [(row.agent, row.scene, row.env_steps) for row in found] == [("random", "train", 0), ("random", "test", 0)]
+
+
+def test_a_study_writes_into_the_checkout_only_when_it_is_told_to(tmp_path):
+    config = study.BenchmarkStudyConfig()
+    assert all(str(place).startswith("runs/benchmark/") for place in study.places_of(config))
+    published = study.places_of(study.BenchmarkStudyConfig(publish=True))
+    assert published.page.is_file() and (published.results / "fast.csv").is_file() and published.pictures.is_dir()
+
+
+def test_measured_runs_of_other_settings_are_not_taken_for_these(single, capsys):
+    words, begun = single
+    assert main(words) == 0
+    assert main([*words, "--gamma", "0.5"]) == 1
+    assert "was trained with ppo.gamma = 0.995; it cannot continue with 0.5" in capsys.readouterr().err
+    assert len(begun) == 2

@@ -46,7 +46,7 @@ class Crowd:
                 level = int(self.level[s][env])
                 self.played[s][level] = self.played[s].get(level, 0) + 1
             returns = np.array([self.returns(s, level) for level in self.level[s][ended]], float)
-            envs, records = self.queue.on_episode_end(s, ended, returns)
+            envs, records = self.queue.on_episode_end(s, ended, returns, returns > 0)
             assert set(envs) <= set(ended)  # only an environment between episodes changes its level
             self.level[s][envs] = records["level"]["program"]
             self.age[s][ended] = 0
@@ -99,7 +99,7 @@ def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
     queue = make_queue(num_envs=4, episodes=1)
     queue.first(0)
     assert len(queue.records) == 4
-    queue.on_episode_end(0, np.array([1]), np.array([0.0]))  # takes one of a block of four
+    queue.on_episode_end(0, np.array([1]), np.array([0.0]), np.array([1.0]))  # takes one of a block of four
     assert len(queue.records) == 8
     assert not len(queue.pop_finished())
     assert len(queue.records) == 5
@@ -116,7 +116,7 @@ def test_it_resumes_where_it_was():
     for _ in range(30):
         s, ended = rng.integers(2), np.flatnonzero(rng.random(4) < 0.5)
         returns = rng.normal(size=len(ended))
-        left, right = (queue.on_episode_end(s, ended, returns) for queue in (one, two))
+        left, right = (queue.on_episode_end(s, ended, returns, returns > 0) for queue in (one, two))
         assert (left[0] == right[0]).all() and (left[1]["level"] == right[1]["level"]).all()
         two.load_state_dict(two.state_dict())
     assert one.pop_finished().tobytes() == two.pop_finished().tobytes()

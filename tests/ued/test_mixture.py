@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from probes import Choice, Endless, HalfValid, Landscape
 
-from ued import ACCEL, ACCELConfig, BufferConfig, Paired, PPOConfig
+from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PPOConfig
+from ued.evaluation import evaluate
 from ued.mixture import Mixture
 from ued.probes import Frontier
 
@@ -69,6 +70,35 @@ def test_each_environment_gets_the_rewards_of_its_program():
         ended = terminated | truncated
         assert (info["final_obs"][ended, 2:].argmax(1) == env.levels["program"][ended]).all()
         env.reset_to_levels(env.sample_levels(int(ended.sum())), ended)
+
+
+class Defence(Choice):
+    """What pays -1 is a failure, what pays nothing is none."""
+
+    def _step(self, actions):
+        observation, reward, *over, info = super()._step(actions)
+        return observation, np.minimum(reward, 0.0), *over, info | {"success": (reward > 0).astype(float)}
+
+
+def test_success_is_what_each_program_says_or_a_positive_return():
+    env = Mixture([Choice(8), Defence(8)], ["attack", "defence"])
+    evaluation = evaluate(Constantly(1), env, 40, 0)
+    defence = env.program_of(evaluation.levels["theta"]) == 1
+    assert 0 < defence.sum() < 40 and (evaluation.returns == np.where(defence, 0.0, 1.0)).all()
+    assert (evaluation.success == 1).all()
+    assert (evaluate(Constantly(0), env, 40, 0).success == 0).all()
+    levels = DR(env, PPO)
+    assert 0 < levels.update()["success"] < 1
+
+
+class Constantly:
+    """A policy of one action."""
+
+    def __init__(self, action):
+        self.action = action
+
+    def play(self, observation, generator, greedy):
+        return np.full(len(observation), self.action)
 
 
 @pytest.mark.parametrize(

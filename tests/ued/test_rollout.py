@@ -66,7 +66,7 @@ def records_of(levels):
     return make_records(level_record_dtype(levels.dtype), levels)
 
 
-def worker(env, num_steps=8, on_episode_end=lambda ended, returns: (ended[:0], None)):
+def worker(env, num_steps=8, on_episode_end=lambda ended, returns, success: (ended[:0], None)):
     spaces = env.single_observation_space, env.single_action_space
     student = Student(*spaces, PPOConfig(hidden_size=8), torch_generator(0))
     made = RolloutWorker(student, env, num_steps, torch_generator(1), on_episode_end)
@@ -106,7 +106,7 @@ def test_terminated_and_truncated_at_once_is_terminated():
 
 
 def test_a_new_level_comes_to_the_environments_that_are_named():
-    def every_second(ended, returns):
+    def every_second(ended, returns, success):
         envs = ended[ended % 2 == 1][::-1]  # in any order
         levels = env.make_levels(np.zeros((len(envs), 0)))
         levels["program"] = envs + 100

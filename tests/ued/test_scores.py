@@ -36,6 +36,8 @@ def test_learnability_is_the_variance_of_success_without_bias():
     assert score("learnability", records([[1.0, 0.0], [1.0, 1.0], [-1.0, 0.0]])) == pytest.approx([0.5, 0.0, 0.0])
     assert score("learnability", records([[1.0, -1.0, 0.0, 2.0]])) == pytest.approx([1 / 3])
     assert score("learnability", records([[1.0, -1.0, GAP, GAP]])) == pytest.approx([0.5])
+    held = records([[0.0, -1.0], [0.0, 0.0], [0.0, -1.0]], success=[[1.0, 0.0], [1.0, 1.0], [GAP, GAP]])
+    assert score("learnability", held) == pytest.approx([0.5, 0.0, 0.0])  # the environment's word before the return's
     rng = np.random.default_rng(0)
     for count in (2, 5):
         learnability = score("learnability", records((rng.random((40_000, count)) < 0.3).astype(float)))

@@ -46,6 +46,30 @@ def test_processes_give_the_same_numbers(both):
         assert (one[4]["final_obs"] == other[4]["final_obs"]).all()
 
 
+class Telling(gymnasium.Wrapper):
+    """Says in its info whether it succeeded: upright, whatever it is paid."""
+
+    def step(self, action):
+        observation, _, terminated, truncated, info = self.env.step(action)
+        return observation, 0.0, terminated, truncated, info | {"is_success": abs(observation[2]) < 0.1}
+
+
+@pytest.mark.parametrize("vectorization", ["sync", "async"])
+def test_what_environments_say_of_their_success_counts(vectorization):
+    env = GymUPOMDP(lambda: Telling(gymnasium.make("CartPole-v1")), put, RANGES, 3, vectorization)
+    env.reset(seed=0)
+    told = env.step(np.zeros(3, int))[4]
+    assert (told["success"] == 1).all()
+    assert np.isnan(poles_step()).all()
+    env.close()
+
+
+def poles_step():
+    env = poles()
+    env.reset(seed=0)
+    return env.step(np.zeros(3, int))[4]["success"]
+
+
 def test_a_level_reaches_its_own_environment_in_another_process(both):
     _, apart = both
     apart.reset(seed=0, options={"theta": [[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]})

@@ -18,11 +18,9 @@ from gymnasium.spaces import Discrete
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP
+from ued.upomdp import UPOMDP, successes
 
-# Called with the environments `[k]` whose episodes have just ended and their returns `[k]`; returns the environments
-# that change their level and the level records they get. The others play their level again.
-OnEpisodeEnd = Callable[[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ class RolloutWorker(Resumable):
         self.env_steps += self.upomdp.num_envs
         ended = np.flatnonzero(terminated | truncated)
         if len(ended):
-            self._end_episodes(ended)
+            self._end_episodes(ended, info)
 
     def _act(self, t: int) -> np.ndarray:
         """Return the actions of step t for the environments; note what the policy drew."""
@@ -112,13 +110,13 @@ class RolloutWorker(Resumable):
             final = torch.as_tensor(np.asarray(info["final_obs"])[cut], dtype=torch.float32)
             self.rollout.final_value[t, torch.as_tensor(cut)] = self.student.value(final)
 
-    def _end_episodes(self, ended: np.ndarray) -> None:
+    def _end_episodes(self, ended: np.ndarray, info: dict[str, Any]) -> None:
         returns = self.returns[ended]
         self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         began = perf_counter()
-        envs, records = self.on_episode_end(ended, returns)
+        envs, records = self.on_episode_end(ended, returns, successes(info, ended, returns))
         self.seconds["levels"] += perf_counter() - began
         if len(envs):
             began = perf_counter()

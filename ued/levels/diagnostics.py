@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ued.levels.record import Origin, mean_returns
+from ued.levels.record import Origin, mean_returns, solved
 
 BINS = 10  # of each column of θ
 
@@ -23,8 +23,7 @@ def level_metrics(levels: np.ndarray) -> dict[str, float]:
     metrics |= {f"levels/{origin.name.lower()}": float(counts[origin]) for origin in Origin}
     if not len(levels):
         return metrics
-    returns = levels["returns"][:, 0]
-    metrics["success"] = float((returns[~np.isnan(returns)] > 0).mean())
+    metrics["success"] = float(np.nanmean(solved(levels)[:, 0]))
     score = levels["score"][~np.isnan(levels["score"])]
     if len(score):
         metrics["score"] = float(score.mean())
@@ -36,10 +35,10 @@ def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float
     metrics = {}
     for k, name in enumerate(names):
         mine = levels["level"]["program"] == k
-        returns = levels["returns"][mine, 0]
-        played = ~np.isnan(returns)
+        success = solved(levels[mine])[:, 0]
+        played = success[~np.isnan(success)]
         metrics[f"program/{name}"] = float(mine.mean()) if len(levels) else np.nan
-        metrics[f"program_success/{name}"] = float((returns[played] > 0).mean()) if played.any() else np.nan
+        metrics[f"program_success/{name}"] = float(played.mean()) if len(played) else np.nan
     return metrics
 
 

@@ -9,6 +9,8 @@ train it but do not count. Read next: `method`, whose `play` hides this queue.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ued.curriculum import Curriculum
@@ -65,15 +67,17 @@ class LevelQueue(Resumable):
         """Let each environment take a new level again, where it may do so once in a rollout."""
         self.needs_new_level[:] = True
 
-    def on_episode_end(self, student: int, ended: np.ndarray, returns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Note the returns `[k]` of the episodes that ended in the environments `ended` `[k]`.
+    def on_episode_end(
+        self, student: int, ended: np.ndarray, returns: np.ndarray, success: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Note returns and success `[k]` of the episodes that ended in the environments `ended` `[k]`.
 
         Return the environments `[c]` that change their level, and their new records `[c]`; the others play on.
         """
         if self.once_per_rollout:  # what the others play is not counted
             first = self.needs_new_level[student, ended]
-            ended, returns = ended[first], returns[first]
-        counted = self._note_returns(student, ended, returns)
+            ended, returns, success = ended[first], returns[first], success[first]
+        counted = self._note(student, ended, {"returns": returns, "success": success})
         record = self.playing[student, ended[counted]]
         through = self.records["num_played"][record, student] == self.records["num_episodes"][record]
         waiting = np.concatenate([ended[~counted], ended[counted][through]])
@@ -81,15 +85,16 @@ class LevelQueue(Resumable):
         self.needs_new_level[student, waiting] = False
         return waiting, self._take(student, waiting)
 
-    def _note_returns(self, student: int, ended: np.ndarray, returns: np.ndarray) -> np.ndarray:
-        """Write returns `[k]` into their records; return which of them count: bool `[k]`."""
+    def _note(self, student: int, ended: np.ndarray, results: dict[str, np.ndarray]) -> np.ndarray:
+        """Write results `[k]` into their records, by field; return which of them count: bool `[k]`."""
         record = self.playing[student, ended]  # [k]
         counted = record != NONE
         played, due = self.records["num_played"][:, student], self.records["num_episodes"]
         counted[counted] = played[record[counted]] < due[record[counted]]
         rows = record[counted]
         episode = played[rows]
-        self.records["returns"][rows, student, episode] = returns[counted]
+        for name, values in results.items():
+            self.records[name][rows, student, episode] = values[counted]
         self.records["num_played"][rows, student] += 1
         place = np.full((len(ended), 2), NONE)
         place[counted] = np.stack([rows, episode], 1)
@@ -149,3 +154,10 @@ class LevelQueue(Resumable):
         self.taken[:] = 0
         self.playing[:] = NONE
         self._ended = [[] for _ in range(self.students)]
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` returned. Raises ValueError if its level records have other fields."""
+        wanted, found = self.records.dtype.names or (), state["records"].dtype.names or ()
+        if wanted != found:
+            raise ValueError(f"level records have the fields {', '.join(wanted)}, these {', '.join(found)}")
+        super().load_state_dict(state)

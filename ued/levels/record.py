@@ -26,7 +26,7 @@ class Origin(IntEnum):
     EDITED = 4  # a changed copy of a replayed level
 
 
-RESULTS = ("returns", "mean_value", "positive_advantage", "absolute_advantage")
+RESULTS = ("returns", "success", "mean_value", "positive_advantage", "absolute_advantage")
 
 
 def level_record_dtype(
@@ -38,9 +38,9 @@ def level_record_dtype(
         level: a record of `upomdp.level_dtype`; origin: an `Origin`; slot: id of the buffer's level that it is, or was
         made from, or NONE; train: whether students learn from it; num_episodes: how many each student is to play.
     Filled in by the trainer:
-        num_played `[S]`: whole episodes so far; returns `[S, n]`: undiscounted, nan where not played; mean_value,
-        positive_advantage, absolute_advantage `[S, n]`: means over the steps of an episode of V, max(A, 0) and |A|,
-        nan where the trainer knows no values.
+        num_played `[S]`: whole episodes so far; returns `[S, n]`: undiscounted, nan where not played; success `[S, n]`:
+        1 or 0, nan where the trainer does not know (see `solved`); mean_value, positive_advantage, absolute_advantage
+        `[S, n]`: means over the steps of an episode of V, max(A, 0) and |A|, nan where the trainer knows no values.
     Written by the curriculum in `update`:
         score: what the level is worth to it, nan if it rates none.
     `extra` are fields of its own.
@@ -74,6 +74,15 @@ def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDO
 def mean_returns(records: np.ndarray) -> np.ndarray:
     """Return the mean return of each student on each record `[L, S]`; nan where none was played."""
     return mean_played(records["returns"])
+
+
+def solved(records: np.ndarray) -> np.ndarray:
+    """Return whether each student's episodes on each record succeeded `[L, S, n]`: 1 or 0, nan where none was played.
+
+    A trainer that fills in returns alone is taken at its returns: above 0 is a success.
+    """
+    by_return = np.where(np.isnan(records["returns"]), np.nan, records["returns"] > 0)
+    return np.where(np.isnan(records["success"]), by_return, records["success"])
 
 
 def mean_played(values: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ued.levels.record import mean_played
+from ued.levels.record import mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -35,15 +35,13 @@ def l1_value_loss(records: np.ndarray, best: np.ndarray) -> np.ndarray:
 
 
 def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Return p (1 - p) `[L]`, p the share of episodes with a positive return (Rutherford et al. 2024, section 4).
+    """Return p (1 - p) `[L]`, p the share of episodes that succeed (Rutherford et al. 2024, section 4).
 
     Of a single episode it is 0 whatever happens: ask for several. The unbiased estimate of the variance is used, n / (n
     - 1) times the naive one, so that levels with more episodes do not look more learnable.
     """
-    returns = records["returns"][:, 0]
-    played = ~np.isnan(returns)
-    count = played.sum(1)
-    p = mean_played(np.where(played, (returns > 0).astype(float), np.nan))
+    success = solved(records)[:, 0]
+    count, p = (~np.isnan(success)).sum(1), mean_played(success)
     return p * (1 - p) * count / np.maximum(count - 1, 1)
 
 

@@ -18,7 +18,7 @@ from ued.config import SFLConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
-from ued.levels.record import NONE, Origin, level_record_dtype, make_records
+from ued.levels.record import NONE, Origin, level_record_dtype, make_records, mean_played, solved
 from ued.method import Method
 from ued.resumable import Resumable
 from ued.upomdp import level_dtype
@@ -86,8 +86,8 @@ class SFLLevels(Resumable):
         """Return p (1 - p) `[L]` of the candidates among these level records, nan for the others."""
         learnability = np.full(len(records), np.nan)
         candidates = records[records["slot"] != NONE]
-        solved = (candidates["returns"][:, 0] > 0).mean(1) if len(candidates) else np.zeros(0)
-        learnability[records["slot"] != NONE] = scores.score("learnability", candidates) + TIE_BREAK * solved
+        rate = mean_played(solved(candidates)[:, 0])
+        learnability[records["slot"] != NONE] = scores.score("learnability", candidates) + TIE_BREAK * rate
         return learnability
 
     def choose(self, records: np.ndarray, learnability: np.ndarray) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What ends an episode: a goal, the ball out of play, the other team's possession, or time.
+"""What ends an episode: a goal, the ball out of play, the other team's possession, or time; and whether it succeeded.
 
 Read next: `control.reward`.
 """
@@ -7,7 +7,17 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import DURATION, GOAL, NORMAL, NOT_A_NUMBER, OUT_OF_PLAY, POSSESSION, RUNNING
+from envs.football.constants import (
+    DURATION,
+    GOAL,
+    LEFT,
+    NORMAL,
+    NOT_A_NUMBER,
+    OUT_OF_PLAY,
+    POSSESSION,
+    RIGHT,
+    RUNNING,
+)
 from scenic_lite.kernels.jit import kernel
 
 
@@ -26,3 +36,15 @@ def end_episode(match):
     match.truncated = match.ended == DURATION
     if not math.isfinite(match.ball.x + match.ball.y + match.ball.z):
         match.fault = NOT_A_NUMBER
+
+
+@kernel
+def has_succeeded(match, defending):
+    """Return whether the agents' team has what it plays for: more goals than the other, or defending, none against it.
+
+    That is the left team unless only the right one has agents.
+    """
+    own = RIGHT if match.num_agents[LEFT] == 0 and match.num_agents[RIGHT] > 0 else LEFT
+    if defending:
+        return match.score[1 - own] == 0
+    return match.score[own] > match.score[1 - own]
