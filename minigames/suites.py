@@ -25,6 +25,7 @@ class Minigame(NamedTuple):
         difficulty: what makes it hard, in a line.
         expert: a semi-expert program that plays it with one agent: the same players in the same order, with behaviors.
         team_expert: the same for a team.
+        held_out: (label, program) pairs made by a rule, for final tables alone: nothing is tuned on them.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Minigame(NamedTuple):
     difficulty: str = ""
     expert: Path | None = None
     team_expert: Path | None = None
+    held_out: tuple[tuple[str, Path], ...] = ()
 
     def test_games(self) -> list[Minigame]:
         """Return each test scene as a game of its own, without tests."""
@@ -266,6 +268,19 @@ ACADEMY: dict[str, Minigame] = {
         ("counterattack_easy", "eleven a side, five attackers ahead of most opponents"),
     )
 }
+
+# Programs of which one run trains on all, from easy to hard; any others are written as names joined by +.
+MIXTURES: dict[str, tuple[str, ...]] = {
+    "AcademyLadder": (
+        "grf/empty_goal_close",
+        "grf/empty_goal",
+        "grf/run_to_score",
+        "grf/pass_and_shoot_with_keeper",
+        "grf/3_vs_1_with_keeper",
+        "grf/run_to_score_with_keeper",
+    ),
+}
+
 ALL = MINIGAMES | BENCHMARK | ACADEMY
 # Whatever can stand where a program is asked for: games, and each of their test scenes as `<game>/<test>`.
 NAMED = ALL | {test.name: test for game in ALL.values() for test in game.test_games()}

@@ -61,10 +61,10 @@ class Mixture(UPOMDP):
 
     def program_of(self, theta: Any) -> np.ndarray:
         """Return the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
-        column = check_theta(theta, self.theta_dim)[:, 0]
+        theta = check_theta(theta, self.theta_dim)
         if self.only is not None:
-            return np.full(len(column), self.only, np.int32)
-        return np.minimum((column + 1) / 2 * len(self.members), len(self.members) - 1).astype(np.int32)
+            return np.full(len(theta), self.only, np.int32)
+        return chosen_program(theta, len(self.members))
 
     def valid(self, theta: Any) -> np.ndarray:
         theta = check_theta(theta, self.theta_dim)
@@ -149,6 +149,11 @@ class Mixture(UPOMDP):
         set_stream(self.np_random, state["np_random"])
         return self._observations.copy()
 
+    def resized(self, num_envs: int) -> Mixture:
+        """Return a mixture of the same programs, not yet reset, with so many environments; members must be able to."""
+        members: list[Any] = list(self.members)
+        return Mixture([member.resized(num_envs) for member in members], self.names, self.only)
+
     def copy(self) -> Mixture:
         twin = Mixture([member.copy() for member in self.members], self.names, self.only)
         twin.set_state(self.get_state())
@@ -157,6 +162,11 @@ class Mixture(UPOMDP):
     def close_extras(self, **kwargs: Any) -> None:
         for member in self.members:
             member.close()
+
+
+def chosen_program(theta: np.ndarray, programs: int) -> np.ndarray:
+    """Return which of so many programs each row of θ `[n, D]` chooses: `[n]`."""
+    return np.minimum((theta[:, 0] + 1) / 2 * programs, programs - 1).astype(np.int32)
 
 
 def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:

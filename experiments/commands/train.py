@@ -65,7 +65,7 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     origin.begin_with(run, method)
     scenes = EvalScenes(config, programs, config.eval_episodes)
     elapsed = restore(run, method)
-    recorder = RunRecorder(run, upomdp, method.updates)
+    recorder = RunRecorder(run, program, upomdp, method.updates)
     progress = Progress(config.total_env_steps, method.env_steps)
 
     while method.env_steps < config.total_env_steps and not stop:
@@ -119,7 +119,7 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
     base = TrainFlags(config=origin.like(source, replace(start, minigame=minigame)) if source else start)
     flags = arguments.replace_paths(base, typed)
     config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
-    name = build.find_minigame(config.minigame).name
+    name = build.short_name(config.minigame)
     build.find_method(config.method)
     if source is None and flags.fine_tuning != FineTuningConfig():
         raise UsageError("--kl-to-clone and --kl-share need --from CHECKPOINT, the policy to stay close to")

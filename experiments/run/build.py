@@ -20,9 +20,8 @@ from ued.methods import METHODS
 if TYPE_CHECKING:
     from envs.football.config import FootballConfig
     from envs.football.scenic.lineup import Lineup
-    from envs.football.vector_env import FootballVectorEnv
-    from envs.football.view.render import FootballPainter
     from experiments.run.config import ProgramConfig, TrainConfig
+    from experiments.run.mixed import MixedProgram
     from minigames.suites import Minigame
     from scenic_lite import Domain, Program
 
@@ -34,9 +33,13 @@ TRAINING_SCENE = "training distribution"  # uniform θ of the training program: 
 def find_minigame(name: str) -> Minigame:
     """Return the minigame of this name, or the test scene `<minigame>/<test>` as a game without tests of its own.
 
-    The path of a .scenic program counts as one without tests, too. Raises `UsageError` for other names.
+    The path of a .scenic program counts as one without tests, too. Raises `UsageError` for other names, and for a
+    mixture, which is several minigames.
     """
     from minigames.suites import NAMED, Minigame
+
+    if len(parts_of(name)) > 1:
+        raise UsageError(f"{name} is a mixture; here one of its minigames is wanted: {', '.join(parts_of(name))}")
 
     if name in NAMED:
         return NAMED[name]
@@ -50,19 +53,39 @@ def find_minigame(name: str) -> Minigame:
     )
 
 
+def parts_of(name: str) -> list[str]:
+    """Return the names of the minigames that a mixture is made of: `a+b`, or a name of its own; of others the name."""
+    from minigames.suites import MIXTURES
+
+    return list(MIXTURES[name]) if name in MIXTURES else name.split("+")
+
+
+def short_name(name: str) -> str:
+    """Return what a minigame, or a mixture, is called in the names of folders and on pictures."""
+    from minigames.suites import MIXTURES
+
+    return name if name in MIXTURES else "+".join(find_minigame(part).name for part in parts_of(name))
+
+
 def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
-    from minigames.suites import NAMED
+    from minigames.suites import MIXTURES, NAMED
 
-    program = find_minigame(name).program
-    return name if name in NAMED else str(program.resolve())
+    if name in MIXTURES or name in NAMED:
+        return name
+    if len(parts_of(name)) > 1:
+        return "+".join(map(canonical_name, parts_of(name)))
+    return str(find_minigame(name).program.resolve())
 
 
 def starting_point(preset: str, minigame: str) -> TrainConfig:
-    """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that."""
+    """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
+
+    Of a mixture, those of its first minigame.
+    """
     from experiments.run.config import presets
 
-    config, game = presets()[preset], find_minigame(minigame)
+    config, game = presets()[preset], find_minigame(parts_of(minigame)[0])
     return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
 
 
@@ -73,14 +96,34 @@ def find_method(name: str) -> str:
     return name
 
 
-def load_scenes(config: TrainConfig) -> dict[str, Program]:
+def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     """Compile the programs of a run's minigame, by label: what is trained on, then what its students are tested on.
 
-    The settings of `config.program` are the training program's; the test scenes stay as they are.
+    `held_out`: its held-out scenes instead of its tests. Raises `UsageError` where it has none.
+
+    The settings of `config.program` are the training program's; the test scenes stay as they are. A mixture is tested
+    on all of its programs, and on their test scenes.
     """
-    game, dialect = find_minigame(config.minigame), config.env.dialect
-    tests = {label: load_program(path, dialect) for label, path in game.tests}
-    return {TRAINING_SCENE: load_program(game.program, dialect, config.program), **tests}
+    games, dialect = [find_minigame(part) for part in parts_of(config.minigame)], config.env.dialect
+    programs = [load_program(game.program, dialect, config.program) for game in games]
+    tests = [{label: load_program(path, dialect) for label, path in tests_of(game, held_out)} for game in games]
+    if len(games) == 1:
+        return {TRAINING_SCENE: programs[0], **tests[0]}
+    from experiments.run.mixed import MixedProgram
+
+    mixed = MixedProgram(tuple(game.name for game in games), tuple(programs))
+    scenes: dict[str, Any] = {TRAINING_SCENE: mixed}
+    for k, name in enumerate(mixed.names):
+        scenes[name] = mixed.alone(k, programs[k])
+        scenes |= {f"{name}/{label}": mixed.alone(k, program) for label, program in tests[k].items()}
+    return scenes
+
+
+def tests_of(game: Minigame, held_out: bool) -> tuple[tuple[str, Path], ...]:
+    """Return the tests of a minigame, or its held-out scenes. Raises `UsageError` where it has none of these."""
+    if held_out and not game.held_out:
+        raise UsageError(f"{game.name} has no held-out scenes")
+    return game.held_out if held_out else game.tests
 
 
 def load_program(path: Path, dialect: int | None, settings: ProgramConfig | None = None) -> Program:
@@ -148,12 +191,14 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def make_upomdp(program: Program, num_envs: int, config: FootballConfig, seed: int, threads: int) -> FootballVectorEnv:
-    """Make a program into `num_envs` environments, with seeded streams, stepped by `threads` threads."""
+def make_upomdp(program: Program | MixedProgram, num_envs: int, config: FootballConfig, seed: int, threads: int) -> Any:
+    """Make a program, or a mixture, into `num_envs` environments, with seeded streams, stepped by `threads` threads.
+
+    Raises `UsageError` for programs that do not go together.
+    """
     import numba
 
     from envs.football.batch import step_batch
-    from envs.football.vector_env import FootballVectorEnv
     from scenic_lite.kernels.jit import compiled
 
     if config.engine == "regista" and not compiled(step_batch):
@@ -162,11 +207,26 @@ def make_upomdp(program: Program, num_envs: int, config: FootballConfig, seed: i
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
-        upomdp = FootballVectorEnv(program, num_envs, config=config)
+        upomdp = _environments(program, num_envs, config)
     for warning in caught:
         warn(f"warning: {warning.message}")
     upomdp.reset(seed=seed)
     return upomdp
+
+
+def _environments(program: Program | MixedProgram, num_envs: int, config: FootballConfig) -> Any:
+    from envs.football.vector_env import FootballVectorEnv
+    from experiments.run.mixed import MixedProgram
+
+    if not isinstance(program, MixedProgram):
+        return FootballVectorEnv(program, num_envs, config=config)
+    from ued.mixture import Mixture
+
+    members = [FootballVectorEnv(each, num_envs, config=config) for each in program.programs]
+    try:
+        return Mixture(members, program.names, program.only)
+    except ValueError as error:
+        raise UsageError(f"these minigames are no mixture: {error}") from error
 
 
 def make_method(config: TrainConfig, upomdp: Any) -> Any:
@@ -184,9 +244,13 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
 
 
-def make_painter(program: Program, lineup: Lineup | None = None) -> FootballPainter:
-    """Make what draws the levels of a program; `lineup` is that of its environment, if there is one."""
+def make_painter(program: Program | MixedProgram, lineup: Lineup | None = None) -> Any:
+    """Make what draws the levels of a program or a mixture; `lineup` is that of its environment, if there is one."""
     from envs.football.scenic.lineup import Lineup
     from envs.football.view.render import FootballPainter
+    from experiments.run.mixed import MixedPainter, MixedProgram
 
+    if isinstance(program, MixedProgram):
+        painters = [FootballPainter(Lineup(each)) for each in program.programs]
+        return MixedPainter(painters, [each.dim for each in program.programs])
     return FootballPainter(lineup or Lineup(program))

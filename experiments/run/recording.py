@@ -25,11 +25,11 @@ STEP_SECONDS = 0.1
 class RunRecorder:
     """Feed a `CurriculumRecorder` from a method, and play the episodes that it shows."""
 
-    def __init__(self, run: RunFolder, upomdp: Any, updates: int) -> None:
+    def __init__(self, run: RunFolder, program: Any, upomdp: Any, updates: int) -> None:
         self.run = run
         self.recorder: CurriculumRecorder | None = None
         if run.config.record:
-            self._try(self._open, upomdp, updates)
+            self._try(self._open, program, upomdp, updates)
 
     def update(self, method: Any, metrics: dict[str, float]) -> None:
         """Record what `method.update()` brought."""
@@ -52,9 +52,9 @@ class RunRecorder:
             self.recorder = None
             print(f"regista: nothing more is recorded: {type(error).__name__}: {error}", file=sys.stderr)
 
-    def _open(self, upomdp: Any, updates: int) -> None:
+    def _open(self, program: Any, upomdp: Any, updates: int) -> None:
         config = self.run.config
-        self.painter = build.make_painter(upomdp.program, upomdp.lineup)
+        self.painter = build.make_painter(program, getattr(upomdp, "lineup", None))
         self.env = upomdp.resized(1)
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}

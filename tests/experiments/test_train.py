@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ import pytest
 import scenic_lite
 from experiments.__main__ import main
 from experiments.run.build import TRAINING_SCENE, load_scenes
-from experiments.run.config import ProgramConfig
+from experiments.run.config import ProgramConfig, TrainConfig
 from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
@@ -67,6 +68,44 @@ def test_the_settings_of_a_program_are_part_of_the_run(probe, tmp_path, capsys):
     capsys.readouterr()
     assert main(["train", "--resume", str(path), "-p", "far=6", "--total-env-steps", "22000"]) == 1
     assert "was trained with program.param = ('far=5', 'name=dusk')" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_mixture_is_trained_and_recorded_by_program(tmp_path):
+    """22 players beside 2: observations are padded, and each test is one program seen as in the mixture."""
+    names = "grf/empty_goal_close+1v1Restricted"
+    flags = ["--num-envs", "8", "--eval-episodes", "2", "--num-steps", "128", "--total-env-steps", "6000"]
+    command = ["train", names, "--method", "paired", "--record-rollouts", "1", "--out", str(tmp_path / "run"), *flags]
+    assert main(command) == 0
+    run = RunFolder.open(tmp_path / "run")
+    rows = read_rows(run.metrics.path)
+    assert run.config.minigame == names
+    shares = [(row["program/grf/empty_goal_close"], row["program/1v1Restricted"]) for row in rows]
+    assert [float(one) + float(other) for one, other in shares if one]
+    assert all(float(one) + float(other) == pytest.approx(1) for one, other in shares if one)
+    assert {"eval/grf/empty_goal_close", "eval/grf/empty_goal_close/test", "eval/1v1Restricted/hard"} <= set(rows[0])
+    assert (tmp_path / "run" / "curriculum.rrd").stat().st_size > 10_000
+    assert main(["inspect", names]) == 2
+
+
+def test_points_of_a_mixture_are_those_of_its_programs():
+    import numpy as np
+
+    from experiments.run import build
+
+    config = replace(TrainConfig(), minigame="1v1Free+ChoosePassing")
+    mixed = build.load_scenes(config)[TRAINING_SCENE]
+    painter = build.make_painter(mixed)
+    own = [build.make_painter(program) for program in mixed.programs]
+    theta = np.zeros((2, 1 + max(program.dim for program in mixed.programs)))
+    theta[:, 0] = [-0.5, 0.5]
+    places = painter.positions(theta)
+    for k, program in enumerate(mixed.programs):
+        drawn = ~np.isnan(places[k, :, 0])
+        assert sorted(painter.classes[drawn]) == sorted(own[k].classes)
+        expected = own[k].positions(np.zeros((1, program.dim)))[0]
+        assert np.allclose(np.sort(places[k, drawn], 0), np.sort(expected, 0))
+        assert np.allclose(places[k, painter.focus], expected[-1])  # the ball
 
 
 def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):

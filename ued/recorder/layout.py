@@ -41,10 +41,13 @@ class ScenePainter(Protocol):
         """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
 
-def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str]) -> Any:
-    """Return the blueprint for a painter, the names of the columns of θ, and those of the students."""
+def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str], mixed: bool = False) -> Any:
+    """Return the blueprint for a painter, the names of the columns of θ, and those of the students.
+
+    `mixed`: the levels are of several programs.
+    """
     tabs = rrb.Tabs(
-        _overview(painter, students), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
+        _overview(painter, students, mixed), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
     return blueprint(tabs, "update", fps=10)
 
@@ -100,7 +103,7 @@ def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: s
     )
 
 
-def _overview(painter: ScenePainter, students: Sequence[str]) -> Any:
+def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> Any:
     title = "Where the levels are (colour: score) over their density"
     level = rrb.Horizontal(
         _scene(painter, "The level of the highest score", "/scene/levels/0/**"),
@@ -111,6 +114,8 @@ def _overview(painter: ScenePainter, students: Sequence[str]) -> Any:
     curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
     if len(students) > 1:
         curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
+    if mixed:
+        curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
     curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "LeftTop"))
     right = rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
     return rrb.Horizontal(left, right, column_shares=[1.25, 1], name="Overview")

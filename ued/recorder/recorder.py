@@ -74,7 +74,7 @@ class CurriculumRecorder:
         """Write one update: the levels that it was based on, and all its numbers."""
         self._expect(update, env_steps)
         if not self._opened:
-            self._open(list(batch.returns))
+            self._open(list(batch.returns), any(name.startswith("program/") for name in metrics))
         self._at(update, env_steps)
         self._pending.append((update, env_steps, dict(metrics)))
         if not len(batch.theta):
@@ -112,9 +112,10 @@ class CurriculumRecorder:
     def _expect(self, update: int, env_steps: int) -> None:
         self.theta.expect(-(-self.recording.total_env_steps * update // max(env_steps, 1)))
 
-    def _open(self, students: list[str]) -> None:
+    def _open(self, students: list[str], mixed: bool) -> None:
         """Begin the file: the layout, what never changes, the looks of the curves."""
-        self.stream.save(self.recording.path, default_blueprint=layout(self.painter, self.theta.names, students))
+        views = layout(self.painter, self.theta.names, students, mixed)
+        self.stream.save(self.recording.path, default_blueprint=views)
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
