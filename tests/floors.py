@@ -56,6 +56,7 @@ FLOORS = {
         "config",
         "statistics",
         "checkpoint",
+        "parameters",  # what the columns of theta are
         "upomdp",  # the seam
         "gym_upomdp",
         "mixture",

@@ -28,8 +28,9 @@ MAY_IMPORT = {
 EXCEPTIONS = {
     "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # it runs where nothing else of ours is
     "envs/football/parallel_env.py": {"envs", "scenic_lite", "ued.upomdp", "numpy", "gymnasium", "pettingzoo"},
-    "ued/upomdp.py": {"numpy", "gymnasium"},
-    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.upomdp"},
+    "ued/parameters.py": {"numpy"},
+    "ued/upomdp.py": {"numpy", "gymnasium", "ued.parameters"},
+    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.parameters", "ued.upomdp"},
     "ued/methods/alp_gmm.py": {"ued", "numpy", "sklearn", "threadpoolctl"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},

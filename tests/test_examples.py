@@ -12,12 +12,14 @@ SHORT = {
     "with_stable_baselines3.py": ["--env-steps", "4096"],
     "choose_among_skills.py": ["--env-steps", "16384"],
     "with_torchrl.py": ["--env-steps", "512"],
+    "maze.py": ["--env-steps", "4096"],
 }
 SAYS = {
     "cleanrl_style.py": "buffer",
     "with_stable_baselines3.py": "alp/components",
     "choose_among_skills.py": "ChoosePassing",
     "with_torchrl.py": "512 env_steps",
+    "maze.py": "4096 env_steps",
 }
 
 

@@ -15,7 +15,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.config": ("AdversaryConfig", "BufferConfig", "PPOConfig"),
     "ued.curriculum": ("Curriculum", "ThetaSpace"),
     "ued.evaluation": ("Evaluation", "evaluate"),
-    "ued.gym_upomdp": ("GymUPOMDP", "UPOMDPWrapper"),
+    "ued.gym_upomdp": ("GymUPOMDP", "LevelError", "UPOMDPWrapper"),
     "ued.learning.ppo": ("PPO",),
     "ued.learning.student": ("Student",),
     "ued.levels.adversary": ("Adversary",),
@@ -24,6 +24,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.method": ("LevelBatch", "Method"),
     "ued.methods": ("METHODS",),
     "ued.mixture": ("Mixture",),
+    "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range"),
     "ued.upomdp": ("UPOMDP", "ThetaError", "level_dtype"),
 }
 

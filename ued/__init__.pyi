@@ -19,6 +19,7 @@ from ued.curriculum import ThetaSpace as ThetaSpace
 from ued.evaluation import Evaluation as Evaluation
 from ued.evaluation import evaluate as evaluate
 from ued.gym_upomdp import GymUPOMDP as GymUPOMDP
+from ued.gym_upomdp import LevelError as LevelError
 from ued.gym_upomdp import UPOMDPWrapper as UPOMDPWrapper
 from ued.learning.ppo import PPO as PPO
 from ued.learning.student import Student as Student
@@ -40,6 +41,11 @@ from ued.methods.repaired import Repaired as Repaired
 from ued.methods.self_regret import SelfRegret as SelfRegret
 from ued.methods.sfl import SFL as SFL
 from ued.mixture import Mixture as Mixture
+from ued.parameters import Choice as Choice
+from ued.parameters import Integer as Integer
+from ued.parameters import LevelFamily as LevelFamily
+from ued.parameters import LogRange as LogRange
+from ued.parameters import Range as Range
 from ued.upomdp import UPOMDP as UPOMDP
 from ued.upomdp import ThetaError as ThetaError
 from ued.upomdp import level_dtype as level_dtype

@@ -11,13 +11,14 @@ self-regret and PAIRED's teacher all are curricula. Read next: `method`, our tra
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
+from ued.parameters import LevelFamily, Parameter, Theta, ThetaMap, snap
 from ued.resumable import Resumable
-from ued.upomdp import check_theta, level_dtype, new_levels, sample_valid_theta
+from ued.upomdp import check_theta, edit_theta, level_dtype, new_levels, sample_valid_theta
 
 
 class Curriculum(Protocol):
@@ -51,37 +52,65 @@ class LevelSpace(Protocol):
 
     @property
     def theta_dim(self) -> int: ...
+    @property
+    def draws(self) -> Sequence[Parameter]: ...
+    @property
+    def family(self) -> LevelFamily | None: ...
     def valid(self, theta: Any) -> np.ndarray: ...
     def make_levels(self, theta: Any) -> np.ndarray: ...
     def sample_levels(self, count: int) -> np.ndarray: ...
+    def edit_theta(
+        self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator
+    ) -> np.ndarray: ...
+
+
+def need_vector(space: LevelSpace) -> None:
+    """Raise `ValueError` for a space of levels among which no θ can be chosen: none at all, or levels of a family."""
+    if not space.theta_dim:
+        raise ValueError("there is nothing to choose: the environment has no free parameters; use dr")
+    if space.family is not None:
+        raise ValueError(
+            f"levels of {type(space.family).__name__} can be drawn and mutated, but not placed; "
+            "use dr, plr, robust_plr, accel or sfl"
+        )
 
 
 class ThetaSpace(Resumable):
     """Levels θ in [-1, 1]^D for a trainer of one's own, which needs no `UPOMDP`.
 
     Args:
-        dim: D.
+        theta: D, or what the columns are, as `GymUPOMDP` takes it.
         valid: says which rows of θ `[n, D]` can be played; None: all.
         seed: of the stream from which levels and their seeds are drawn.
     """
 
     state_fields = ("stream",)
 
-    def __init__(self, dim: int, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
-        self.theta_dim, self._valid, self.stream = dim, valid, np.random.default_rng(seed)
+    def __init__(self, theta: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
+        self.theta_map = ThetaMap(theta)
+        self.draws, self.family = self.theta_map.draws, self.theta_map.family
+        self.theta_dim, self._valid, self.stream = len(self.draws), valid, np.random.default_rng(seed)
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        """Return each row of θ `[n, D]` as values by name."""
+        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def valid(self, theta: Any) -> np.ndarray:
         """Return for each row of θ `[n, D]` whether it describes a level that can be played: bool `[n]`."""
         theta = check_theta(theta, self.theta_dim)
-        return np.ones(len(theta), bool) if self._valid is None else np.asarray(self._valid(theta), bool)
+        return self.theta_map.valid(theta) if self._valid is None else np.asarray(self._valid(theta), bool)
 
     def make_levels(self, theta: Any) -> np.ndarray:
         """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-        return new_levels(theta, self.theta_dim, self.stream)
+        return new_levels(snap(check_theta(theta, self.theta_dim), self.draws), self.theta_dim, self.stream)
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Draw valid levels uniformly. Raises `ThetaError` where hardly any is valid."""
-        return self.make_levels(sample_valid_theta(self.stream, count, self.theta_dim, self.valid))
+        return self.make_levels(sample_valid_theta(self.stream, count, self.theta_dim, self.valid, self.family))
+
+    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+        """Return edited copies of θ `[k, D]`, valid or not, each column as its kind is."""
+        return edit_theta(theta, self, num_edits, edit_size, rng)
 
 
 class RandomLevelPool(Resumable):

@@ -8,95 +8,92 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Callable, Mapping
-from typing import Any, Literal, NamedTuple, Protocol
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
-from ued.upomdp import UPOMDP, Parameter, check_theta, sample_valid_theta, set_stream
+from ued.parameters import Theta, ThetaMap
+from ued.upomdp import UPOMDP, check_theta, sample_valid_theta, set_stream
 
-Apply = Callable[[gymnasium.Env, dict[str, Any]], object]
-Range = tuple[float, float]
-
-
-class LinearParameter(NamedTuple):
-    """One free parameter: θ = -1 means `low`, θ = 1 means `high`, linearly between."""
-
-    name: str
-    low: float
-    high: float
+# Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
+Apply = Callable[[gymnasium.Env, Any], object]
+# What an environment's own `reset(seed=)` is given: the level's seed, nothing, or what a function makes of that seed.
+SeedRule = bool | Callable[[int | None], int | None]
 
 
-class ThetaProgram(Protocol):
-    """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
-
-    @property
-    def draws(self) -> tuple[Parameter, ...]: ...
-    def valid(self, theta: np.ndarray) -> np.ndarray: ...
-    def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
+class LevelError(RuntimeError):
+    """Something went wrong in an environment; the message says in what, and on which level."""
 
 
-class ThetaMap:
-    """What θ means: D columns, which rows are valid, and what values they stand for.
+class _Levelled(gymnasium.Wrapper):
+    """One environment that is put on levels; errors in it tell on which."""
 
-    `theta` is the number of dimensions (values are θ itself, named `theta[0]`, ...), a mapping from name to
-    (low, high), or a program whose random values are the columns.
-    """
+    def __init__(self, env: gymnasium.Env, apply: Apply, theta_map: ThetaMap, seed_episodes: SeedRule = True) -> None:
+        super().__init__(env)
+        self.apply, self.theta_map, self.seed_episodes = apply, theta_map, seed_episodes
+        self.theta = np.zeros(len(theta_map.draws))
+        self.seed: int | None = None
 
-    def __init__(self, theta: int | Mapping[str, Range] | ThetaProgram) -> None:
-        self.program = None
-        if isinstance(theta, int):
-            if theta < 0:
-                raise ValueError(f"theta_dim must be 0 or more, got {theta}")
-            self.draws: tuple[Parameter, ...] = tuple(LinearParameter(f"theta[{i}]", -1.0, 1.0) for i in range(theta))
-        elif isinstance(theta, Mapping):
-            self.draws = tuple(self._parameter(name, bounds) for name, bounds in theta.items())
-        else:
-            self.program = theta
-            self.draws = theta.draws
+    def begin(self, theta: np.ndarray, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Start an episode on θ `[D]`; `seed` is the level's, None where an episode is played again."""
+        self.theta, self.seed = theta.copy(), seed if seed is not None else self.seed
+        with self._telling("the function that puts levels into it"):
+            given = self.apply(self.env, self.theta_map.values(self.theta))
+        if isinstance(given, dict):
+            options = {**given, **options}
+        rule = self.seed_episodes
+        seed = rule(seed) if callable(rule) else seed if rule else None
+        with self._telling("reset"):
+            return self.env.reset(seed=seed, options=options or None)
 
-    @staticmethod
-    def _parameter(name: str, bounds: Range) -> LinearParameter:
-        low, high = map(float, bounds)
-        if not (math.isfinite(low) and math.isfinite(high)):
-            raise ValueError(f"the range of {name!r} must be two finite numbers, got {bounds}")
-        return LinearParameter(name, low, high)
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        with self._telling("step"):
+            return self.env.step(action)
 
-    def valid(self, theta: np.ndarray) -> np.ndarray:
-        """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
-        return np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
+    @contextmanager
+    def _telling(self, what: str) -> Iterator[None]:
+        """Raise whatever goes wrong meanwhile as a `LevelError`."""
+        try:
+            yield
+        except LevelError:
+            raise
+        except Exception as error:
+            row = ", ".join(f"{x:.6g}" for x in self.theta[:32]) + ", …" * (len(self.theta) > 32)
+            values = str(self.theta_map.values(self.theta))
+            shown = values if len(values) < 1000 else values[:1000] + " …"
+            raise LevelError(
+                f"{self.env} failed in {what}: {type(error).__name__}: {error} "
+                f"(level: theta [{row}], that is {shown}; seed {self.seed})"
+            ) from error
 
-    def values(self, row: np.ndarray) -> dict[str, Any]:
-        """Return one row of θ `[D]` in the environment's units."""
-        if self.program is not None:
-            return self.program.describe(row)
-        return {d.name: d.low + (x + 1) / 2 * (d.high - d.low) for d, x in zip(self.draws, row.tolist(), strict=True)}
 
-
-class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
+class UPOMDPWrapper(_Levelled, gymnasium.utils.RecordConstructorArgs):
     """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
 
-    `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset.
-    A reset without θ draws one at random, so a stock trainer sees domain randomisation.
+    `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset, and a dict
+    that it returns is the reset's options. A reset without θ draws one at random, so a stock trainer sees domain
+    randomisation. `theta` and `valid` are those of `GymUPOMDP`.
     """
 
-    def __init__(self, env: gymnasium.Env, apply: Apply, theta: int | Mapping[str, Range] | ThetaProgram) -> None:
-        gymnasium.utils.RecordConstructorArgs.__init__(self, apply=apply, theta=theta)
-        gymnasium.Wrapper.__init__(self, env)
-        self.apply = apply
-        self.theta_map = ThetaMap(theta)
-        self.draws = self.theta_map.draws
-        self.theta_space = gymnasium.spaces.Box(-1.0, 1.0, (len(self.draws),), np.float64)
-        self.theta = np.zeros(len(self.draws))
+    def __init__(
+        self, env: gymnasium.Env, apply: Apply, theta: Theta, valid: Callable[[Any], bool] | None = None
+    ) -> None:
+        gymnasium.utils.RecordConstructorArgs.__init__(self, apply=apply, theta=theta, valid=valid)
+        _Levelled.__init__(self, env, apply, ThetaMap(theta, valid))
+        self.draws, self.family = self.theta_map.draws, self.theta_map.family
+        self.theta_space = Box(-1.0, 1.0, (len(self.draws),), np.float64)
         self._streams = np.random.default_rng()
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on `options["theta"]` `[D]`, or on a random θ. `info["theta"]` says which.
 
-        Raises `ued.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that the
-        program rejects.
+        Raises `ued.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that
+        describes no valid level.
         """
         if seed is not None:
             self._streams = np.random.default_rng(seed)
@@ -105,10 +102,9 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
             theta = check_theta(options.pop("theta"), len(self.draws), rows=1)
             if not self.theta_map.valid(theta)[0]:
                 raise ValueError(f"theta {theta[0].tolist()} describes no valid level")
-            self.theta = theta[0]
         else:
-            self.theta = sample_valid_theta(self._streams, 1, len(self.draws), self.theta_map.valid)[0]
-        return self._restart(seed, options)
+            theta = sample_valid_theta(self._streams, 1, len(self.draws), self.theta_map.valid, self.family)
+        return self._restart(theta[0], seed, options)
 
     def reset_random(self) -> Any:
         """Draw θ at random and reset; return the observation."""
@@ -120,11 +116,10 @@ class UPOMDPWrapper(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
 
     def reset_agent(self) -> Any:
         """Start a new episode with the same θ; return the observation."""
-        return self._restart(None, {})[0]
+        return self._restart(self.theta, None, {})[0]
 
-    def _restart(self, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        self.apply(self.env, self.theta_map.values(self.theta))
-        observation, info = self.env.reset(seed=seed, options=options or None)
+    def _restart(self, theta: np.ndarray, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        observation, info = self.begin(theta, seed, options)
         return observation, {**info, "theta": self.theta.copy()}
 
 
@@ -136,58 +131,82 @@ def told_success(info: Mapping[str, Any]) -> Any:
     return next((info[name] for name in SUCCESS if name in info), math.nan)
 
 
-class _Slot(gymnasium.Wrapper):
+class _Slot(_Levelled):
     """One environment of a batch: takes its own row of `options["theta"]` `[N, D]` at each reset."""
 
-    def __init__(self, env: gymnasium.Env, index: int, apply: Apply, theta_map: ThetaMap) -> None:
-        super().__init__(env)
-        self.index, self.apply, self.theta_map = index, apply, theta_map
+    index = 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        if options is not None:  # not so where a vector environment resets on its own account
-            self.apply(self.env, self.theta_map.values(options["theta"][self.index]))
-        observation, _ = self.env.reset(seed=seed)
-        return observation, {}
+        if options is None:  # a vector environment resets on its own account
+            return self.env.reset(seed=seed)[0], {}
+        return self.begin(options["theta"][self.index], seed, {})[0], {}
+
+
+def as_array(env: gymnasium.Env) -> gymnasium.Env:
+    """Return an environment whose observations are vectors or images: others are flattened.
+
+    Raises `ValueError` for observations of no fixed size.
+    """
+    space = env.observation_space
+    if isinstance(space, Box) and len(space.shape) in (1, 3):
+        return env
+    if not space.is_np_flattenable:
+        raise ValueError(f"observations must have a fixed size, got {space}; wrap the environment so that they have")
+    return gymnasium.wrappers.FlattenObservation(env)
 
 
 class GymUPOMDP(UPOMDP):
     """N copies of any Gymnasium environment, each with its own level.
 
+    Observations that are neither vectors nor images (`Dict`, `Discrete`, `MultiBinary` ...) are flattened into vectors.
+
     Args:
         make_env: makes one environment; called `num_envs` times.
-        apply: `apply(env, values)` puts one level's values into an environment, before each of its resets.
-        theta: number of dimensions, mapping from name to (low, high), or a program.
+        apply: `apply(env, values)` puts one level's values into an environment, before each of its resets; a dict that
+            it returns is the reset's options.
+        theta: number of dimensions; mapping from name to a `Range`, `LogRange`, `Integer`, `Choice` or a pair (low,
+            high); a program; or a `LevelFamily`. See `parameters.ThetaMap`.
         num_envs: N.
         vectorization: "sync" steps them one after the other in this process, "async" each in a process of its own.
             Those give no state: a checkpoint of a training holds their levels, and open episodes begin anew.
+        valid: says of the values of one level whether it can be played; None: all can.
+        seed_episodes: what `reset(seed=)` of an environment is given: the level's seed (True), nothing (False), or what
+            a function makes of that seed, which is None where a level is played again; for environments whose seed is
+            something else, such as the number of a map.
+
+    What goes wrong in an environment is raised as a `LevelError` that tells the level.
     """
 
     def __init__(
         self,
         make_env: Callable[[], gymnasium.Env],
         apply: Apply,
-        theta: int | Mapping[str, Range] | ThetaProgram,
+        theta: Theta,
         num_envs: int = 1,
         vectorization: Literal["sync", "async"] = "sync",
+        valid: Callable[[Any], bool] | None = None,
+        seed_episodes: SeedRule = True,
     ) -> None:
         if vectorization not in ("sync", "async"):
             raise ValueError(f"vectorization must be sync or async, got {vectorization!r}")
-        self.make_env, self.apply, self.theta, self.theta_map = make_env, apply, theta, ThetaMap(theta)
+        self.make_env, self.apply, self.seed_episodes = make_env, apply, seed_episodes
+        self.theta_map = ThetaMap(theta, valid)
+        self.family = self.theta_map.family
         self.vectorization: Literal["sync", "async"] = vectorization
+        self._theta, self._valid = theta, valid
         self.vector = self._vectorize(num_envs)
-        space = self.vector.single_observation_space
-        super().__init__(num_envs, space, self.vector.single_action_space, self.theta_map.draws)
-        if space.shape is None:
-            self.vector.close()
-            raise ValueError(
-                f"observations must be arrays, got the space {space}; "
-                "wrap the environment, for example with gymnasium.wrappers.FlattenObservation"
-            )
+        spaces = self.vector.single_observation_space, self.vector.single_action_space
+        super().__init__(num_envs, *spaces, self.theta_map.draws)
         self._observations: Any = None  # until the first reset
 
     def _vectorize(self, num_envs: int) -> Any:
         def slot(index: int) -> Callable[[], gymnasium.Env]:
-            return lambda: _Slot(self.make_env(), index, self.apply, self.theta_map)
+            def make() -> gymnasium.Env:
+                env = _Slot(as_array(self.make_env()), self.apply, self.theta_map, self.seed_episodes)
+                env.index = index
+                return env
+
+            return make
 
         kind = gymnasium.vector.AsyncVectorEnv if self.vectorization == "async" else gymnasium.vector.SyncVectorEnv
         return kind([slot(index) for index in range(num_envs)], autoreset_mode=AutoresetMode.DISABLED)
@@ -196,7 +215,11 @@ class GymUPOMDP(UPOMDP):
         return self.theta_map.valid(check_theta(theta, self.theta_dim))
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
-        return [self.theta_map.values(row) for row in check_theta(theta, self.theta_dim)]
+        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
+
+    def theta_of(self, values: Any) -> np.ndarray:
+        """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other names."""
+        return self.theta_map.theta(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
         seeds: list[int | None] = [None] * self.num_envs
@@ -246,15 +269,25 @@ class GymUPOMDP(UPOMDP):
         self._observations = state["observations"].copy()
         return self._observations.copy()
 
+    def resized(self, num_envs: int) -> GymUPOMDP:
+        """Return a second one of so many environments, with a stream of its own; nothing is reset yet."""
+        return GymUPOMDP(
+            self.make_env, self.apply, self._theta, num_envs, self.vectorization, self._valid, self.seed_episodes
+        )
+
     def copy(self) -> GymUPOMDP:
         """Return a second one; one in other processes begins the same levels anew."""
-        twin = GymUPOMDP(self.make_env, self.apply, self.theta, self.num_envs, self.vectorization)
+        twin = self.resized(self.num_envs)
         if self.vectorization == "sync":
             twin.set_state(self.get_state())
         else:
             twin.np_random.bit_generator.state = self.np_random.bit_generator.state
             twin.reset_to_levels(self.levels)
         return twin
+
+    def render(self) -> tuple[Any, ...] | None:
+        """Return what each environment shows of itself, if it was made with a `render_mode`."""
+        return self.vector.render()
 
     def close_extras(self, **kwargs: Any) -> None:
         self.vector.close(**kwargs)

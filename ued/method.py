@@ -85,6 +85,7 @@ class Method:
         self.updates = 0
         self.last: LevelBatch | None = None
         upomdp.reset(seed=self._seeds.next())
+        self._columns = upomdp.draws if upomdp.family is None else ()
         self.begin(config, self._seeds.next())
 
     def begin(self, config: Any, seed: int) -> None:
@@ -127,7 +128,7 @@ class Method:
         self.updates += 1
         counters = {"env_steps": float(self.env_steps), "updates": float(self.updates)}
         programs = program_metrics(levels, getattr(self.upomdp, "names", ()))
-        return counters | metrics | level_metrics(levels) | programs | seconds
+        return counters | metrics | level_metrics(levels, self._columns) | programs | seconds
 
     # ------------------------------------------------------------ what others ask
 

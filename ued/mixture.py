@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, flatdim
 
-from ued.gym_upomdp import LinearParameter
+from ued.parameters import Choice, Column, Range, snap
 from ued.upomdp import UPOMDP, check_theta, level_dtype, set_stream
 
 
@@ -44,8 +44,8 @@ class Mixture(UPOMDP):
         self.sizes = [flatdim(member.single_observation_space) for member in members]
         self.width = max(self.sizes)
         widest = max(self.program_dims)
-        draws = [LinearParameter("program", 0.0, float(len(members)))]
-        draws += [LinearParameter(str(k + 1), -1.0, 1.0) for k in range(widest)]
+        draws = [Column("program", Choice(*names))]
+        draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
         space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
@@ -85,6 +85,9 @@ class Mixture(UPOMDP):
     def make_levels(self, theta: Any) -> np.ndarray:
         levels = super().make_levels(theta)
         levels["program"] = self.program_of(levels["theta"])
+        for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
+            mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
+            levels["theta"][mine, own] = snap(levels["theta"][mine, own], member.draws)
         return levels
 
     # ------------------------------------------------------------ the environments

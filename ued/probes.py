@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.gym_upomdp import LinearParameter
+from ued.parameters import Column, Range
 from ued.upomdp import UPOMDP, check_theta, set_stream
 
 ACTIONS = 4
@@ -48,8 +48,8 @@ class Frontier(UPOMDP):
             raise ValueError(f"longest must be at least 1 and dim at least 2, got {longest} and {dim}")
         self.longest, self.blocked_above = longest, blocked_above
         self.turns = np.random.default_rng(turns).integers(0, ACTIONS, longest)
-        draws = [LinearParameter(f"length{i}", 0.0, float(longest)) for i in range(dim - 1)] + [
-            LinearParameter("block", 0.0, 1.0)
+        draws = [Column(f"length{i}", Range(0.0, float(longest))) for i in range(dim - 1)] + [
+            Column("block", Range(0.0, 1.0))
         ]
         super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
         self.place = np.zeros(num_envs, np.int64)

@@ -12,25 +12,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from ued import parameters
+from ued.parameters import LevelFamily, Parameter
+
 MAX_TRIES = 4096  # draws of one valid row before `sample_valid_theta` gives up
-
-
-class Parameter(Protocol):
-    """What is known of one column of θ. `scenic_lite.Draw` is one; so is `gym_upomdp.LinearParameter`."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def low(self) -> float: ...
-    @property
-    def high(self) -> float: ...
 
 
 class ThetaError(ValueError):
@@ -101,20 +93,46 @@ def set_stream(generator: np.random.Generator, state: Any) -> None:
 
 
 def sample_valid_theta(
-    rng: np.random.Generator, count: int, dim: int, valid: Callable[[np.ndarray], np.ndarray]
+    rng: np.random.Generator,
+    count: int,
+    dim: int,
+    valid: Callable[[np.ndarray], np.ndarray],
+    family: LevelFamily | None = None,
 ) -> np.ndarray:
-    """Draw θ `[count, D]` uniformly among those that `valid` accepts, by rejection.
+    """Draw θ `[count, D]` uniformly, or codes of levels of a family, among those that `valid` accepts, by rejection.
 
     Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
     """
-    theta = rng.uniform(-1.0, 1.0, (count, dim))
+
+    def draw(rows: int) -> np.ndarray:
+        if family is None:
+            return rng.uniform(-1.0, 1.0, (rows, dim))
+        return check_theta([family.encode(family.sample(rng)) for _ in range(rows)], dim)
+
+    theta = draw(count) if count else np.zeros((0, dim))
     wrong = np.flatnonzero(~valid(theta)) if count else np.empty(0, int)
     for _ in range(MAX_TRIES):
         if not len(wrong):
             return theta
-        theta[wrong] = rng.uniform(-1.0, 1.0, (len(wrong), dim))
+        theta[wrong] = draw(len(wrong))
         wrong = wrong[~valid(theta[wrong])]
     raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
+
+
+def edit_theta(theta: np.ndarray, space: Any, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+    """Return edited copies of θ `[k, D]` of a space with `draws` and a `family`, valid or not.
+
+    A level of a family is mutated `num_edits` times; `edit_size` means nothing to it.
+    """
+    if space.family is None:
+        return parameters.edit(theta, space.draws, num_edits, edit_size, rng)
+    edited = theta.copy()
+    for row, code in enumerate(theta):
+        level = space.family.decode(code)
+        for _ in range(num_edits):
+            level = space.family.mutate(level, rng)
+        edited[row] = space.family.encode(level)
+    return check_theta(edited, theta.shape[1])
 
 
 class UPOMDP(VectorEnv):
@@ -127,7 +145,8 @@ class UPOMDP(VectorEnv):
     does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
 
     Attributes:
-        draws: what the D columns of θ are: name, low, high, and for a program the place in its text.
+        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
+        family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
         theta_space: `Box(-1, 1, (D,))`.
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
@@ -139,6 +158,7 @@ class UPOMDP(VectorEnv):
     """
 
     num_agents = 1
+    family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -223,16 +243,28 @@ class UPOMDP(VectorEnv):
     # ------------------------------------------------------------ levels
 
     def make_levels(self, theta: Any) -> np.ndarray:
-        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-        return new_levels(theta, self.theta_dim, self.np_random)
+        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`.
+
+        Where a column has finitely many values, θ becomes the middle of its cell: equal levels are equal.
+        """
+        return new_levels(
+            parameters.snap(check_theta(theta, self.theta_dim), self.draws), self.theta_dim, self.np_random
+        )
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
         return self.make_levels(self.sample_theta(count))
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ uniformly: `[count, D]`. Raises `ThetaError` where hardly any is valid."""
-        return sample_valid_theta(self.np_random, count, self.theta_dim, self.valid)
+        """Draw valid θ uniformly: `[count, D]`; of a family, codes of its levels.
+
+        Raises `ThetaError` where hardly any is valid.
+        """
+        return sample_valid_theta(self.np_random, count, self.theta_dim, self.valid, self.family)
+
+    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+        """Return edited copies of θ `[k, D]`, valid or not: see `parameters.edit`; of a family, mutants."""
+        return edit_theta(theta, self, num_edits, edit_size, rng)
 
     def reset_to_levels(self, levels: np.ndarray, where: np.ndarray | None = None) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.

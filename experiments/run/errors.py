@@ -60,5 +60,6 @@ def _exit_code(error: Exception) -> int | None:
     if isinstance(error, OSError) and error.filename is not None:
         return 1
     # Named, not imported: neither the language nor the learning core is loaded for the sake of an error.
-    ours = {"ScenicError", "ThetaError", "NotAMatchError", "CheckpointError", "FloatingPointError", "GrfError"}
+    ours = {"ScenicError", "NotAMatchError", "ThetaError", "LevelError", "CheckpointError", "FloatingPointError"}
+    ours |= {"GrfError"}
     return 1 if ours & {kind.__name__ for kind in type(error).__mro__} else None

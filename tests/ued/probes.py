@@ -6,7 +6,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from gymnasium.vector.utils import batch_space
 
-from ued.gym_upomdp import LinearParameter
+from ued.parameters import numbered
 from ued.upomdp import UPOMDP, check_theta
 
 
@@ -20,7 +20,7 @@ class Probe(UPOMDP):
 
     def __init__(self, num_envs=16):
         space = Box(-np.inf, np.inf, (self.size,), np.float32)
-        draws = [LinearParameter(f"theta[{i}]", -1.0, 1.0) for i in range(self.dim)]
+        draws = numbered("theta", self.dim)
         super().__init__(num_envs, space, Discrete(self.actions), draws)
         self.t = np.zeros(num_envs, np.int64)
         self.sign = np.ones(num_envs)

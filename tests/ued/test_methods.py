@@ -37,9 +37,9 @@ from ued.config import AdversaryConfig, ALPGMMConfig
 from ued.curriculum import ThetaSpace
 from ued.levels.record import NONE, Origin
 from ued.method import Method
-from ued.methods.accel import edit
 from ued.methods.paired import kl_target
 from ued.methods.sfl import CANDIDATE, SFLLevels
+from ued.parameters import edit, numbered
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)
@@ -194,9 +194,10 @@ def test_accel_edits_what_was_replayed_and_only_looks_at_the_children():
 def test_edits_move_few_columns_a_little_and_stay_inside():
     rng, config = np.random.default_rng(0), ACCELConfig(num_edits=2, edit_size=0.1)
     theta = rng.uniform(-1, 1, (500, 6))
-    moved = edit(theta, config, rng) - theta
+    draws = numbered("theta", 6)
+    moved = edit(theta, draws, config.num_edits, config.edit_size, rng) - theta
     assert ((moved != 0).sum(1) <= 2).all() and np.abs(moved).max() <= 0.2 and (moved != 0).any(1).all()
-    assert np.abs(edit(np.ones((50, 6)), config, rng)).max() <= 1
+    assert np.abs(edit(np.ones((50, 6)), draws, config.num_edits, config.edit_size, rng)).max() <= 1
 
 
 def test_minimax_is_paid_the_mean_return_negated():

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 import torch
-from gymnasium.spaces import Box, Dict, Discrete, MultiDiscrete
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Text
 from probes import Choice, Constant, Endless, Follow, Reach, TwoStep
 
 from ued.config import PPOConfig
@@ -186,18 +186,51 @@ def test_images_are_seen_by_convolutions():
     images[1, 10, 10, 3], images[2, 60, 80, 3] = 255, 255
     policy, value = student(images)
     assert policy.log_probs.shape == (3, 19) and len(torch.unique(value)) == 3
-    with pytest.raises(ValueError, match="images of 20 x 20 are too small"):
-        Student(Box(0, 255, (20, 20, 3), np.uint8), Discrete(2), PPOConfig(), torch_generator(0))
+
+
+@pytest.mark.parametrize(
+    "space",
+    [
+        Box(0, 255, (20, 30, 3), np.uint8),
+        Box(0, 255, (3, 64, 64), np.uint8),
+        Box(0.0, 1.0, (4, 40, 40), np.float32),
+        Box(-np.inf, np.inf, (48, 48, 2), np.float32),
+        Box(0, 10, (3, 3, 2), np.uint8),
+    ],
+    ids=str,
+)
+def test_images_small_and_large_bytes_and_floats_channels_first_and_last(space):
+    student = Student(space, Discrete(3), PPOConfig(hidden_size=16), torch_generator(0))
+    dark = torch.as_tensor(np.zeros((2, *space.shape), space.dtype))
+    bright = dark.clone()
+    bright[1] = 1
+    assert (student(dark)[1][0] == student(dark)[1][1]).all()
+    value = student(bright)[1]
+    assert value.shape == (2,) and value[0] != value[1]
+
+
+@pytest.mark.parametrize(
+    ("space", "shape"),
+    [(MultiDiscrete([3, 2], start=[1, 5]), (2,)), (MultiBinary((2, 2)), (4,)), (Box(-2.0, 4.0, (2, 3)), (6,))],
+    ids=str,
+)
+def test_actions_of_several_entries_have_the_shape_of_their_space(space, shape):
+    student = Student(Box(0, 1, (5,)), space, PPOConfig(), torch_generator(0))
+    seen = np.zeros((400, 5), np.float32)
+    sent = student.play(seen, torch_generator(1))
+    assert sent.shape == (400, *space.shape) and all(space.contains(row) for row in sent)
+    policy, _ = student(torch.zeros(400, 5))
+    action = policy.sample(torch_generator(2))
+    assert action.shape == (400, *shape) and policy.log_prob(action).shape == (400,)
+    if isinstance(space, MultiDiscrete):
+        assert np.unique(sent[:, 0]).tolist() == [1, 2, 3] and np.unique(sent[:, 1]).tolist() == [5, 6]
+        assert policy.entropy()[0].item() == pytest.approx(np.log(6), abs=0.01)
+        assert policy.kl(policy).abs().max() < 1e-6
 
 
 @pytest.mark.parametrize(
     ("observations", "actions", "message"),
     [
-        (
-            Box(0, 255, (72, 96, 4)),
-            Discrete(2),
-            "images must be uint8 [height, width, channels], got float32 [72, 96, 4]",
-        ),
         (
             Discrete(3),
             Discrete(2),
@@ -210,7 +243,11 @@ def test_images_are_seen_by_convolutions():
             "observations must be flat vectors, got shape (3, 4); wrap the environment with "
             "gymnasium.wrappers.FlattenObservation",
         ),
-        (Box(0, 1, (3,)), MultiDiscrete([2, 2]), "actions must be Discrete or a flat Box, got MultiDiscrete([2 2])"),
+        (
+            Box(0, 1, (3,)),
+            Text(4),
+            f"actions must be Discrete, MultiDiscrete, MultiBinary or a Box, got {Text(4)}",
+        ),
         (Dict({}), Discrete(2), None),
     ],
 )

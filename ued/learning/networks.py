@@ -11,10 +11,11 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import torch
-from gymnasium.spaces import Box, Discrete, Space
+from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
 from torch import Tensor, nn
 
 LOG_2_PI = math.log(2 * math.pi)
+IMPOSSIBLE = -1e9  # logit of what cannot be chosen: finite, for 0 times infinity is not a number
 
 
 class Policy(Protocol):
@@ -52,6 +53,32 @@ class Categorical:
 
     def kl(self, other: Categorical) -> Tensor:
         return (self.log_probs.exp() * (self.log_probs - other.log_probs)).sum(-1)
+
+
+class MultiCategorical(Categorical):
+    """K independent choices, each of its own number of values, from logits `[B, sum of those]`.
+
+    Actions are int64 `[B, K]`, counted from 0.
+    """
+
+    def __init__(self, logits: Tensor, sizes: np.ndarray) -> None:
+        widest, index = int(sizes.max()), np.arange(int(sizes.max()))
+        if (sizes == widest).all():
+            super().__init__(logits.unflatten(-1, (len(sizes), widest)))
+            return
+        inside = torch.as_tensor(index < sizes[:, None])  # [K, widest]
+        padded = logits.new_full((*logits.shape[:-1], *inside.shape), IMPOSSIBLE)
+        padded[..., inside] = logits
+        super().__init__(padded)
+
+    def log_prob(self, action: Tensor) -> Tensor:
+        return super().log_prob(action).sum(-1)
+
+    def entropy(self) -> Tensor:
+        return super().entropy().sum(-1)
+
+    def kl(self, other: Categorical) -> Tensor:
+        return super().kl(other).sum(-1)
 
 
 class Gaussian:
@@ -137,10 +164,13 @@ def mlp(
 
 
 CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, stride (thesis, Fig. 4.10)
+SMALL_CONVOLUTIONS = ((16, 3, 1), (32, 3, 1))  # of images that are smaller than LARGE
+LARGE = 36  # what CONVOLUTIONS need at least, in both directions
+LEAST = 5  # what SMALL_CONVOLUTIONS need; smaller images are read as vectors
 
 
 class ChannelsFirst(nn.Module):
-    """Images `[B, height, width, channels]`, as environments give them, to `[B, channels, height, width]`.
+    """Images `[B, height, width, channels]`, as most environments give them, to `[B, channels, height, width]`.
 
     Those of a team, `[B, A, ...]`, become further rows where one policy serves all agents, else further channels.
     """
@@ -156,23 +186,24 @@ class ChannelsFirst(nn.Module):
         return image.flatten(0, 1) if self.team.policies == 1 else image.flatten(1, 2)
 
 
-def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> nn.Sequential:
-    """Return the convolutional torso of the thesis (Fig. 4.10): `[B, *shape]` in [0, 1] -> `[B, hidden_size]`.
+def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> nn.Sequential:
+    """Return the convolutional torso of the thesis (Fig. 4.10): images in [0, 1] -> `[B, hidden_size]`.
 
-    `shape` is height, width, channels; planes of 72 × 96 come down to 32 of 5 × 8. Raises `ValueError` for images that
-    are smaller than what the convolutions need.
+    Planes of 72 × 96 come down to 32 of 5 × 8; images that are small have small convolutions. Raises `ValueError` for
+    a team whose images have their channels first.
     """
-    height, width, channels = shape
     agents, policies = team
-    layers: list[nn.Module] = [ChannelsFirst(team)]
-    for outputs, kernel, stride in CONVOLUTIONS:
+    first = channels_first(space)
+    channels, height, width = space.shape if first else (space.shape[2], *space.shape[:2])
+    if first and agents > 1:
+        raise ValueError(f"images of several agents must be [height, width, channels], got {list(space.shape)}")
+    layers: list[nn.Module] = [] if first else [ChannelsFirst(team)]
+    for outputs, kernel, stride in CONVOLUTIONS if min(height, width) >= LARGE else SMALL_CONVOLUTIONS:
         sizes = policies * channels, policies * outputs, kernel, stride
         layer = nn.utils.skip_init(nn.Conv2d, *sizes, groups=policies)
         initialise(layer, math.sqrt(2), generator, policies)
         layers += [layer, nn.ReLU()]
         channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
-        if height < 1 or width < 1:
-            raise ValueError(f"images of {shape[0]} x {shape[1]} are too small for convolutions; give 36 x 36 at least")
     features = channels * height * width
     layers.append(nn.Flatten())
     if agents > 1:  # their rows, or their channels, apart again
@@ -181,8 +212,15 @@ def cnn(shape: tuple[int, ...], hidden_size: int, generator: torch.Generator, te
 
 
 def is_image(space: Space) -> bool:
-    """Return whether observations are images: uint8 `[height, width, channels]`."""
-    return isinstance(space, Box) and len(space.shape) == 3 and space.dtype == np.uint8
+    """Return whether observations are images: three axes, at least `LEAST` high and wide."""
+    if not isinstance(space, Box) or len(space.shape) != 3:
+        return False
+    return min(space.shape[1:] if channels_first(space) else space.shape[:2]) >= LEAST
+
+
+def channels_first(space: Box) -> bool:
+    """Return whether images are `[channels, height, width]`: the first axis is the shortest, and not the last."""
+    return space.shape[0] < min(space.shape[1:])
 
 
 def torso(
@@ -194,14 +232,14 @@ def torso(
     Raises `ValueError` for observations that are neither.
     """
     if is_image(space):
-        assert space.shape is not None
-        return cnn(space.shape, hidden_size, generator, team)
+        assert isinstance(space, Box)
+        return cnn(space, hidden_size, generator, team)
     if not isinstance(space, Box):
         raise ValueError(
             f"observations must be a Box, got {space}; wrap the environment with gymnasium.wrappers.FlattenObservation"
         )
-    if len(space.shape) == 3:
-        raise ValueError(f"images must be uint8 [height, width, channels], got {space.dtype} {list(space.shape)}")
+    if len(space.shape) == 3 and team.agents == 1:  # images too small for convolutions
+        return nn.Sequential(nn.Flatten(), *mlp(math.prod(space.shape), hidden_size, hidden_layers, generator))
     if len(space.shape) != 1:
         raise ValueError(
             f"observations must be flat vectors, got shape {space.shape}; "
@@ -210,26 +248,38 @@ def torso(
     return mlp(space.shape[0], hidden_size, hidden_layers, generator, team.policies)
 
 
+def choices_of(space: Space) -> np.ndarray:
+    """Return among how many values each entry of an action is chosen: int `[K]`; none for actions that are numbers."""
+    if isinstance(space, Discrete):
+        return np.array([space.n])
+    if isinstance(space, MultiDiscrete):
+        return space.nvec.ravel()
+    return np.full(math.prod(space.shape), 2) if isinstance(space, MultiBinary) else np.zeros(0, np.int64)
+
+
 class PolicyHead(nn.Module):
-    """The last layer of a policy: a categorical for `Discrete`, a diagonal Gaussian for `Box`.
+    """The last layer of a policy: a categorical for `Discrete`, one for each entry of `MultiDiscrete` and
+    `MultiBinary`, a diagonal Gaussian for `Box`.
 
     Its small gain (0.01) makes the first policy nearly uniform whatever the observation.
     """
 
     def __init__(self, space: Space, inputs: int, generator: torch.Generator, policies: int = 1) -> None:
         super().__init__()
-        if isinstance(space, Discrete):
+        self.choices, self.single = choices_of(space), isinstance(space, Discrete)
+        if len(self.choices):
             self.log_std = None
-            self.layer = linear(inputs, int(space.n), 0.01, generator, policies)
-        elif isinstance(space, Box) and len(space.shape) == 1:
-            size = space.shape[0]
+            self.layer = linear(inputs, int(self.choices.sum()), 0.01, generator, policies)
+        elif isinstance(space, Box):
+            size = math.prod(space.shape)
             self.log_std = nn.Parameter(torch.zeros(policies, size) if policies > 1 else torch.zeros(size))
             self.layer = linear(inputs, size, 0.01, generator, policies)
         else:
-            raise ValueError(f"actions must be Discrete or a flat Box, got {space}")
+            raise ValueError(f"actions must be Discrete, MultiDiscrete, MultiBinary or a Box, got {space}")
 
     def forward(self, features: Tensor) -> Policy:
         """Return the policy for features `[B, inputs]`, or `[B, A, inputs]`."""
-        if self.log_std is None:
-            return Categorical(self.layer(features))
-        return Gaussian(self.layer(features), self.log_std)
+        if self.log_std is not None:
+            return Gaussian(self.layer(features), self.log_std)
+        logits = self.layer(features)
+        return Categorical(logits) if self.single else MultiCategorical(logits, self.choices)

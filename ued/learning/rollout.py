@@ -5,13 +5,15 @@ Read next: `learning.worker`, which fills rollouts, then `learning.ppo`, which l
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 
+import numpy as np
 import torch
 from gymnasium.spaces import Discrete, Space
 from torch import Tensor
 
-from ued.learning.networks import is_image
+from ued.learning.networks import choices_of
 
 
 @dataclass
@@ -22,8 +24,8 @@ class Rollout:
     are paid together, and their episodes are the same.
 
     Attributes:
-        observation: `[T, N, size]`, images as uint8, what was seen before the action.
-        action: `[T, N]` or `[T, N, K]` as the policy drew it.
+        observation: `[T, N, size]`, uint8 as uint8, what was seen before the action.
+        action: `[T, N]` or flat `[T, N, K]` as the policy drew it.
         log_prob, value: `[T, N]`, of each agent.
         reward: `[T, N]`, of the team.
         terminated: `[T, N]` the episode ended in this step, and nothing follows.
@@ -52,11 +54,12 @@ class Rollout:
         assert observation_space.shape is not None and action_space.shape is not None
         shape = (num_steps, num_envs)
         by_agent = shape if agents == 1 else (*shape, agents)
-        seen = torch.uint8 if is_image(observation_space) else torch.float32
-        kind = torch.int64 if isinstance(action_space, Discrete) else torch.float32
+        seen = torch.uint8 if observation_space.dtype == np.uint8 else torch.float32
+        kind = torch.int64 if len(choices_of(action_space)) else torch.float32
+        size = () if isinstance(action_space, Discrete) else (math.prod(action_space.shape),)
         return cls(
             observation=torch.zeros(*by_agent, *observation_space.shape, dtype=seen),
-            action=torch.zeros(*by_agent, *action_space.shape, dtype=kind),
+            action=torch.zeros(*by_agent, *size, dtype=kind),
             log_prob=torch.zeros(by_agent),
             value=torch.zeros(by_agent),
             reward=torch.zeros(shape),

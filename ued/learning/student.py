@@ -11,13 +11,15 @@ Read next: `learning.rollout`.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import torch
 from gymnasium.spaces import Box, Discrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.learning.networks import Policy, PolicyHead, Team, is_image, linear, torso
+from ued.learning.networks import Policy, PolicyHead, Team, linear, torso
 
 CLIP = 10.0  # standard deviations
 
@@ -63,10 +65,20 @@ class Normaliser(nn.Module):
 
 
 class Pixels(nn.Module):
-    """Scale images uint8 to [0, 1]; there is nothing to learn of their statistics."""
+    """Scale images to [0, 1] by the bounds of their space; there is nothing to learn of their statistics.
+
+    Those without bounds stay as they are.
+    """
+
+    def __init__(self, space: Box) -> None:
+        super().__init__()
+        low, high = float(space.low.min()), float(space.high.max())
+        bounded = math.isfinite(low) and math.isfinite(high) and high > low
+        self.low, self.reach = (low, high - low) if bounded else (0.0, 1.0)
 
     def forward(self, observation: Tensor) -> Tensor:
-        return observation.float() / 255
+        observation = observation.float()
+        return (observation - self.low if self.low else observation) / self.reach
 
     def track(self, observation: Tensor) -> None:
         """Do nothing: see the class."""
@@ -76,7 +88,7 @@ class Student(nn.Module):
     """An actor and a critic on top of one or two torsos.
 
     Args:
-        observation_space, action_space: of one environment; flat Box or image, and Discrete or flat Box.
+        observation_space, action_space: of one environment; flat Box or image, and see `networks.PolicyHead`.
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
         unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`.
@@ -106,8 +118,9 @@ class Student(nn.Module):
             seen, team = widened(observation_space, agents, 0), Team()
         self.critic_torso = self.actor_torso if self.shared else torso(seen, *sizes, generator, team)
         assert observation_space.shape is not None  # `torso` has refused the others
-        if is_image(observation_space):
-            self.normaliser: Normaliser | Pixels = Pixels()
+        if len(observation_space.shape) == 3:
+            assert isinstance(observation_space, Box)
+            self.normaliser: Normaliser | Pixels = Pixels(observation_space)
         else:
             units = np.zeros(observation_space.shape) if unit is None else unit
             self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units), self.policies)
@@ -167,15 +180,18 @@ class Student(nn.Module):
         A discrete action is shifted to where the space starts. A continuous one is stretched so that -1 and 1 are the
         bounds where these are finite, and clipped to them.
         """
-        array = action.numpy()
-        if isinstance(self.action_space, Discrete):
-            return array + self.action_space.start
-        assert isinstance(self.action_space, Box)
-        low, high = self.action_space.low, self.action_space.high
+        array, space = action.numpy(), self.action_space
+        if isinstance(space, Discrete):
+            return array + space.start
+        assert space.shape is not None
+        array = array.reshape(*array.shape[:-1], *space.shape)
+        if not isinstance(space, Box):
+            return (array + getattr(space, "start", 0)).astype(space.dtype)
+        low, high = space.low, space.high
         bounded = np.isfinite(low) & np.isfinite(high)
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         centre, reach = (bottom + top) / 2, (top - bottom) / 2
-        return np.clip(centre + reach * array, low, high).astype(self.action_space.dtype)
+        return np.clip(centre + reach * array, low, high).astype(space.dtype)
 
 
 def widened(space: Space, times: int, more: int) -> Space:

@@ -3,8 +3,8 @@
 A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3), or a Beta distribution does, as in CLUTR. The
 vector z lets the same weights propose many different levels; the entropy bonus is measured in θ's own space, because
 the entropy of the Gaussian before squashing is largest where tanh saturates, and would drive all levels into the
-corners. On a mixture of programs it first chooses one, and has a distribution over θ for each (`Composed`).
-Read next: `levels.teacher`.
+corners. Columns of finitely many values are chosen by a categorical each (`Mixed`). On a mixture of programs it first
+chooses one, and has a distribution over θ for each (`Composed`). Read next: `levels.teacher`.
 """
 
 from __future__ import annotations
@@ -19,20 +19,23 @@ from torch import Tensor, nn
 from torch.nn.functional import softplus
 
 from ued.config import AdversaryConfig
-from ued.learning.networks import Gaussian, linear, mlp
+from ued.learning.networks import Gaussian, MultiCategorical, linear, mlp
+from ued.parameters import middle_of
 from ued.resumable import Resumable
 
 # tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
 UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
 LOG_STD_RANGE = (-5.0, 1.0)
 BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
+MOST_LOG_RATIO = 20.0  # of thousands of columns together: the exponential stays finite
 MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
 
 
 class Proposals(NamedTuple):
     """What the adversary proposed, with what it needs in order to learn from it: arrays of float32.
 
-    z `[n, Z]` the context; raw `[n, D]` what was drawn: θ before tanh, or θ itself; log_prob `[n]` of raw.
+    z `[n, Z]` the context; raw `[n, D]` what was drawn: θ before tanh, or θ itself, or the index of a value; log_prob
+    `[n]` of raw.
     """
 
     z: np.ndarray
@@ -93,6 +96,31 @@ class Beta:
 DISTRIBUTIONS: dict[str, type[Squashed] | type[Beta]] = {"squashed": Squashed, "beta": Beta}
 
 
+class Mixed:
+    """θ of real numbers and of values: one distribution for the columns of each sort."""
+
+    def __init__(self, real: Squashed | Beta | None, values: MultiCategorical, cells: np.ndarray) -> None:
+        self.real, self.values, self.some = real, values, torch.as_tensor(cells > 0)
+        self.excess = float(np.log(2 / cells[cells > 0]).sum())  # of the entropy in θ's space over that of the values
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        chosen = self.values.sample(generator).float()
+        raw = chosen.new_empty(len(chosen), len(self.some))
+        raw[:, self.some] = chosen
+        if self.real is not None:
+            raw[:, ~self.some] = self.real.sample(generator)
+        return raw
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        log_prob = self.values.log_prob(raw[:, self.some].long())
+        return log_prob if self.real is None else log_prob + self.real.log_prob(raw[:, ~self.some])
+
+    def theta_entropy(self, generator: torch.Generator) -> Tensor:
+        """Return the entropy `[B]` of θ, of values as if each was spread over its cell: D log 2 at most."""
+        entropy = self.values.entropy() + self.excess
+        return entropy if self.real is None else entropy + self.real.theta_entropy(generator)
+
+
 class Composed:
     """θ of a mixture of K programs: column 0 says which, then come that program's own columns; see `ued.mixture`.
 
@@ -129,50 +157,58 @@ class Composed:
         return (self.log_share.exp() * (within - self.log_share)).sum(1)
 
 
-ThetaPolicy = Squashed | Beta | Composed  # a distribution over θ for each row of a batch, drawn as `raw` [B, D]
+ThetaPolicy = Squashed | Beta | Mixed | Composed  # a distribution over θ for each row of a batch, drawn as `raw` [B, D]
 
 
 class AdversaryNetwork(nn.Module):
     """z `[B, Z]` -> a distribution over θ, and the regret to expect `[B]`, in normalised units.
 
-    On a mixture, `program_dims` are its programs' numbers of columns: each has heads of its own, and one chooses.
+    `cells` `[D]` says of how many values each column is chosen, 0: a real number. On a mixture, `program_dims` are its
+    programs' numbers of columns: each has heads of its own, and one chooses.
     """
 
     def __init__(
         self,
-        dim: int,
+        cells: np.ndarray,
         config: AdversaryConfig,
         generator: torch.Generator,
         context_size: int,
         program_dims: Sequence[int] = (),
     ) -> None:
         super().__init__()
-        self.distribution = DISTRIBUTIONS[config.distribution]
-        self.dim, self.program_dims = dim, tuple(program_dims)
-        self.torso = mlp(context_size, config.hidden_size, 2, generator)
-        columns = sum(self.program_dims) if self.program_dims else dim
-        self.heads = nn.ModuleList(linear(config.hidden_size, columns, 0.01, generator) for _ in range(2))
-        self.value = linear(config.hidden_size, 1, 1.0, generator)
-        if self.program_dims:
-            self.choice = linear(config.hidden_size, len(self.program_dims), 0.01, generator)
+        self.distribution, hidden = DISTRIBUTIONS[config.distribution], config.hidden_size
+        self.cells, self.program_dims = cells, tuple(program_dims)
+        self.torso = mlp(context_size, hidden, 2, generator)
+        real = sum(self.program_dims) if self.program_dims else int((cells == 0).sum())
+        self.heads = nn.ModuleList(linear(hidden, real, 0.01, generator) for _ in range(2 if real else 0))
+        self.value = linear(hidden, 1, 1.0, generator)
+        choices = len(self.program_dims) or int(cells.sum())
+        self.choice = linear(hidden, choices, 0.01, generator) if choices else None
 
     def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
         """Return the distributions and the regret to expect `[B]` for contexts `[B, Z]`."""
         features = self.torso(z)
-        one, other = (head(features) for head in self.heads)
-        return self._policy(features, one, other), self.value(features)[:, 0]
+        policy = self._policy(features, [head(features) for head in self.heads])
+        return policy, self.value(features)[:, 0]
 
-    def _policy(self, features: Tensor, one: Tensor, other: Tensor) -> ThetaPolicy:
-        if not self.program_dims:
-            return self.distribution(one, other)
-        halves = (half.split(self.program_dims, -1) for half in (one, other))
-        return Composed(self.choice(features), [self.distribution(*own) for own in zip(*halves, strict=True)], self.dim)
+    def _policy(self, features: Tensor, heads: list[Tensor]) -> ThetaPolicy:
+        if self.program_dims:
+            assert self.choice is not None
+            halves = (half.split(self.program_dims, -1) for half in heads)
+            parts = [self.distribution(*own) for own in zip(*halves, strict=True)]
+            return Composed(self.choice(features), parts, len(self.cells))
+        if self.choice is None:
+            return self.distribution(*heads)
+        values = MultiCategorical(self.choice(features), self.cells[self.cells > 0])
+        return Mixed(self.distribution(*heads) if heads else None, values, self.cells)
 
     def theta(self, raw: np.ndarray) -> np.ndarray:
-        """Return θ `[n, D]` for what was drawn."""
-        theta = self.distribution.theta(raw)
+        """Return θ `[n, D]` for what was drawn: of values the middle of the cell."""
+        theta, some = self.distribution.theta(raw), self.cells > 0
         if self.program_dims:
             theta[:, 0] = raw[:, 0]
+            return theta
+        theta[:, some] = middle_of(raw[:, some].astype(np.float64), self.cells[some])
         return theta
 
 
@@ -180,7 +216,7 @@ class Adversary(Resumable):
     """Proposes levels and learns from the regret that they caused, by PPO's clipped objective on one-step episodes.
 
     Args:
-        dim: D.
+        dim: D, or for each of the D columns how many values it has, 0 for a real number; see `categories_of`.
         config: its network and its learning.
         generator: of its weights and draws.
         context_size: entries of the context where this is no random vector; see `propose`.
@@ -193,20 +229,21 @@ class Adversary(Resumable):
 
     def __init__(
         self,
-        dim: int,
+        dim: int | np.ndarray,
         config: AdversaryConfig,
         generator: torch.Generator,
         context_size: int | None = None,
         program_dims: Sequence[int] = (),
     ) -> None:
-        if dim < 1:
+        cells = np.zeros(dim, np.int64) if isinstance(dim, int) else dim
+        if not len(cells):
             raise ValueError(
                 "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
                 "columns); use domain randomisation, or give the program a random value"
             )
-        self.dim, self.config, self.generator = dim, config, generator
+        self.dim, self.config, self.generator = len(cells), config, generator
         self.context_size = context_size or config.context_size
-        self.network = AdversaryNetwork(dim, config, generator, self.context_size, program_dims)
+        self.network = AdversaryNetwork(cells, config, generator, self.context_size, program_dims)
         self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
         self.scale = RunningScale()
 
@@ -236,7 +273,8 @@ class Adversary(Resumable):
     def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> dict[str, float]:
         config = self.config
         policy, value = self.network(z)
-        ratio = (policy.log_prob(raw) - log_prob).exp()  # tanh's Jacobian is the same above and below
+        log_ratio = policy.log_prob(raw) - log_prob  # tanh's Jacobian is the same above and below
+        ratio = log_ratio.clamp(-MOST_LOG_RATIO, MOST_LOG_RATIO).exp()
         advantage = target - value.detach()
         clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
         policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()

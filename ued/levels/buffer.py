@@ -177,9 +177,7 @@ class LevelBuffer(Resumable):
         self.now += len(levels)
         rows = rows[[not self._is_kept(row) for row in rows]]
         free = min(len(rows), self.config.capacity - self._count)
-        for row in rows[:free]:
-            self._put(self._count, row)
-        return free + self._displace(rows[free:])
+        return sum(self._put(self._count, row) for row in rows[:free]) + self._displace(rows[free:])
 
     def _as_slots(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray) -> np.ndarray:
         rows: np.ndarray = np.zeros(len(levels), self._slots.dtype)
@@ -207,21 +205,20 @@ class LevelBuffer(Resumable):
         least = np.argsort(self.weights(), kind="stable")[: len(rows)]
         rows = rows[: len(least)]
         stronger = rows["score"] >= self.slots["score"][least]
-        for place, row in zip(least[stronger], rows[stronger], strict=True):
-            self._put(int(place), row)
-        return int(stronger.sum())
+        return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
 
-    def _put(self, place: int, row: np.void) -> None:
+    def _put(self, place: int, row: np.void) -> bool:
+        if self.config.no_duplicates and _key(row["level"]) in self._rows:
+            return False  # the same level twice in one call
         if place < self._count:
             self._rows.pop(_key(self._slots["level"][place]), None)
-        elif self.config.no_duplicates and _key(row["level"]) in self._rows:
-            return  # the same level twice in one call
         self._slots[place] = row
         self._slots["id"][place] = self.next_id
         self._rows[_key(row["level"])] = place
         self._count = max(self._count, place + 1)
         self.next_id += 1
         self._score_weights = None
+        return True
 
 
 def _key(level: np.void) -> bytes:

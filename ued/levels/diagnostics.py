@@ -12,12 +12,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ued.levels.record import Origin, mean_returns, solved
+from ued.parameters import Parameter, categories_of, index_in
 
-BINS = 10  # of each column of θ
+BINS = 10  # of each column of θ that is a real number
 
 
-def level_metrics(levels: np.ndarray) -> dict[str, float]:
-    """Return counts by origin, the spread of θ and the success rate of finished level records `[L]`."""
+def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
+    """Return counts by origin, the spread of θ and the success rate of finished level records `[L]`.
+
+    `draws` are the columns of θ; None: real numbers; empty: θ are codes, whose spread means nothing.
+    """
     counts = np.bincount(levels["origin"], minlength=len(Origin))
     metrics = {"levels": float(len(levels))}
     metrics |= {f"levels/{origin.name.lower()}": float(counts[origin]) for origin in Origin}
@@ -27,7 +31,10 @@ def level_metrics(levels: np.ndarray) -> dict[str, float]:
     score = levels["score"][~np.isnan(levels["score"])]
     if len(score):
         metrics["score"] = float(score.mean())
-    return metrics | theta_metrics(levels["level"]["theta"])
+    theta = levels["level"]["theta"]
+    if draws is not None and not len(draws):
+        return metrics
+    return metrics | theta_metrics(theta, None if draws is None else categories_of(draws))
 
 
 def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float]:
@@ -42,23 +49,26 @@ def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float
     return metrics
 
 
-def theta_metrics(theta: np.ndarray) -> dict[str, float]:
+def theta_metrics(theta: np.ndarray, cells: np.ndarray | None = None) -> dict[str, float]:
     """Return how widely levels θ `[L, D]` are spread; nothing for fewer than two.
 
+    `cells` `[D]` says how many values each column has; 0: it is a real number, whose histogram has 10 bins.
+
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
-    theta_entropy: sum of the columns' entropies in nats, from histograms of 10 bins with Miller and Madow's correction
-        (1955); uniform levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
+    theta_entropy: sum of the columns' entropies in nats, from histograms with Miller and Madow's correction (1955);
+        uniform levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
     theta_coverage: share of the bins that hold a level, divided by what as many uniform levels would reach.
     """
     count, dim = theta.shape
     if not dim or count < 2:
         return {}
-    bins = np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1)
-    tally = np.stack([np.bincount(column, minlength=BINS) for column in bins.T])  # [D, BINS]
+    bins = np.full(dim, BINS) if cells is None else np.where(cells > 0, cells, BINS)  # [D]
+    index = index_in(theta, bins) + bins.max() * np.arange(dim)
+    tally = np.bincount(index.ravel(), minlength=dim * bins.max()).reshape(dim, -1)  # [D, most bins]
     share = tally / count
-    entropy = -np.sum(share * np.log(np.where(tally > 0, share, 1.0)), 1) + np.log(2 / BINS)
+    entropy = -np.sum(share * np.log(np.where(tally > 0, share, 1.0)), 1) + np.log(2 / bins)
     entropy += ((tally > 0).sum(1) - 1) / (2 * count)
-    reached = (tally > 0).mean() / (1 - (1 - 1 / BINS) ** count)
+    reached = (tally > 0).sum() / (bins * (1 - (1 - 1 / bins) ** count)).sum()
     return {
         "theta_std": float(theta.std(0).mean()),
         "theta_entropy": float(np.minimum(entropy, np.log(2)).sum()),

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import TeacherConfig
-from ued.curriculum import LevelSpace
+from ued.curriculum import LevelSpace, need_vector
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.record import Origin, level_record_dtype, make_records
+from ued.parameters import categories_of
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, level_dtype
@@ -36,8 +37,10 @@ class Teacher(Resumable):
         seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
-        programs = getattr(space, "program_dims", ())
-        self.adversary = Adversary(space.theta_dim, config.adversary, torch_generator(seeds.next()), size, programs)
+        if space.theta_dim:  # else the adversary says that there is nothing to choose
+            need_vector(space)
+        cells, programs = categories_of(space.draws), getattr(space, "program_dims", ())
+        self.adversary = Adversary(cells, config.adversary, torch_generator(seeds.next()), size, programs)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),

@@ -5,8 +5,8 @@
         else: replay a level and learn from it;
               edit a copy of it; look at that; offer it to the buffer
 
-An edit moves a few columns of θ a little and gives the level a new seed. A level at the edge of what the student can do
-has neighbours there, so curricula grow harder by small steps. Read next: `methods.paired`.
+An edit changes a few columns of θ, each as its kind is, and gives the level a new seed. A level at the edge of what the
+student can do has neighbours there, so curricula grow harder by small steps. Read next: `methods.paired`.
 """
 
 from __future__ import annotations
@@ -86,18 +86,11 @@ class ACCELLevels(PLRLevels):
         children["slot"], children["train"] = parents["slot"], False
         open_ = np.arange(len(children))
         for _ in range(TRIES):
-            theta = edit(parents["level"]["theta"][open_], self.config, self.rng)
+            config = self.config
+            theta = self.space.edit_theta(
+                parents["level"]["theta"][open_], config.num_edits, config.edit_size, self.rng
+            )
             valid = self.space.valid(theta) if len(theta) else np.zeros(0, bool)
             children["level"][open_[valid]] = self.space.make_levels(theta[valid])
             open_ = open_[~valid]
         return np.delete(children, open_)
-
-
-def edit(theta: np.ndarray, config: ACCELConfig, rng: np.random.Generator) -> np.ndarray:
-    """Return edited copies of θ `[k, D]`: `num_edits` columns each moved by up to `edit_size`, within [-1, 1]."""
-    edited = theta.copy()
-    rows = np.arange(len(theta))
-    for _ in range(config.num_edits):
-        columns = rng.integers(0, theta.shape[1], len(theta))
-        edited[rows, columns] += rng.uniform(-config.edit_size, config.edit_size, len(theta))
-    return np.clip(edited, -1.0, 1.0)

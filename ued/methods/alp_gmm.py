@@ -16,7 +16,7 @@ import warnings
 import numpy as np
 
 from ued.config import ALPGMMConfig
-from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.curriculum import LevelSpace, RandomLevelPool, need_vector
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
@@ -63,8 +63,7 @@ class ALPLevels(Resumable):
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")
 
     def __init__(self, space: LevelSpace, config: ALPGMMConfig, seed: int = 0) -> None:
-        if not space.theta_dim:
-            raise ValueError("there is nothing to choose: the environment has no free parameters; use dr")
+        need_vector(space)
         try:
             import sklearn.mixture  # noqa: F401
         except ImportError as error:

@@ -1,0 +1,335 @@
+"""What θ means: parameters of several kinds as columns in [-1, 1], and levels that are no vector of parameters.
+
+    {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
+
+A column with finitely many values cuts [-1, 1] into as many equal cells; every θ in a cell is the same value, and
+levels hold the middle of it, so that equal levels are equal. Methods ask a column for its `cells`: edits move to
+another value, an adversary draws a value, entropy counts values.
+Read next: `upomdp`, the seam; `gym_upomdp`, which puts values into environments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+MOST_CATEGORIES = 32  # values of an `Integer` that are told apart one by one; beyond, it is a range in steps
+
+
+class Parameter(Protocol):
+    """What is known of one column of θ. `Column` is one; so is `scenic_lite.Draw`."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def low(self) -> float: ...
+    @property
+    def high(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Range:
+    """A real number between `low` and `high`, uniform: θ = -1 means `low`, θ = 1 means `high`, linearly between."""
+
+    low: float
+    high: float
+    cells = 0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high)):
+            raise ValueError(f"the ends of a range must be two finite numbers, got {self.low} and {self.high}")
+
+    def value(self, x: float) -> float:
+        """Return what x in [-1, 1] stands for."""
+        return self.low + (x + 1) / 2 * (self.high - self.low)
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] that stands for a value."""
+        return 2 * (value - self.low) / (self.high - self.low) - 1 if self.high != self.low else 0.0
+
+
+@dataclass(frozen=True)
+class LogRange:
+    """A positive number between `low` and `high`, uniform in its logarithm: θ = 0 is the geometric mean."""
+
+    low: float
+    high: float
+    cells = 0
+
+    def __post_init__(self) -> None:
+        if not (0 < self.low < math.inf and 0 < self.high < math.inf):
+            raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low} and {self.high}")
+
+    def value(self, x: float) -> float:
+        """Return what x in [-1, 1] stands for."""
+        return self.low * (self.high / self.low) ** ((x + 1) / 2)
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] that stands for a value."""
+        return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
+
+
+@dataclass(frozen=True)
+class Integer:
+    """A whole number from `low` to `high`, both included."""
+
+    low: int
+    high: int
+
+    def __post_init__(self) -> None:
+        if int(self.low) != self.low or int(self.high) != self.high or self.low > self.high:
+            raise ValueError(f"an Integer goes from a whole number up to another, got {self.low} and {self.high}")
+
+    @property
+    def cells(self) -> int:
+        return int(self.high) - int(self.low) + 1
+
+    def value(self, x: float) -> int:
+        """Return what x in [-1, 1] stands for."""
+        return int(self.low) + min(int((x + 1) / 2 * self.cells), self.cells - 1)
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] in the middle of those that stand for a value."""
+        return (2 * (value - self.low) + 1) / self.cells - 1
+
+
+class Choice:
+    """One of several values of any type, without an order."""
+
+    def __init__(self, *values: Any) -> None:
+        if not values:
+            raise ValueError("a Choice needs at least one value")
+        self.values = values
+
+    def __repr__(self) -> str:
+        return f"Choice({', '.join(map(repr, self.values))})"
+
+    @property
+    def low(self) -> float:
+        return 0.0
+
+    @property
+    def high(self) -> float:
+        return len(self.values) - 1.0
+
+    @property
+    def cells(self) -> int:
+        return len(self.values)
+
+    def value(self, x: float) -> Any:
+        """Return what x in [-1, 1] stands for."""
+        return self.values[min(int((x + 1) / 2 * self.cells), self.cells - 1)]
+
+    def place(self, value: Any) -> float:
+        """Return the x in [-1, 1] in the middle of those that stand for a value."""
+        return (2 * self.values.index(value) + 1) / self.cells - 1
+
+
+Kind = Range | LogRange | Integer | Choice
+
+
+class Column(NamedTuple):
+    """One column of θ: its name and what its values are."""
+
+    name: str
+    kind: Kind
+
+    @property
+    def low(self) -> float:
+        return float(self.kind.low)
+
+    @property
+    def high(self) -> float:
+        return float(self.kind.high)
+
+    @property
+    def cells(self) -> int:
+        return self.kind.cells
+
+    @property
+    def unordered(self) -> bool:
+        return isinstance(self.kind, Choice)
+
+
+@runtime_checkable
+class LevelFamily(Protocol):
+    """Levels of your own that are no vector of parameters: mazes, tracks, graphs.
+
+    A level is whatever you like; what is stored, compared and counted is its code, numbers in [-1, 1]. Equal levels
+    have equal codes.
+
+    Attributes:
+        size: numbers in a code.
+    """
+
+    @property
+    def size(self) -> int: ...
+
+    def sample(self, rng: np.random.Generator) -> Any:
+        """Draw a level that can be played."""
+
+    def mutate(self, level: Any, rng: np.random.Generator) -> Any:
+        """Return a level that differs a little from this one, and can be played."""
+
+    def encode(self, level: Any) -> np.ndarray:
+        """Return the code `[size]` of a level."""
+
+    def decode(self, code: np.ndarray) -> Any:
+        """Return the level of a code `[size]`."""
+
+
+class ThetaProgram(Protocol):
+    """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
+
+    @property
+    def draws(self) -> tuple[Parameter, ...]: ...
+    def valid(self, theta: np.ndarray) -> np.ndarray: ...
+    def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
+
+
+Theta = int | Mapping[str, Kind | tuple[float, float]] | ThetaProgram | LevelFamily
+
+
+class ThetaMap:
+    """What θ means: D columns, which rows are valid, and what values they stand for.
+
+    Args:
+        theta: the number of dimensions (values are θ itself, named `theta[0]`, ...); a mapping from name to what the
+            parameter is, where a pair (low, high) is a `Range`; a program whose random values are the columns; or a
+            `LevelFamily`, whose levels take the place of values.
+        valid: says of one level's values whether it can be played; None: all can.
+    """
+
+    def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
+        self.program: ThetaProgram | None = None
+        self.family: LevelFamily | None = None
+        self._valid = valid
+        if isinstance(theta, int):
+            if theta < 0:
+                raise ValueError(f"theta_dim must be 0 or more, got {theta}")
+            self.draws: tuple[Parameter, ...] = numbered("theta", theta)
+        elif isinstance(theta, Mapping):
+            self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
+        elif isinstance(theta, LevelFamily):
+            self.family = theta
+            self.draws = numbered("code", theta.size)
+        else:
+            self.program = theta
+            self.draws = theta.draws
+
+    def valid(self, theta: np.ndarray) -> np.ndarray:
+        """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
+        good = np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
+        if self._valid is not None:
+            for row in np.flatnonzero(good):
+                good[row] = bool(self._valid(self.values(theta[row])))
+        return good
+
+    def values(self, row: np.ndarray) -> Any:
+        """Return one row of θ `[D]` as values by name, in the environment's units; of a family, the level."""
+        if self.family is not None:
+            return self.family.decode(row)
+        if self.program is not None:
+            return self.program.describe(row)
+        return {column.name: column.kind.value(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
+
+    def describe(self, row: np.ndarray) -> dict[str, Any]:
+        """Return one row of θ `[D]` as values by name, to be read; of a family, its level."""
+        values = self.values(row)
+        return {"level": values} if self.family is not None else values
+
+    def theta(self, values: Mapping[str, Any]) -> np.ndarray:
+        """Return the θ `[D]` of these values by name, or of a family's level. Raises `ValueError` for other names."""
+        if self.family is not None:
+            return np.asarray(self.family.encode(values), float)
+        names = [draw.name for draw in self.draws]
+        if self.program is not None or set(values) != set(names):
+            raise ValueError(f"a level needs a value for each of {', '.join(names) or 'no name'}, got {dict(values)}")
+        return np.array([draw.kind.place(values[draw.name]) for draw in self.draws])  # type: ignore[attr-defined]
+
+
+def numbered(name: str, count: int) -> tuple[Column, ...]:
+    """Return columns `name[0]`, `name[1]`, ... from -1 to 1: θ itself."""
+    return tuple(Column(f"{name}[{i}]", Range(-1.0, 1.0)) for i in range(count))
+
+
+def _kind(name: str, about: Any) -> Kind:
+    if isinstance(about, Range | LogRange | Integer | Choice):
+        return about
+    try:
+        low, high = map(float, about)
+        return Range(low, high)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"{name!r} must be a Range, LogRange, Integer, Choice or a pair of finite numbers, got {about!r}"
+        ) from error
+
+
+# ---------------------------------------------------------------- columns with finitely many values
+
+
+def cells_of(draws: Sequence[Parameter]) -> np.ndarray:
+    """Return how many values each column has: int `[D]`, 0 for a real number."""
+    return np.array([getattr(draw, "cells", 0) for draw in draws], np.int64)
+
+
+def categories_of(draws: Sequence[Parameter]) -> np.ndarray:
+    """Return the same `[D]`, 0 for an `Integer` of so many values that they are not told apart one by one."""
+    cells = cells_of(draws)
+    ordered = np.array([not getattr(draw, "unordered", False) for draw in draws], bool)
+    return np.where(ordered & (cells > MOST_CATEGORIES), 0, cells)
+
+
+def index_in(theta: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return which value each entry of θ `[..., D]` stands for, of columns with these many (none 0): int `[..., D]`."""
+    return np.minimum(((theta + 1) / 2 * cells).astype(np.int64), cells - 1)
+
+
+def middle_of(index: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return the middle of the cells with these indices `[..., D]`: the θ of a value."""
+    return (2 * index + 1) / cells - 1
+
+
+def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
+    """Return θ `[n, D]` with each entry of a column of finitely many values in the middle of its cell."""
+    cells = cells_of(draws)
+    some = cells > 0
+    if not some.any():
+        return theta
+    theta = theta.copy()
+    theta[:, some] = middle_of(index_in(theta[:, some], cells[some]), cells[some])
+    return theta
+
+
+def edit(
+    theta: np.ndarray, draws: Sequence[Parameter], num_edits: int, edit_size: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Return edited copies of θ `[k, D]`: `num_edits` columns are changed in each, each as its kind is.
+
+    A real number moves by up to `edit_size`, within [-1, 1]; an integer by at least one and at most that share of its
+    values; a choice to any other value.
+    """
+    edited, cells = theta.copy(), cells_of(draws)
+    unordered = np.array([getattr(draw, "unordered", False) for draw in draws], bool)
+    rows = np.arange(len(theta))
+    for _ in range(num_edits):
+        columns = rng.integers(0, theta.shape[1], len(theta))
+        moves = rng.uniform(-edit_size, edit_size, len(theta))
+        counted = cells[columns] > 0
+        edited[rows, columns] += np.where(counted, 0.0, moves)
+        for row in np.flatnonzero(counted & (cells[columns] > 1)):
+            column = columns[row]
+            share = 1.0 if unordered[column] else edit_size / 2
+            edited[row, column] = _other_value(edited[row, column], int(cells[column]), share, rng)
+    return np.clip(edited, -1.0, 1.0)
+
+
+def _other_value(x: float, cells: int, share: float, rng: np.random.Generator) -> float:
+    """Return the θ of another of so many values, at most this share of them away."""
+    index, reach = int(index_in(np.array(x), np.array(cells))), max(1, round(share * cells))
+    other = int(rng.integers(max(0, index - reach), min(cells - 1, index + reach)))
+    return float(middle_of(np.array(other + (other >= index)), np.array(cells)))
