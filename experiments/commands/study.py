@@ -399,7 +399,7 @@ class Deadline(StopRequest):
 STUDIES = {
     "single": Study("one agent on the 13 games of the thesis's Figure 2.7", BenchmarkStudyConfig, study_benchmark),
     "generalisation": Study(
-        "one agent on training and test scenes of 20 games (Figure 2.8)", BenchmarkStudyConfig, study_benchmark
+        "one agent on training and test scenes of all 22 games (Figure 2.8)", BenchmarkStudyConfig, study_benchmark
     ),
     "multi": Study("teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, study_benchmark),
     "demonstrations": Study(
