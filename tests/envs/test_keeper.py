@@ -45,6 +45,12 @@ def test_the_bisector_halves_the_angle() -> None:
     assert bisector_foot(-11.0, 0.0) == pytest.approx(0.0)
 
 
+def test_he_halves_the_angle_from_before_the_line() -> None:
+    """Measured: while the ball rests at (38.1, 23.4) he settles at (53.95, 1.75), his foot at x = 54.3."""
+    place = keeper_after(25, (38.1, 23.4), (37.5, 23.4), True)
+    assert place == pytest.approx((53.95, 1.75), abs=0.25)
+
+
 # seconds to the line as seen at the end of the step of the kick, gap in m, measured goal rate (of 434 on target)
 SEEN_LATE = 0.05  # s that the ball is under way when it is first seen to be
 SAVES = [

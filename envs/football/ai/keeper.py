@@ -15,7 +15,7 @@ from envs.football.constants import (
     RUN_SPEED,
 )
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import ball_speed, man_on_ball, time_to_meet
+from envs.football.physics.possession import ball_speed, fall_time, man_on_ball, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.hands import HOLD_STEPS
 from envs.football.skills.saves import dive
@@ -44,7 +44,8 @@ class ComeOut(NamedTuple):
     second_shot_from: float = 24.0  # m, and another
     rival_lead: float = 0.32  # s by which opponents' runs are led,
     mate_lead: float = 0.24  # s, mates',
-    ball_lead: float = 0.6  # s, and the ball
+    ball_lead: float = 0.6  # s, and the ball at least; further the longer he needs to it:
+    ball_lead_more: float = 0.2  # s per s
     committed: float = 5.0  # m to a led ball, from where on he goes through with it
     too_late: float = 1.0  # m by which a mate is further from there: too late
     second_share: float = 0.7  # of the way out that another free attacker as near takes away
@@ -262,10 +263,10 @@ def nearest_to_goal(match, team, but):
 @kernel
 def come_out(match, i, share):
     """Run this share of the way from the goal to where the opponent on the ball will soon be."""
-    player, ball = match.players[i], match.ball
+    player = match.players[i]
     rival = match.players[man_on_ball(match, 1 - player.team)]
     weight = OUT.on_ball if match.carrier != NOBODY else OUT.off_ball
-    ball_x, ball_y = ball.x + OUT.ball_lead * ball.vx, ball.y + OUT.ball_lead * ball.vy
+    ball_x, ball_y = led_ball(match, i)
     to_x = weight * ball_x + (1.0 - weight) * (rival.x + OUT.rival_lead * rival.vx)
     to_y = weight * ball_y + (1.0 - weight) * (rival.y + OUT.rival_lead * rival.vy)
     guard_goal(player, ball_x, ball_y, to_x, to_y, min(share * match.engine.keeper_range, 1.0))
@@ -274,14 +275,24 @@ def come_out(match, i, share):
 @kernel
 def stand(match, i):
     """Stand on the line that halves the angle between ball and posts, or high while the ball is far."""
-    player, ball = match.players[i], match.ball
+    player = match.players[i]
     goal_x = own_goal_x(player.team)
-    x, y = ball.x + OUT.ball_lead * ball.vx, ball.y + OUT.ball_lead * ball.vy
+    x, y = led_ball(match, i)
     if x * goal_x <= 0.0:
         hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
         return
     held = min(max(2.0 * (match.hold[player.team] - 1.0), 0.0), 1.0)
     guard_goal(player, x, y, x, y, STAND.advance * held)
+
+
+@kernel
+def led_ball(match, i):
+    """Return where keeper i sees the ball: where it rolls or flies to meanwhile."""
+    ball = match.ball
+    speed = ball_speed(ball)
+    time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i, speed)
+    share = travelled(speed, fall_time(ball), time) / max(speed, 1e-9)
+    return ball.x + share * ball.vx, ball.y + share * ball.vy
 
 
 @kernel
@@ -292,7 +303,9 @@ def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
     """
     goal_x = own_goal_x(player.team)
     foot_x = goal_x - math.copysign(STAND.foot, goal_x)
-    foot_y = min(max(bisector_foot(ball_x - goal_x, ball_y), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
+    middle = bisector_foot(ball_x - goal_x, ball_y)  # on the goal line
+    before = STAND.foot / max(abs(goal_x - ball_x), STAND.foot)  # share of the way back from there
+    foot_y = min(max(middle + before * (ball_y - middle), -GOAL_HALF_WIDTH), GOAL_HALF_WIDTH)
     dx, dy = to_x - foot_x, to_y - foot_y
     way = length(dx, dy) + 1e-9
     out = max(share * (way - OUT.stops_short), STAND.least) / way

@@ -10,7 +10,10 @@ import math
 from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT
 from scenic_lite.kernels.jit import kernel
 
-SAME_PLACE = 1e-3  # m between bodies that were in the same place
+SAME_PLACE = 0.03  # m between bodies that stand in one place: they stumble apart,
+STUMBLE = 0.3  # s for which they do, the first to his right, the other on the spot,
+STUMBLE_SPEED = 3.9  # m/s
+STEPS_ASIDE = 0.22  # m, each at once
 BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
 
 
@@ -66,15 +69,27 @@ def part_bodies(match):
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
             if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and not (beaten(a) or beaten(b)):
-                if squared == 0.0:  # each steps to his right, as in the original
-                    dy, squared = -SAME_PLACE if a.team == LEFT else SAME_PLACE, SAME_PLACE * SAME_PLACE
-                part(a, b, dx, dy, math.sqrt(squared))
+                if squared < SAME_PLACE * SAME_PLACE:
+                    stumble_apart(a, b)
+                else:
+                    part(a, b, dx, dy, math.sqrt(squared))
 
 
 @kernel
 def beaten(player):
     """Return whether a player lies on the ground or has just tried for the ball in vain."""
     return player.down_wait > 0.0 or player.touch_wait > 0.0
+
+
+@kernel
+def stumble_apart(a, b):
+    """Let two who stand in one place stumble: b to his right, a just out of his way."""
+    right = -1.0 if b.team == LEFT else 1.0
+    for player, side in ((a, -right), (b, right)):
+        player.y += side * STEPS_ASIDE
+        player.vx, player.vy = 0.0, 0.0
+        player.down_wait = STUMBLE
+    b.vy = right * STUMBLE_SPEED
 
 
 @kernel
