@@ -7,6 +7,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 
 import pytest
@@ -47,13 +49,33 @@ def add_row(path, table, row):
     raise AssertionError(f"{path} has no {table}")
 
 
-def run(line, folder):
-    program, *words = shlex.split(line)
-    module = {"regista": ["-m", "experiments"], "pytest": ["-m", "pytest", "-p", "no:cacheprovider"], "python": []}
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, *module[program], *words]
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, f"{line}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+REGISTA = """
+import sys
+from experiments.__main__ import main
+
+for words in {lines}:
+    try:
+        code = main(words)
+    except SystemExit as end:  # of --help
+        code = end.code
+    if code:
+        sys.exit(code)
+"""
+
+
+def run(lines, folder):
+    """Run a block of commands; those of regista, in a row, in one process."""
+    for program, group in groupby(map(shlex.split, lines), itemgetter(0)):
+        words = [line[1:] for line in group]
+        if program == "regista":
+            commands = [["-c", REGISTA.format(lines=words)]]
+        else:
+            commands = [["-m", "pytest", "-p", "no:cacheprovider"] * (program == "pytest") + line for line in words]
+        for command in commands:
+            environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "OMP_NUM_THREADS": "1"}
+            options = {"cwd": folder, "env": environment, "capture_output": True, "text": True, "timeout": 600}
+            done = subprocess.run([sys.executable, *command], **options)
+            assert done.returncode == 0, f"{words}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
 
 
 def carry_out(page, folder):
@@ -62,8 +84,7 @@ def carry_out(page, folder):
     for where, language, block in steps:
         names = re.findall(r"`([^`]+)`", where)
         if language == "sh":
-            for line in block.splitlines():
-                run(line, folder)
+            run(block.splitlines(), folder)
         elif "at the end of `" in where:
             add_row(folder / names[0], names[1], block)
         elif "at the end of the file" in where:

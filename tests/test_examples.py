@@ -1,12 +1,13 @@
 """The examples run as they stand, for seconds."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-EXAMPLES = Path(__file__).parent.parent / "examples"
+ROOT = Path(__file__).parent.parent
 SHORT = {
     "cleanrl_style.py": ["--env-steps", "8192"],
     "with_stable_baselines3.py": ["--env-steps", "4096"],
@@ -26,7 +27,8 @@ SAYS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHORT)
 def test_an_example_runs(name, tmp_path):
-    command = [sys.executable, str(EXAMPLES / name), *SHORT[name]]
-    found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    command = [sys.executable, str(ROOT / "examples" / name), *SHORT[name]]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    found = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)
     assert found.returncode == 0, found.stderr
     assert SAYS[name] in found.stdout

@@ -293,9 +293,9 @@ def test_a_page_of_an_unfinished_comparison(tmp_path):
 @pytest.mark.slow
 def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
-    command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "2", "--out", str(folder)]
+    command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]
     command += ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
-    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32", *LEVELS]
+    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32", "--processes", "1", *LEVELS]
     options = {"cwd": ROOT, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "text": True}
     first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
     deadline = time.monotonic() + 300
@@ -305,8 +305,7 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
     out, error = first.communicate(timeout=120)
     assert first.returncode == 130, error
     assert "finished runs are kept" in out
-    done = subprocess.run(command, capture_output=True, timeout=600, **options)
-    assert done.returncode == 0, done.stderr
+    assert main(command[3:]) == 0
     for name in (
         "results.csv",
         "table.txt",
@@ -318,7 +317,7 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
         "levels.png",
     ):
         assert (folder / name).stat().st_size > 100
-    for run in [folder / f"{method}-{seed}" for method in ("dr", "paired") for seed in range(2)]:
+    for run in (folder / "dr-0", folder / "paired-0"):
         updates = [int(row["update"]) for row in read_rows(run / "metrics.csv")]
         assert updates == list(range(1, len(updates) + 1)) and updates
         assert (run / "curriculum.rrd").stat().st_size > 10_000

@@ -307,16 +307,14 @@ SMALL_BUFFER = {  # so that levels are replayed within a short run
 @pytest.mark.parametrize("method", ["dr", "paired", "accel", "repaired"])
 def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method):
     flags = [*FOOTBALL, *BUDGET, "--method", method, *SMALL_BUFFER.get(method, [])]
-    whole = regista("train", *flags, "--out", str(tmp_path / "whole"))
-    assert whole.wait(timeout=300) == 0, whole.stderr.read().decode()
+    assert main(["train", *flags, "--out", str(tmp_path / "whole")]) == 0
     killed = regista("train", *flags, "--out", str(tmp_path / "killed"))
     deadline = time.monotonic() + 300
     while not (tmp_path / "killed" / "checkpoint.pt").exists() and time.monotonic() < deadline:
         time.sleep(0.02)
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL
-    resumed = regista("train", "--resume", str(tmp_path / "killed"))
-    assert resumed.wait(timeout=300) == 0, resumed.stderr.read().decode()
+    assert main(["train", "--resume", str(tmp_path / "killed")]) == 0
     for name in ("metrics.csv", "levels.csv"):
         rows = without_time(tmp_path / "killed" / name)
         assert rows == without_time(tmp_path / "whole" / name)

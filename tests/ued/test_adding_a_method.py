@@ -1,6 +1,7 @@
 """A method is one file and one row: here a toy one, which the command line then trains."""
 
 import csv
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -80,9 +81,8 @@ def test_the_command_line_trains_it(toy, tmp_path):
     (tmp_path / "train.py").write_text(TRAIN.format(row=ROW))
     command = [sys.executable, "train.py", "train", "1v1Restricted", "--method", "toy", "--toy.reluctance", "0.25"]
     command += ["--num-envs", "4", "--num-steps", "8", "--total-env-steps", "64", "--eval-every", "0", "--no-record"]
-    done = subprocess.run(
-        [*command, "--out", "run"], cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
-    )
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run([*command, "--out", "run"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader((tmp_path / "run" / "metrics.csv").open()))
     assert [row["env_steps"] for row in rows] == ["32", "64"] and rows[1]["toy/reluctance"] == "0.25"

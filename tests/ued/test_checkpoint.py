@@ -7,7 +7,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import textwrap
 import time
 from pathlib import Path
 
@@ -223,14 +222,9 @@ def test_a_state_is_a_snapshot(name):
     assert same(state, before)
 
 
-RUN = """
-    import sys
-    from pathlib import Path
-    import torch
-    from test_checkpoint import MAKE, numbers
-    from ued import checkpoint
+def go_on(folder, updates):
+    """Train from the checkpoint in a folder, if there is one, to so many updates; save after each."""
     torch.set_num_threads(1)
-    folder, updates = Path(sys.argv[1]), int(sys.argv[2])
     method = MAKE["paired"](1)
     if (folder / "c.pt").exists():
         method.load_state_dict(checkpoint.load(folder / "c.pt"))
@@ -239,27 +233,27 @@ RUN = """
         with open(folder / "log", "a") as log:
             print(method.updates, numbers(metrics), file=log)
         checkpoint.save(folder / "c.pt", method.state_dict())
-"""
 
 
 @pytest.mark.slow
 def test_a_killed_run_resumes_to_the_numbers_of_one_never_killed(tmp_path):
-    def start(folder, updates):
-        command = [sys.executable, "-c", textwrap.dedent(RUN), str(folder), str(updates)]
+    def start(folder):
+        code = f"from pathlib import Path; from test_checkpoint import go_on; go_on(Path({str(folder)!r}), 10**9)"
         here = Path(__file__).parent
-        return subprocess.Popen(command, env=os.environ | {"PYTHONPATH": f"{here.parents[1]}:{here}"})
+        environment = os.environ | {"PYTHONPATH": f"{here.parents[1]}:{here}"}
+        return subprocess.Popen([sys.executable, "-c", code], env=environment)
 
     (tmp_path / "whole").mkdir(), (tmp_path / "killed").mkdir()
-    assert start(tmp_path / "whole", 12).wait() == 0
+    go_on(tmp_path / "whole", 12)
     for updates in (3, 7):
-        run, log = start(tmp_path / "killed", 10**9), tmp_path / "killed" / "log"
+        run, log = start(tmp_path / "killed"), tmp_path / "killed" / "log"
         while not log.exists() or len(log.read_text().splitlines()) < updates:
             assert run.poll() is None
             time.sleep(0.002)
         run.send_signal(signal.SIGKILL)
         run.wait()
     whole = (tmp_path / "whole" / "log").read_text().splitlines()
-    start(tmp_path / "killed", 12).wait()
+    go_on(tmp_path / "killed", 12)
     killed = (tmp_path / "killed" / "log").read_text().splitlines()
     assert set(whole) <= set(killed)  # an update that was not saved is done again, with the same numbers
     assert len({line.split()[0] for line in killed}) == len(set(killed))
