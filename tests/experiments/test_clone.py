@@ -35,6 +35,7 @@ def untimed(path):
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["one", "two"])
 def test_a_clone_is_a_run_that_can_be_evaluated_and_trained_on(demos, tmp_path, capsys, name):
     clone, run = tmp_path / "clone", tmp_path / "run"
@@ -76,6 +77,7 @@ def test_a_training_begins_with_the_clone_and_stays_close_to_it_if_told(demos, t
     assert 0 < moved["held"] < moved["free"]
 
 
+@pytest.mark.slow
 def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_path, monkeypatch):
     from ued.methods.dr import DR
 

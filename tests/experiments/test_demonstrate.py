@@ -112,6 +112,7 @@ def test_several_agents_have_data_of_their_own(tmp_path):
     assert episode.infos["agent_rewards"].shape == (steps, 2)
 
 
+@pytest.mark.slow
 def test_it_goes_on_where_it_was_killed(program, tmp_path, monkeypatch, capsys):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     flags = ["--episodes", "400"]
@@ -202,6 +203,7 @@ def test_who_never_succeeds_gives_up(tmp_path, capsys):
     assert json.loads((tmp_path / "demos" / "data" / "metadata.json").read_text())["total_episodes"] == 0
 
 
+@pytest.mark.slow
 def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     run = tmp_path / "run"
     flags = ["--total-env-steps", "512", "--num-envs", "8", "--eval-every", "0", "--no-record", "--control", "1"]

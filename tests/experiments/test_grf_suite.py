@@ -89,6 +89,7 @@ def test_a_table_counts_what_is_within_tolerance():
     assert "MISSES" in table and table.endswith("1 of 2 within tolerance (wanted 2)")
 
 
+@pytest.mark.slow
 def test_the_steady_speeds_are_the_originals():
     targets = {(row["keys"], row["ball"]): float(row["speed"]) for row in read_data("steady_speeds")}
     rows = [row for row in family_module("motion").measure(0.1) if row.name.startswith("steady")]

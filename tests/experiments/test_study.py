@@ -118,6 +118,7 @@ def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single,
     assert "](pictures/benchmark_generalisation_fast.png)" in text
 
 
+@pytest.mark.slow
 def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single, tmp_path):
     words, begun = single
     assert main(words) == 0
@@ -150,6 +151,7 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
     assert main(words) == 0 and len(begun) == 1
 
 
+@pytest.mark.slow
 def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
     pytest.importorskip("minari")
     words, begun = single
@@ -185,6 +187,7 @@ def test_the_thesis_has_fifteen_rows_of_teams():
     ]
 
 
+@pytest.mark.slow
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)

@@ -149,6 +149,7 @@ def share(team, agent, config, spaces):
     return single
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)
 def test_a_team_learns_what_each_of_it_is_to_do(team, critic):
     env = Roles()
@@ -160,6 +161,7 @@ def test_a_team_learns_what_each_of_it_is_to_do(team, critic):
     assert method.student.play(seen, torch_generator(0), greedy=True).tolist() == [[1, 0, 1], [0, 1, 0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("team", ["independent", "shared"])
 def test_only_a_central_critic_knows_what_no_agent_sees_alone(team):
     for critic in ("own", "central"):
