@@ -81,6 +81,7 @@ def _play(
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
+    upomdp.upcoming = lambda: playlist[next_episode:]
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
     while (episode < episodes).any():
@@ -103,5 +104,5 @@ def _play(
             upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():
                 observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
-    upomdp.idle[:] = False
+    upomdp.idle[:], upomdp.upcoming = False, None
     return returns, success, lengths, steps * num_envs

@@ -95,6 +95,7 @@ class Method:
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
         """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`."""
         index = len(self.learners)
+        upomdp.upcoming = partial(self.queue.upcoming, index)
         on_episode_end = partial(self.queue.on_episode_end, index)
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))
         self.learners[index].start(self.queue.first(index))

@@ -8,6 +8,7 @@ on it as it stands. Read next: `upomdp`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,8 @@ class Mixture(UPOMDP):
         space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
+        for k, member in enumerate(self.members):
+            member.upcoming = partial(self._upcoming_of, k)
 
     @property
     def observation_unit(self) -> np.ndarray:
@@ -103,12 +106,21 @@ class Mixture(UPOMDP):
         return self._observations.copy()
 
     def _start_member(self, k: int, levels: np.ndarray, where: np.ndarray) -> None:
-        member, mask = self.members[k], np.zeros(self.num_envs, bool)
+        mask = np.zeros(self.num_envs, bool)
         mask[where] = True
-        own = np.zeros(len(levels), level_dtype(member.theta_dim))
-        own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + member.theta_dim]
-        observations, _ = member.reset_to_levels(own, mask)
+        observations, _ = self.members[k].reset_to_levels(self._of_member(k, levels), mask)
         self._see(k, observations, where, self._observations)
+
+    def _of_member(self, k: int, levels: np.ndarray) -> np.ndarray:
+        """Return levels `[n]` of program k as that program's own."""
+        dim = self.members[k].theta_dim
+        own = np.zeros(len(levels), level_dtype(dim))
+        own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + dim]
+        return own
+
+    def _upcoming_of(self, k: int) -> np.ndarray:
+        levels = self.levels[:0] if self.upcoming is None else self.upcoming()
+        return self._of_member(k, levels[self.program_of(levels["theta"]) == k])
 
     def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
         """Put observations of program k, of the environments `where`, in their places."""

@@ -151,6 +151,8 @@ class UPOMDP(VectorEnv):
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
             next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
+        upcoming: gives levels that are likely to be started soon, in this order: where starting many takes hardly
+            longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
@@ -180,6 +182,7 @@ class UPOMDP(VectorEnv):
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.next_levels: Callable[[int], np.ndarray] | None = None
+        self.upcoming: Callable[[], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
     @property
@@ -214,6 +217,10 @@ class UPOMDP(VectorEnv):
     def valid(self, theta: Any) -> np.ndarray:
         """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
         return np.ones(len(check_theta(theta, self.theta_dim)), bool)
+
+    def _playable(self, levels: np.ndarray) -> np.ndarray:
+        """Return which levels `[k]` can be started: bool `[k]`."""
+        return self.valid(levels["theta"])
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
@@ -280,7 +287,7 @@ class UPOMDP(VectorEnv):
             raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)
         levels = levels.copy()
-        replaced = ~self.valid(levels["theta"])
+        replaced = ~self._playable(levels)
         if replaced.any():
             levels[replaced] = self.sample_levels(int(replaced.sum()))
         self.levels[chosen] = levels

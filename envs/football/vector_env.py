@@ -21,6 +21,7 @@ from envs.football.observation.observer import RAW, Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
+from envs.football.scenic.starts import INVALID, Starts
 from envs.football.state import WHO
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_theta, set_stream
@@ -87,6 +88,7 @@ class FootballVectorEnv(UPOMDP):
             self.behaviors.is_live,
             self.lineup.object_to_player,
         )
+        self._starts = Starts(self.lineup, self.behaviors)
         self._outcome = empty_outcome(num_envs, self.num_agents)
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
@@ -125,6 +127,9 @@ class FootballVectorEnv(UPOMDP):
         """Return for θ `[N, D]` whether each is a valid scene: `[N]`."""
         return self.program.valid(check_theta(theta, self.theta_dim))
 
+    def _playable(self, levels: np.ndarray) -> np.ndarray:
+        return self._starts.rows(levels, self.upcoming) != INVALID
+
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return for θ `[N, D]` what each draws, by name, in the program's units."""
         return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
@@ -134,9 +139,8 @@ class FootballVectorEnv(UPOMDP):
         return self.program.sample(count, self.np_random)[0]
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch = self._batch
-        batch.starts[where] = self.lineup.starts(levels["theta"], levels["seed"])
-        batch.start_registers[where] = self.behaviors.registers(levels["theta"])
+        batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
+        batch.starts[where], batch.start_registers[where] = self._starts.matches[rows], self._starts.registers[rows]
         self._engine.begin(batch, where, self._settings)
         self._started = True
         return self.observe()

@@ -124,6 +124,43 @@ def test_an_overlapping_level_is_invalid_and_replaced():
     assert env.valid(env.levels["theta"]).all()
 
 
+NARROW = """
+last = Range(50, 99)
+behavior RunTo(x):
+    while self.position.x < x:
+        take SetDirection(5)
+ego = LeftCM at Range(40, 44) @ 0
+RightCB at Range(40, 44) @ 0, with behavior RunTo(last)
+ball = Ball ahead of ego by Range(2, 3)
+"""
+
+
+def test_starts_made_ahead_in_a_block_are_those_made_one_by_one():
+    """Two players may stand in each other; what is to come is known to one of two environments."""
+    ahead, alone = (FootballVectorEnv(NARROW, 4) for _ in range(2))
+    rng, made = np.random.default_rng(0), []
+    levels = ahead.make_levels(rng.uniform(-1, 1, (60, ahead.theta_dim)))
+    invalid = ~alone.valid(levels["theta"])
+    assert 5 < invalid.sum() < 55
+    levels["seed"] = np.arange(60)
+    start = ahead.lineup.starts
+    ahead.lineup.starts = lambda theta, seeds: made.append(len(theta)) or start(theta, seeds)
+    for env in (ahead, alone):
+        env.reset(seed=0)
+    made.clear()
+    for first in range(0, 60, 2):
+        ahead.upcoming = lambda first=first: levels[first + 2 :]
+        where = np.arange(4) < 2
+        seen, known = zip(
+            *(env.reset_to_levels(levels[first : first + 2], where) for env in (ahead, alone)), strict=True
+        )
+        assert (seen[0] == seen[1]).all()
+        assert known[0]["replaced"].tolist() == known[1]["replaced"].tolist() == invalid[first : first + 2].tolist()
+        states = [env.get_state() for env in (ahead, alone)]
+        assert all((states[0][name] == states[1][name]).all() for name in ("matches", "start_registers"))
+    assert made[0] == np.count_nonzero(~invalid)
+
+
 def test_the_next_episode_on_a_level_has_the_same_start_and_another_course():
     env = FootballVectorEnv(minigames.MINIGAMES["1v1Restricted"].tests[0][1], 1)
     first, _ = env.reset(seed=1)

@@ -107,6 +107,14 @@ def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
     assert (queue.records["level"]["program"] == [0, 1, 2, 3, 4]).all()
 
 
+def test_each_student_is_told_what_it_will_begin_next():
+    queue = make_queue(num_envs=4, episodes=1)
+    queue.first(0)
+    assert not len(queue.upcoming(0)) and queue.upcoming(1)["program"].tolist() == [0, 1, 2, 3]
+    queue.on_episode_end(0, np.array([1]), np.array([0.0]), np.array([1.0]))  # takes one of a block of four
+    assert queue.upcoming(0)["program"].tolist() == [5, 6, 7]
+
+
 def test_it_resumes_where_it_was():
     queues = [make_queue() for _ in range(2)]
     for queue in queues:

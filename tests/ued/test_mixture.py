@@ -58,6 +58,16 @@ def test_the_unit_of_an_entry_is_the_least_of_its_programs(monkeypatch):
     assert env.observation_unit.tolist() == [0.0, 0.1, 1, 1, 1]
 
 
+def test_each_program_is_told_which_levels_of_its_own_are_coming():
+    env = mixture(3)
+    assert not any(len(member.upcoming()) for member in env.members)
+    levels = env.make_levels([[-1.0, 0.1, 0.2], [0.0, 0.3, -0.4], [1.0, 0.5, 0.5], [-1.0, 0.6, 0.7]])
+    env.upcoming = lambda: levels
+    plain, half, choice = (member.upcoming() for member in env.members)
+    assert plain["theta"].tolist() == [[0.1, 0.2], [0.6, 0.7]] and half["theta"].tolist() == [[0.3, -0.4]]
+    assert plain["seed"].tolist() == levels["seed"][[0, 3]].tolist() and len(choice) == 1
+
+
 def test_each_environment_gets_the_rewards_of_its_program():
     env = mixture(30)
     env.reset(seed=1)

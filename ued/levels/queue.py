@@ -116,6 +116,10 @@ class LevelQueue(Resumable):
         self.taken[student] += len(envs)
         return self.records[rows]
 
+    def upcoming(self, student: int) -> np.ndarray:
+        """Return the levels that a student will begin next, as far as they have been proposed."""
+        return self.records["level"][self.taken[student] :]
+
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
         """Write what the critic thought in the E episodes that ended since the last call, in their order: `[E]` each.
 

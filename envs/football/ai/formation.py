@@ -9,6 +9,7 @@ m from the middle. Read next: `ai.support` and `ai.defence`, for why players lea
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -100,6 +101,7 @@ EXCHANGED_EVERY = 4  # steps
 EXCHANGE = 0.95  # two mates exchange slots when that shortens their ways to less than this share
 
 
+@cache
 def formation_slots(count: int) -> np.ndarray:
     """Return the slots [count, 2] of the first numbers of a team, moved apart from each other; the keeper's stays."""
     slots = np.array(SLOTS[:count]).reshape(-1, 2)
@@ -109,6 +111,7 @@ def formation_slots(count: int) -> np.ndarray:
         lack = np.where(distance < ROOM, ROOM - distance, 0.0)
         slots[1:] += (0.5 * lack * between / np.maximum(distance, 1e-9)).sum(axis=1)
         slots = np.clip(slots, -1.0, 1.0)
+    slots.flags.writeable = False  # it is handed out again
     return slots
 
 
