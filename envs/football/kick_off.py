@@ -81,27 +81,47 @@ def kick_off(
     if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
     """
     positions, ball = np.asarray(positions, float), np.asarray(ball, float)
+    _check(positions, ball, np.asarray(roster.teams), np.asarray(roster.roles))
+    return placed(unplaced(roster, config, len(positions)), positions, ball, seeds, config)
+
+
+def unplaced(roster: Roster, config: MatchConfig, count: int = 1) -> np.ndarray:
+    """Make matches MATCH `[count]` as far as they depend on who plays and on the settings, not on where they stand."""
     teams, roles = np.asarray(roster.teams, np.int64), np.asarray(roster.roles, np.int64)
-    _check(positions, ball, teams, roles)
-    matches = np.zeros(len(positions), MATCH)
+    matches = np.zeros(count, MATCH)
     for name in NOBODY_YET:
         matches[name] = NOBODY
     matches["players"]["kick_mate"] = NOBODY
-    _write_settings(matches, config, seeds)
+    _write_settings(matches, config)
     matches["num_players"] = len(teams)
+    matches["ball"]["z"] = BALL_RADIUS
+    matches["kick_age"] = NO_KICK
+    players = matches["players"][:, : len(teams)]
+    _number_players(players, teams, roles)
+    difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
+    players["skill"] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
+    _apply_factors(players, matches["engine"], roles)
+    players["order"] = np.arange(len(teams)) if roster.order is None else roster.order
+    return matches
+
+
+def placed(
+    matches: np.ndarray, positions: np.ndarray, ball: np.ndarray, seeds: npt.ArrayLike, config: MatchConfig
+) -> np.ndarray:
+    """Return matches MATCH [N] of what `unplaced` made of this config, [N] or one for all; see `kick_off`."""
+    matches = matches[np.broadcast_to(np.arange(len(matches)), len(positions))]  # copies whole records
+    matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
     for axis, name in enumerate("xy"):
         matches["ball"][name] = ball[:, axis]
         matches["ball_start_" + name] = ball[:, axis]
-    matches["ball"]["z"] = BALL_RADIUS
-    matches["kick_age"] = NO_KICK
-    _place_players(matches["players"][:, : len(teams)], positions, teams, roles)
-    matches["starter"] = _starter(positions, ball, teams)
-    matches["hold"] = _hold(positions, ball, teams)
-    _look_at(matches["players"][:, : len(teams)], ball)
-    difficulty = np.stack(np.broadcast_arrays(config.left_team_difficulty, config.right_team_difficulty), axis=-1)
-    matches["players"]["skill"][:, : len(teams)] = 0.3 + 0.7 * np.take(difficulty, teams, axis=-1)
-    _apply_factors(matches["players"][:, : len(teams)], matches["engine"], roles)
-    matches["players"]["order"][:, : len(teams)] = np.arange(len(teams)) if roster.order is None else roster.order
+    players = matches["players"][:, : positions.shape[1]]
+    for axis, name in enumerate("xy"):
+        for field in (name, "start_" + name, "place_" + name):
+            players[field] = positions[..., axis]
+    left, right = _nearest(positions, ball, players["team"][0]).T
+    matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in the original, the right one if both are as near
+    matches["hold"] = _hold(left, right)
+    _look_at(players, ball)
     assign_agents(matches, (config.control, config.right_control))
     return matches
 
@@ -115,14 +135,12 @@ def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np
         raise ValueError(f"a match has 1 to {MAX_PLAYERS} players, not {len(teams)}")
 
 
-def _write_settings(matches: np.ndarray, config: MatchConfig, seeds: npt.ArrayLike) -> None:
-    """Write the settings of the episode; equal seeds, or a deterministic match, give equal streams."""
+def _write_settings(matches: np.ndarray, config: MatchConfig) -> None:
     for name in ENGINE.names:  # type: ignore[union-attr]
         matches["engine"][name] = getattr(config, name)
     for field in fields(config):
         if field.name in MATCH.names and field.name != "control":  # type: ignore[operator]
             matches[field.name] = getattr(config, field.name)
-    matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
 
 
 def _apply_factors(players: np.ndarray, engine: np.ndarray, roles: np.ndarray) -> None:
@@ -132,12 +150,8 @@ def _apply_factors(players: np.ndarray, engine: np.ndarray, roles: np.ndarray) -
     players["top_speed"] *= np.where(roles == GK, engine["keeper_speed"][:, None], 1.0)
 
 
-def _place_players(players: np.ndarray, positions: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
-    """Place players [N, P]."""
-    for axis, name in enumerate("xy"):
-        players[name] = positions[..., axis]
-        players["start_" + name] = positions[..., axis]
-        players["place_" + name] = positions[..., axis]
+def _number_players(players: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
+    """Give players [N, P] their shirts, and what these stand for."""
     players["team"], players["role"] = teams, roles
     players["marked_opponent"] = NOBODY
     for team in (LEFT, RIGHT):
@@ -156,17 +170,8 @@ def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
     return np.stack([np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT)], axis=-1)
 
 
-def _starter(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
-    """Return the team [N] whose nearest player is nearer to the ball; as in the original, the right one if both are
-    equal.
-    """
-    left, right = _nearest(positions, ball, teams).T
-    return np.where(left < right, LEFT, RIGHT)
-
-
-def _hold(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
+def _hold(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return both teams' hold on the ball [N, 2] at the start: the nearer one has it, neither if both are as near."""
-    left, right = _nearest(positions, ball, teams).T
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
     return NO_HOLD + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_HOLD - NO_HOLD)
 

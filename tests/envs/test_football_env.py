@@ -143,8 +143,8 @@ def test_starts_made_ahead_in_a_block_are_those_made_one_by_one():
     invalid = ~alone.valid(levels["theta"])
     assert 5 < invalid.sum() < 55
     levels["seed"] = np.arange(60)
-    start = ahead.lineup.starts
-    ahead.lineup.starts = lambda theta, seeds: made.append(len(theta)) or start(theta, seeds)
+    starts_of = ahead.lineup.starts_of
+    ahead.lineup.starts_of = lambda scenes, rows, seeds: made.append(len(rows)) or starts_of(scenes, rows, seeds)
     for env in (ahead, alone):
         env.reset(seed=0)
     made.clear()

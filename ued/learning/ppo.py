@@ -130,7 +130,7 @@ def clip_gradient(student: Student, max_norm: float) -> Tensor:
     Losses are means over agents, so a policy that is one agent's alone finds his share of them in its gradient: it is
     multiplied by their number first. So each of them learns as if it were alone.
     """
-    own, common = student.parameters_apart()
+    own, common = student.parameters_apart
     norms = [nn.utils.clip_grad_norm_(common, max_norm).view(1)] if common else []
     if own:
         count = student.policies

@@ -12,6 +12,7 @@ Read next: `learning.rollout`.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -154,6 +155,7 @@ class Student(nn.Module):
         number = torch.eye(self.agents).view(shape).expand(*observation.shape[:-1], self.agents)
         return torch.cat([observation, number], -1)
 
+    @cached_property  # which ones there are never changes, and asking takes long
     def parameters_apart(self) -> tuple[list[nn.Parameter], list[nn.Parameter]]:
         """Return the parameters of which each policy has a share of its own, along the first axis, and the others."""
         parts = [self.actor_torso, self.actor] + ([] if self.central else [self.critic_torso, self.critic])

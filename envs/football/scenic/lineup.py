@@ -13,7 +13,7 @@ import numpy as np
 
 from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
 from envs.football.control.control_modes import count_agents
-from envs.football.kick_off import MatchConfig, Roster, kick_off
+from envs.football.kick_off import MatchConfig, Roster, placed, unplaced
 from envs.football.limits import Limits, fields_of
 from envs.football.scenic.domain import FACTORS, SETTINGS
 from envs.football.scenic.world_table import THE_BALL
@@ -103,6 +103,7 @@ class Lineup:
             self.config = replace(self.config, engine_spread=engine_spread)
         self._random_factors = sorted((FACTORS & set(program.param_places)) - set(program.params))
         self._check_teams()
+        self._unplaced = unplaced(self.roster, self.config)
         self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
 
     @property
@@ -118,16 +119,23 @@ class Lineup:
     @cached_property
     def limits(self) -> Limits:
         """What the fields of its matches may hold."""
-        any_match = kick_off(np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), self.roster, [0], self.config)
+        any_match = placed(self._unplaced, np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), [0], self.config)
         return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64))
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""
-        scenes = self.program.instantiate(theta)
-        positions = scenes.positions * METRES
-        drawn: dict[str, Any] = {name: self._factor(name, scenes.params[name]) for name in self._random_factors}
-        config = replace(self.config, **drawn)
-        return kick_off(positions[:, self.players], positions[:, self.ball], self.roster, seeds, config)
+        return self.starts_of(self.program.instantiate(theta), np.arange(len(theta)), seeds)
+
+    def starts_of(self, scenes: Scenes, rows: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        """Make the matches MATCH `[k]` of the scenes `rows` `[k]`, with streams from `seeds` `[k]`."""
+        positions = scenes.positions[rows] * METRES
+        matches = self._unplaced
+        if self._random_factors:
+            drawn: dict[str, Any] = {
+                name: self._factor(name, scenes.params[name][rows]) for name in self._random_factors
+            }
+            matches = unplaced(self.roster, replace(self.config, **drawn), len(positions))
+        return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, self.config)
 
     def _factor(self, name: str, values: Any) -> np.ndarray:
         """Return a random factor of the engine `[N]`. Raises NotAMatchError for a value that is none."""

@@ -42,12 +42,13 @@ class Starts:
         return np.array([self._rows[key] for key in keys], np.int64)
 
     def _make(self, levels: np.ndarray) -> None:
-        valid = self._lineup.program.valid(levels["theta"])
+        scenes = self._lineup.program.instantiate(levels["theta"])
+        valid = np.flatnonzero(scenes.ok)
         self._rows = dict.fromkeys(_keys(levels), INVALID)
         self._rows |= {key: row for row, key in enumerate(_keys(levels[valid]))}
-        if valid.any():
-            theta, seeds = levels["theta"][valid], levels["seed"][valid]
-            self.matches, self.registers = self._lineup.starts(theta, seeds), self._behaviors.registers(theta)
+        if len(valid):
+            self.matches = self._lineup.starts_of(scenes, valid, levels["seed"][valid])
+            self.registers = self._behaviors.registers(levels["theta"][valid])
 
 
 def _keys(levels: np.ndarray) -> list[bytes]:
