@@ -22,14 +22,14 @@ class Mixture(UPOMDP):
     """N environments, each of which plays whichever of K programs its level asks for.
 
     Args:
-        members: K UPOMDPs of N environments each, with equal action spaces and flat observations. They belong to the
-            mixture from then on; those of their environments that nobody plays are `idle`.
+        members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. They
+            belong to the mixture from then on; those of their environments that nobody plays are `idle`.
         names: of the programs.
 
     θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
     order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
-    padded with zeros to the longest, and a one-hot of the program behind. Where `only` is the index of a program, that
-    one is played whatever θ says: a test of it, seen as students of the mixture see it.
+    padded with zeros to the longest, and a one-hot of the program behind, for each agent. Where `only` is the index of
+    a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
 
     Attributes:
         program_dims: the programs' numbers of columns; an adversary has a head for each.
@@ -42,12 +42,14 @@ class Mixture(UPOMDP):
         self.members, self.names, self.only = tuple(members), tuple(names), only
         self.program_dims = tuple(member.theta_dim for member in members)
         first = members[0]
-        self.sizes = [flatdim(member.single_observation_space) for member in members]
+        self.num_agents = first.num_agents
+        self.sizes = [flatdim(member.agent_observation_space) for member in members]
         self.width = max(self.sizes)
         widest = max(self.program_dims)
         draws = [Column("program", Choice(*names))]
         draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
-        space = Box(-np.inf, np.inf, (self.width + len(members),), np.float32)
+        seen = (self.width + len(members),)
+        space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
         for k, member in enumerate(self.members):
@@ -125,8 +127,8 @@ class Mixture(UPOMDP):
     def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
         """Put observations of program k, of the environments `where`, in their places."""
         into[where] = 0.0
-        into[where, : self.sizes[k]] = observations[where]
-        into[where, self.width + k] = 1.0
+        into[where, ..., : self.sizes[k]] = observations[where]
+        into[where, ..., self.width + k] = 1.0
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         rewards = np.zeros(self.num_envs)
@@ -191,7 +193,9 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
     for member, name in zip(members, names, strict=True):
         if member.num_envs != first.num_envs:
             raise ValueError(f"{name} has {member.num_envs} environments, {names[0]} {first.num_envs}")
+        if member.num_agents != first.num_agents:
+            raise ValueError(f"{name} has {member.num_agents} agents, {names[0]} {first.num_agents}")
         if member.single_action_space != first.single_action_space:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
-        if len(member.single_observation_space.shape or ()) != 1:
-            raise ValueError(f"{name} has observations {member.single_observation_space}; a mixture needs flat ones")
+        if len(member.agent_observation_space.shape or ()) != 1:
+            raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

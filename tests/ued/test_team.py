@@ -17,6 +17,7 @@ from ued.learning.value_stats import EpisodeValues
 from ued.methods import METHODS
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
+from ued.mixture import Mixture
 from ued.seeding import torch_generator
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
@@ -260,3 +261,35 @@ def test_spaces_that_are_not_alike_for_all_agents_are_refused():
     env.num_agents = 4
     with pytest.raises(ValueError, match=r"4 agents need a Box or a MultiDiscrete with an axis for them, got Box"):
         DR(env, QUICK)
+
+
+class Contrary(Roles):
+    """The same with the sign seen turned round, beside a number that says nothing."""
+
+    size = 2
+
+    def look(self):
+        seen = np.zeros((self.num_envs, self.num_agents, 2), np.float32)
+        seen[..., 1] = -self.sign[:, None]
+        return seen
+
+
+@pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)
+def test_a_team_learns_several_programs_in_one_batch(team, critic):
+    env = Mixture([Roles(64), Contrary(64)], ["roles", "contrary"])
+    assert env.num_agents == 3 and env.single_observation_space.shape == (3, 4)
+    seen, _ = env.reset(seed=0)
+    program = env.levels["program"]
+    assert (seen[program == 0, :, 2:] == [1, 0]).all() and (seen[program == 1, :, 2:] == [0, 1]).all()
+    assert (np.abs(seen[program == 0, :, 0]) == 1).all() and not seen[program == 0, :, 1].any()
+    method = DR(env, dataclasses.replace(QUICK, team=team, critic=critic), seed=0)
+    assert max(method.update()["return/student"] for _ in range(40)) > 0.9
+    again = DR(Mixture([Roles(64), Contrary(64)], ["roles", "contrary"]), method.ppo, seed=0)
+    again.load_state_dict(method.state_dict())
+    one, other = method.update(), again.update()
+    assert all(one[k] == other[k] or one[k] != one[k] for k in one if not k.startswith("time/"))
+
+
+def test_programs_of_a_mixture_have_as_many_agents():
+    with pytest.raises(ValueError, match="pair has 2 agents, roles 3"):
+        Mixture([Roles(4), Roles(4, agents=2)], ["roles", "pair"])
