@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from experiments.run.errors import UsageError, nearest, run_command
+from experiments.run.signals import PARENT, end_with
 
 COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
@@ -45,7 +46,10 @@ Begin with: regista compare 1v1Restricted --out demo
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts threads; see `scenic_lite.kernels.jit`
-    return run_command(_dispatch, sys.argv[1:] if argv is None else argv)
+    parent = os.environ.pop(PARENT, None)
+    if parent is not None:
+        end_with(int(parent))
+    return run_command(_dispatch, sys.argv[1:] if argv is None else argv, for_good=argv is None)
 
 
 def _dispatch(words: list[str]) -> int:

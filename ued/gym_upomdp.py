@@ -18,7 +18,7 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
 from ued.parameters import Theta, ThetaMap
-from ued.upomdp import UPOMDP, check_theta, sample_valid_theta, set_stream
+from ued.upomdp import UPOMDP, check_count, check_theta, sample_valid_theta, set_stream
 
 # Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
 Apply = Callable[[gymnasium.Env, Any], object]
@@ -194,7 +194,7 @@ class GymUPOMDP(UPOMDP):
         self.family = self.theta_map.family
         self.vectorization: Literal["sync", "async"] = vectorization
         self._theta, self._valid = theta, valid
-        self.vector = self._vectorize(num_envs)
+        self.vector = self._vectorize(check_count(num_envs))
         spaces = self.vector.single_observation_space, self.vector.single_action_space
         super().__init__(num_envs, *spaces, self.theta_map.draws)
         self._observations: Any = None  # until the first reset

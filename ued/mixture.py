@@ -51,6 +51,7 @@ class Mixture(UPOMDP):
         seen = (self.width + len(members),)
         space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
+        self.num_programs = len(members)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
         for k, member in enumerate(self.members):
             member.upcoming = partial(self._upcoming_of, k)

@@ -42,6 +42,8 @@ class Range:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high)):
             raise ValueError(f"the ends of a range must be two finite numbers, got {self.low} and {self.high}")
+        if self.low > self.high:
+            raise ValueError(f"a range goes from its lower end to its upper one, got {self.low} and {self.high}")
 
     def value(self, x: float) -> float:
         """Return what x in [-1, 1] stands for."""
@@ -63,6 +65,8 @@ class LogRange:
     def __post_init__(self) -> None:
         if not (0 < self.low < math.inf and 0 < self.high < math.inf):
             raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low} and {self.high}")
+        if self.low > self.high:
+            raise ValueError(f"a range goes from its lower end to its upper one, got {self.low} and {self.high}")
 
     def value(self, x: float) -> float:
         """Return what x in [-1, 1] stands for."""

@@ -22,6 +22,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from ued import parameters
 from ued.parameters import LevelFamily, Parameter
 
+OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
 MAX_TRIES = 4096  # draws of one valid row before `sample_valid_theta` gives up
 
 
@@ -60,6 +61,8 @@ def level_dtype(dim: int) -> np.dtype:
 def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
     """Return θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
     try:
+        if np.iscomplexobj(theta):
+            raise TypeError("complex numbers")
         array = np.asarray(theta, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ThetaError(f"theta must be an array of numbers of shape [N, {dim}], got {theta!r}") from error
@@ -73,6 +76,13 @@ def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
         row, column = np.argwhere(outside)[0]
         raise ThetaError(f"theta[{row}, {column}] is {array[row, column]:g}; every entry must be a number in [-1, 1]")
     return array
+
+
+def check_count(num_envs: Any) -> int:
+    """Return a number of environments. Raises ValueError for what is none."""
+    if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
+        raise ValueError(f"num_envs must be a whole number from 1 on, got {num_envs!r}")
+    return int(num_envs)
 
 
 def new_levels(theta: Any, dim: int, rng: np.random.Generator) -> np.ndarray:
@@ -155,11 +165,13 @@ class UPOMDP(VectorEnv):
             longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
+        num_programs: how many programs its levels may be of; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
             of several, observations and actions are `[N, A, ...]`, alike for all.
     """
 
     num_agents = 1
+    num_programs = 1
     family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
@@ -170,8 +182,7 @@ class UPOMDP(VectorEnv):
         action_space: gymnasium.Space,
         draws: Sequence[Parameter],
     ) -> None:
-        if num_envs < 1:
-            raise ValueError(f"num_envs must be at least 1, got {num_envs}")
+        check_count(num_envs)
         self.num_envs = num_envs
         self.single_observation_space = observation_space
         self.single_action_space = action_space
@@ -278,20 +289,35 @@ class UPOMDP(VectorEnv):
 
         An invalid level is replaced by a random valid one, never silently: `info["replaced"]` `[k]` says which,
         `info["levels"]` `[k]` what is played instead. Returns the observations of all N environments.
-        Raises `ThetaError` for a θ that is none, `ValueError` for a wrong number of levels.
+        Raises `ThetaError` for a θ that is none, `ValueError` for a wrong number of levels or another mask.
         """
-        chosen = np.arange(self.num_envs) if where is None else np.flatnonzero(where)
-        if levels.dtype != self.levels.dtype:
-            raise ValueError(f"levels must be records of {self.levels.dtype}, got {levels.dtype}; see make_levels")
+        chosen = np.flatnonzero(self._mask(where))
+        if not isinstance(levels, np.ndarray) or levels.dtype != self.levels.dtype:
+            found = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
+            raise ValueError(f"levels must be records of {self.levels.dtype}, got {found}; see make_levels")
         if levels.shape != chosen.shape:
             raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)
+        unknown = levels["program"][(levels["program"] < 0) | (levels["program"] >= self.num_programs)]
+        if unknown.size:
+            known = "0 is the only program" if self.num_programs == 1 else f"programs are 0 to {self.num_programs - 1}"
+            raise ValueError(f"a level is of program {unknown[0]}; {known}")
         levels = levels.copy()
         replaced = ~self._playable(levels)
         if replaced.any():
             levels[replaced] = self.sample_levels(int(replaced.sum()))
         self.levels[chosen] = levels
         return self._start(levels, chosen), {"levels": levels, "replaced": replaced}
+
+    def _mask(self, where: Any) -> np.ndarray:
+        """Return which environments are meant: bool `[N]`, all for None. Raises ValueError for what is no mask."""
+        if where is None:
+            return np.ones(self.num_envs, bool)
+        mask = np.asarray(where)
+        if mask.dtype != bool or mask.shape != (self.num_envs,):
+            got = f"shape {list(mask.shape)} of {mask.dtype}"
+            raise ValueError(f"a mask must be [{self.num_envs}] truth values, one for each environment, got {got}")
+        return mask
 
     # ------------------------------------------------------------ Gymnasium's names
 
@@ -301,7 +327,7 @@ class UPOMDP(VectorEnv):
         """Start new episodes on random valid levels, or on `options["theta"]` `[N, D]`.
 
         `options["reset_mask"]` (bool `[N]`) restricts it to some environments. `seed` seeds the stream from which
-        levels and their seeds are drawn.
+        levels and their seeds are drawn. Raises ValueError for other options, `ThetaError` for a θ that is none.
         """
         if isinstance(seed, list):
             seeds = [number for number in seed if number is not None]
@@ -310,8 +336,11 @@ class UPOMDP(VectorEnv):
         elif seed is not None:
             super().reset(seed=seed)
         options = options or {}
+        unknown = [name for name in options if name not in OPTIONS]
+        if unknown:
+            raise ValueError(f"reset has no option {unknown[0]!r}; its options are {' and '.join(map(repr, OPTIONS))}")
         where = options.get("reset_mask")
-        count = self.num_envs if where is None else int(np.sum(where))
+        count = int(self._mask(where).sum())
         if "theta" in options:
             levels = self.make_levels(check_theta(options["theta"], self.theta_dim, rows=count))
         else:

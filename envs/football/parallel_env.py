@@ -7,6 +7,7 @@ Read next: `gym_env`, which does the work.
 
 from __future__ import annotations
 
+import operator
 from pathlib import Path
 from typing import Any
 
@@ -88,7 +89,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
             raise RuntimeError("there is no match; call reset() before step()")
         if actions.keys() != set(self.agents):
             raise ValueError(f"step() needs an action of each of {', '.join(self.agents)}, got {', '.join(actions)}")
-        chosen = [int(actions[agent]) for agent in self.agents]
+        chosen = [operator.index(actions[agent]) for agent in self.agents]  # no number is cut to a whole one
         observation, reward, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
         agents, rewards = self.agents, info.pop("agent_rewards", [reward])
         if terminated or truncated:

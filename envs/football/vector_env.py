@@ -24,7 +24,7 @@ from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.starts import INVALID, Starts
 from envs.football.state import WHO
 from scenic_lite import Program, load
-from ued.upomdp import UPOMDP, check_theta, set_stream
+from ued.upomdp import UPOMDP, check_count, check_theta, set_stream
 
 
 class FootballVectorEnv(UPOMDP):
@@ -71,7 +71,7 @@ class FootballVectorEnv(UPOMDP):
 
     def _set_up(self, num_envs: int) -> None:
         """Make spaces and room for so many matches of the program."""
-        config = self.config
+        config, num_envs = self.config, check_count(num_envs)
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
         self._observer = Observer(config.representation, self.lineup)

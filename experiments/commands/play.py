@@ -52,7 +52,10 @@ def main(argv: Sequence[str]) -> int:
     from envs.football.replay import Recorder, after_step
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
-    settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
+    try:
+        settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
+    except ValueError as error:
+        raise UsageError(str(error)) from error
     env = build.make_upomdp(program, 1, settings, config.seed, 1)
     env.keep_endings()
     recorder, choose = Recorder(env), _player(config)

@@ -11,10 +11,9 @@ Read next: `ued.probes`, the levels; `ued.methods`, the methods.
 from __future__ import annotations
 
 import csv
-import multiprocessing
 import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,7 +25,9 @@ from experiments.run import arguments, build
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.progress import Progress
+from experiments.run.signals import held_back
 from experiments.run.table import cannot_write
+from experiments.run.workers import processes
 from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
 
 if TYPE_CHECKING:
@@ -118,9 +119,9 @@ def run_all(config: ProbeConfig) -> list[Run]:
     progress = Progress(len(configs) * config.train.total_env_steps)
     runs: list[Run] = []
     workers = config.processes or os.cpu_count() or 1
-    context = multiprocessing.get_context("spawn")  # torch's threads do not survive a fork
-    with ProcessPoolExecutor(workers, context) as pool:
-        futures = [pool.submit(run_one, run, config.longest, config.dim) for run in configs]
+    with processes(workers) as pool:
+        with held_back():
+            futures = [pool.submit(run_one, run, config.longest, config.dim) for run in configs]
         for future in as_completed(futures):
             runs.append(future.result())
             progress.show(len(runs) * config.train.total_env_steps)

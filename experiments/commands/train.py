@@ -44,7 +44,8 @@ class TrainFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     run = _open_run(argv)
-    with run.locked(), StopRequest() as stop:
+    stop = StopRequest()
+    with run.locked():
         done = train(run, stop)
     plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
     if stop:
@@ -53,7 +54,10 @@ def main(argv: Sequence[str]) -> int:
 
 
 def train(run: RunFolder, stop: StopRequest) -> int:
-    """Train until the budget is spent or somebody asks to stop; return the env_steps done."""
+    """Train until the budget is spent or somebody asks to stop; return the env_steps done.
+
+    Until the first update begins there is nothing to save, and a signal ends everything.
+    """
     from experiments.run.evaluator import EvalScenes
     from experiments.run.recording import RunRecorder
 
@@ -68,21 +72,21 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     recorder = RunRecorder(run, program, upomdp, method.updates)
     progress = Progress(config.total_env_steps, method.env_steps)
 
-    while method.env_steps < config.total_env_steps and not stop:
-        began, before = time.perf_counter(), method.env_steps
-        metrics = method.update()
-        if scenes.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
-            metrics |= scenes.metrics(method.student)
-        elapsed += time.perf_counter() - began
-        run.add_update(method, metrics | {"time/elapsed": elapsed}, unique_names(upomdp.draws))
-        recorder.update(method, metrics)
-        progress.show(method.env_steps, headline(metrics))
-        if run.checkpoint_due():
+    with stop:
+        while method.env_steps < config.total_env_steps and not stop:
+            began, before = time.perf_counter(), method.env_steps
+            metrics = method.update()
+            if scenes.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
+                metrics |= scenes.metrics(method.student)
+            elapsed += time.perf_counter() - began
+            run.add_update(method, metrics | {"time/elapsed": elapsed}, unique_names(upomdp.draws))
+            recorder.update(method, metrics)
+            progress.show(method.env_steps, headline(metrics))
+            if run.checkpoint_due():
+                save(run, method, elapsed)
+                recorder.flush()
+        if method.updates > run.saved_update:
             save(run, method, elapsed)
-            recorder.flush()
-
-    if method.updates > run.saved_update:
-        save(run, method, elapsed)
     recorder.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
     return method.env_steps

@@ -5,9 +5,20 @@ Read next: `__main__`, the commands.
 
 from __future__ import annotations
 
+import errno
+import signal
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
+
+from experiments.run.signals import WORDS, forget_terminal, interruptible
+
+READER_GONE = (errno.EPIPE, errno.EIO)
+OUT_OF_MEMORY = "there is not enough memory"
+USERS = {
+    *("ScenicError", "ThetaError", "LevelError", "NotAMatchError", "StateError", "RecordError", "CheckpointError"),
+    *("FloatingPointError", "GrfError"),
+}
 
 
 class CommandError(Exception):
@@ -34,32 +45,47 @@ def nearest(word: str, words: Iterable[str], most: int = 1) -> str:
     return f" (did you mean {shown}?)" if close else ""
 
 
-def run_command(command: Callable[[list[str]], int], argv: Sequence[str]) -> int:
-    """Return the exit code of `command(argv)`; an error that is the user's business is one sentence."""
+def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_good: bool = False) -> int:
+    """Return the exit code of `command(argv)`; an error that is the user's business is one sentence.
+
+    So is a signal, 128 + its number; `for_good`: one that comes later still ends the process.
+    """
     words = list(argv)
     debug = "--debug" in words
     words = [word for word in words if word != "--debug"]
+    heard: list[int] = []
     try:
-        return command(words)
-    except BrokenPipeError:  # `regista inspect ... | head`
-        sys.stderr.close()
-        return 1
-    except Exception as error:
-        code = _exit_code(error)
-        if debug or code is None:
-            raise
-        # An error in a program begins with its place, file:line:column, where editors look for it.
-        print(error if getattr(error, "place", None) else f"regista: {error}", file=sys.stderr)
-        return code
+        with interruptible(for_good) as heard:
+            code = command(words)
+            sys.stdout.flush()
+    except (Exception, KeyboardInterrupt) as error:
+        if isinstance(error, KeyboardInterrupt) and not heard:
+            heard.append(signal.SIGINT)
+        code = 0 if heard else _failed(error, debug)
+    if heard:
+        print(f"regista: {WORDS[heard[0]]}", file=sys.stderr, flush=True)
+        return 128 + heard[0]
+    return code
 
 
-def _exit_code(error: Exception) -> int | None:
-    """Return the exit code of an error that is the user's business, None for one that is ours."""
+def _failed(error: BaseException, debug: bool) -> int:
+    """Print what went wrong and return the exit code; raise what is not the user's business."""
+    if isinstance(error, OSError) and error.filename is None and error.errno in READER_GONE:
+        forget_terminal()  # `regista inspect ... | head`
+        return 128 + signal.SIGPIPE
+    code = _exit_code(error)
+    if debug or not code:
+        raise error
+    # An error in a program begins with its place, file:line:column, where editors look for it.
+    print(error if getattr(error, "place", None) else f"regista: {str(error) or OUT_OF_MEMORY}", file=sys.stderr)
+    return code
+
+
+def _exit_code(error: BaseException) -> int:
+    """Return the exit code of an error that is the user's business, 0 for one that is ours."""
     if isinstance(error, CommandError):
         return error.exit_code
-    if isinstance(error, OSError) and error.filename is not None:
+    if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno is not None):
         return 1
     # Named, not imported: neither the language nor the learning core is loaded for the sake of an error.
-    ours = {"ScenicError", "NotAMatchError", "ThetaError", "LevelError", "CheckpointError", "FloatingPointError"}
-    ours |= {"GrfError"}
-    return 1 if ours & {kind.__name__ for kind in type(error).__mro__} else None
+    return int(bool(USERS & {kind.__name__ for kind in type(error).__mro__}))

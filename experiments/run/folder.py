@@ -189,5 +189,5 @@ def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
 
 
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
-UNTRAINED = ("config.json", "program.scenic", "train.log", "origin.pt")
+UNTRAINED = ("config.json", "program.scenic", "train.log", "origin.pt", "curriculum.rrd")
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

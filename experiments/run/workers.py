@@ -6,17 +6,21 @@ A run is a folder, so processes need no other channel: what they have done is in
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 
 from experiments.run.errors import CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress
-from experiments.run.signals import StopRequest
+from experiments.run.signals import PARENT, StopRequest, end_with
 
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
@@ -39,10 +43,13 @@ def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> N
                 _ask(active, signal.SIGTERM)
             time.sleep(POLL_SECONDS)
             for process in [process for process in active if process.poll() is not None]:
-                _check(process, active.pop(process), stop)
+                _check(process, active.pop(process), stop, len(active))
             done = sum(min(run.env_steps(), run.config.total_env_steps) for run in runs)
             progress.show(done, {})
-    finally:  # a failed run or a second Ctrl-C: nobody is left behind
+    except KeyboardInterrupt:  # the second one
+        _ask(active, signal.SIGKILL)
+        raise
+    finally:  # nobody is left behind
         _ask(active, signal.SIGTERM)
         for process in active:
             process.wait()
@@ -52,7 +59,7 @@ def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> N
 def _start(run: RunFolder) -> subprocess.Popen:
     """Start one run in its own session: a Ctrl-C reaches us, and we pass it on."""
     threads = str(run.config.threads)
-    environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1"}
+    environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
     with open(run.path / "train.log", "a") as log:
         command = [sys.executable, "-m", "experiments", "train", "--resume", str(run.path)]
         return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
@@ -64,10 +71,38 @@ def _ask(active: dict[subprocess.Popen, RunFolder], number: int) -> None:
             process.send_signal(number)
 
 
-def _check(process: subprocess.Popen, run: RunFolder, stop: StopRequest) -> None:
-    """Raise `CommandError` with the last words of a run that failed."""
+def _check(process: subprocess.Popen, run: RunFolder, stop: StopRequest, others: int) -> None:
+    """Raise `CommandError` with the last words of a run that failed; say it at once where others are still to end."""
     if process.returncode == 0 or stop:
         return
-    lines = [line for line in (run.path / "train.log").read_text().splitlines() if line.strip()]
-    words = lines[-1].removeprefix("regista: ") if lines else f"exit code {process.returncode}"
+    lines = [line for line in (run.path / "train.log").read_text(errors="replace").splitlines() if line.strip()]
+    words = lines[-1].removeprefix("regista: ") if lines else "it left no word"
+    if process.returncode < 0:
+        words = f"it was killed by {signal.Signals(-process.returncode).name}"
+    if others:
+        print(f"regista: {run.path} failed; {others} others save and end", file=sys.stderr, flush=True)
     raise CommandError(f"{run.path} failed: {words} (see {run.path / 'train.log'})")
+
+
+@contextmanager
+def processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Give a pool of so many fresh processes, which end with us; fill it while a Ctrl-C is `held_back`.
+
+    Raises `CommandError` where one of them is killed; on any error the others are, too: nobody waits for their work.
+    """
+    context = multiprocessing.get_context("spawn")  # torch's threads do not survive a fork
+    pool = ProcessPoolExecutor(count, context, _join, (os.getpid(),))
+    try:
+        yield pool
+    except BrokenProcessPool as error:
+        raise CommandError("a process that played for us was killed; was there enough memory?") from error
+    finally:
+        for process in multiprocessing.active_children():
+            process.kill()
+        pool.shutdown(cancel_futures=True)
+
+
+def _join(parent: int) -> None:
+    """Begin as one of a pool, which ends when its parent does."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    end_with(parent)

@@ -1,0 +1,104 @@
+"""However a command ends, it is one line, the right code, and nobody is left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from experiments.run.errors import run_command
+from experiments.run.signals import StopRequest
+from tests.torture.interrupts import ROOT, attack, started
+
+
+def ask(number: int = signal.SIGINT) -> None:
+    os.kill(os.getpid(), number)
+
+
+@pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated"), (1, "hung up")])
+def test_a_signal_ends_a_command_with_one_line(number, word, capsys, monkeypatch):
+    monkeypatch.setattr("experiments.run.signals.forget_terminal", lambda: None)
+    assert run_command(lambda _: ask(number) or 0, []) == 128 + number
+    assert capsys.readouterr().err == f"regista: {word}\n"
+
+
+def test_an_error_that_a_signal_became_is_the_signal(capsys):
+    def command(_: list[str]) -> int:
+        try:
+            ask()
+        except KeyboardInterrupt as error:
+            raise RuntimeError("an error in a place of its own") from error
+        return 0
+
+    assert run_command(command, []) == 130
+    assert capsys.readouterr().err == "regista: interrupted\n"
+
+
+def test_a_signal_that_was_swallowed_still_counts(capsys):
+    def command(_: list[str]) -> int:
+        with suppress(KeyboardInterrupt):
+            ask()
+        return 0
+
+    assert run_command(command, []) == 130
+
+
+def test_handlers_are_as_before(capsys):
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    run_command(lambda _: ask() or 0, [])
+    with StopRequest() as stop, stop:
+        ask(signal.SIGTERM)
+    assert stop.exit_code == 143
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
+
+
+def test_what_was_to_be_ignored_is_ignored():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # nohup
+    try:
+        assert run_command(lambda _: ask(signal.SIGHUP) or 0, []) == 0
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("words", [["list"], ["train", "--help"], ["inspect", "1v1Free"]])
+def test_a_reader_that_has_gone_is_no_error(words):
+    command = [sys.executable, "-m", "experiments", *words]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    said = process.stderr.read().decode()
+    assert process.wait() in (0, 141) and said == ""
+
+
+@pytest.mark.slow
+def test_commands_are_interrupted(tmp_path: Path):
+    assert attack(9, 0, tmp_path)["ended"] > 2
+
+
+@pytest.mark.slow
+def test_runs_end_with_whoever_started_them(tmp_path: Path):
+    words = ["compare", "1v1Free", "--methods", "dr", "--seeds", "1", "--num-envs", "8", "--out", str(tmp_path)]
+    compare = started(words)
+    log = tmp_path / "dr-0" / "train.log"
+    while compare.poll() is None and not (tmp_path / "dr-0" / "metrics.csv").exists():
+        pass
+    compare.kill()
+    compare.communicate()
+    here = str(tmp_path).encode()
+    for _ in range(600):
+        running = [each for each in Path("/proc").glob("[0-9]*") if here in _command(each)]
+        if not running:
+            break
+        signal.sigtimedwait([], 0.1)
+    assert not running and log.exists()
+
+
+def _command(process: Path) -> bytes:
+    try:
+        return (process / "cmdline").read_bytes()
+    except OSError:
+        return b""

@@ -1,0 +1,92 @@
+"""What an environment is asked that it cannot do is refused in a sentence; nothing is guessed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from envs.football.vector_env import FootballVectorEnv
+from experiments.__main__ import main
+from ued import GymUPOMDP
+from ued.parameters import LogRange, Range
+from ued.probes import Frontier
+from ued.upomdp import ThetaError
+
+
+def make() -> Frontier:
+    env = Frontier(3, 5, 2)
+    env.reset(seed=0)
+    return env
+
+
+def test_an_option_that_does_not_exist() -> None:
+    with pytest.raises(ValueError, match="reset has no option 'thetas'; its options are 'theta' and 'reset_mask'"):
+        make().reset(options={"thetas": np.zeros((3, 2))})
+
+
+@pytest.mark.parametrize(
+    "mask", [[True, False], [1, 0, 1], [0.0, 1.0, 1.0], [[True, True, False]], True, [2], ["yes", "no", "no"]]
+)
+def test_a_mask_of_another_shape_or_type(mask: object) -> None:
+    env = make()
+    with pytest.raises(ValueError, match=r"a mask must be \[3\] truth values, one for each environment, got shape"):
+        env.reset(options={"reset_mask": mask})
+    with pytest.raises(ValueError, match="a mask must be"):
+        env.reset_to_levels(env.sample_levels(1), mask)  # type: ignore[arg-type]
+
+
+def test_levels_of_a_program_that_is_not_there() -> None:
+    env = make()
+    for program in (1, -1):
+        levels = env.sample_levels(3)
+        levels["program"][1] = program
+        with pytest.raises(ValueError, match=f"a level is of program {program}; 0 is the only program"):
+            env.reset_to_levels(levels)
+    with pytest.raises(ValueError, match=r"levels must be records of .*, got list"):
+        env.reset_to_levels([1, 2, 3])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("theta", [np.zeros((3, 2), complex), [[1j, 0]] * 3, [["a", "b"]] * 3, [[None, 0]] * 3])
+def test_theta_that_is_no_real_number(theta: object) -> None:
+    with pytest.raises(ThetaError):
+        make().reset(options={"theta": theta})
+
+
+@pytest.mark.parametrize("count", [0, -1, 2.0, True, None, "4"])
+def test_a_number_of_environments_that_is_none(count: object) -> None:
+    for attempt in (
+        lambda: Frontier(count, 5, 2),  # type: ignore[arg-type]
+        lambda: GymUPOMDP(lambda: None, lambda *_: None, 1, count),  # type: ignore[arg-type, return-value]
+        lambda: FootballVectorEnv("minigames/one_v_one/free.scenic", count),  # type: ignore[arg-type]
+    ):
+        with pytest.raises(ValueError, match="num_envs must be a whole number from 1 on, got"):
+            attempt()
+
+
+def test_a_list_of_no_seeds_asks_for_no_seed() -> None:
+    one, other = Frontier(3, 5, 2), Frontier(3, 5, 2)
+    for env in (one, other):
+        env.reset(seed=[None, None, None])
+    assert (one.levels["theta"] != other.levels["theta"]).any()
+
+
+def test_a_stream_that_is_none_is_refused() -> None:
+    env = make()
+    with pytest.raises(ValueError, match="np_random is no state of a PCG64"):
+        env.set_state(env.get_state() | {"np_random": {"bit_generator": "PCG64"}})
+
+
+@pytest.mark.parametrize("words", [["--control", "none"], ["--control", "12"], ["--control", "nobody"]])
+def test_a_match_that_nobody_plays(words: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert main(["play", "1v1Free", *words]) in (1, 2)
+    said = capsys.readouterr().err
+    assert said.startswith("regista: ") or "1v1" in said or "free.scenic" in said
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("kind", [Range, LogRange])
+def test_a_range_the_wrong_way_round(kind: type) -> None:
+    with pytest.raises(ValueError, match="a range goes from its lower end to its upper one, got 3 and 2"):
+        kind(3, 2)
+    with pytest.raises(ValueError):
+        kind(1, np.nan)
