@@ -70,6 +70,8 @@ FLOORS = {
         "evaluation",
         "curriculum_wrapper",
         "recorder",
+        "task",
+        "policy",  # a trained student, elsewhere
     ),
     "experiments": (
         "run",
@@ -78,6 +80,7 @@ FLOORS = {
         "grf",
         "studies",  # the thesis's benchmark made again
         "commands",
+        "calls",  # the same from Python
         "__main__",
     ),
 }

@@ -14,6 +14,8 @@ SHORT = {
     "choose_among_skills.py": ["--env-steps", "16384"],
     "with_torchrl.py": ["--env-steps", "512"],
     "maze.py": ["--env-steps", "4096"],
+    "hopper.py": ["--env-steps", "4096", "--out", "run"],
+    "highway.py": ["--env-steps", "512", "--out", "run"],
 }
 SAYS = {
     "cleanrl_style.py": "buffer",
@@ -21,12 +23,19 @@ SAYS = {
     "choose_among_skills.py": "ChoosePassing",
     "with_torchrl.py": "512 env_steps",
     "maze.py": "4096 env_steps",
+    "hopper.py": "mars, loaded",
+    "highway.py": "rush hour",
 }
+
+
+NEEDS = {"hopper.py": "mujoco", "highway.py": "highway_env"}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHORT)
 def test_an_example_runs(name, tmp_path):
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
     command = [sys.executable, str(ROOT / "examples" / name), *SHORT[name]]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     found = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)

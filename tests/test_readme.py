@@ -29,7 +29,7 @@ def blocks(language):
 
 def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     torch.set_num_threads(1)
-    (example,) = [text for text in blocks("python") if "GymUPOMDP(" in text]
+    (example,) = [text for text in blocks("python") if "GymUPOMDP(" in text and "Paired(" in text]
     assert example.count(STEPS) == 1
     names = {}
     exec(example.replace(STEPS, "6_000"), names)
@@ -41,6 +41,17 @@ def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     assert values and str(values) == lines[-1]
     for draw in upomdp.draws:
         assert all(draw.low <= level[draw.name] <= draw.high for level in values)
+
+
+def test_a_task_of_ones_own_can_be_made_tested_and_described():
+    (example,) = [text for text in blocks("python") if "ued.Task(" in text]
+    names = {}
+    exec(example, names)
+    upomdp = names["pendulum"].make(2)
+    theta = upomdp.theta_of(names["pendulum"].tests["usual"])
+    assert upomdp.describe(theta) == [{"gravity": 10.0, "mass": pytest.approx(1.0), "length": 1.0}]
+    upomdp.reset(options={"theta": [theta, -theta]})
+    assert upomdp.vector.envs[0].unwrapped.g == 10.0 and len(upomdp.render()) == 2
 
 
 def test_the_curriculum_with_a_trainer_of_ones_own():

@@ -25,6 +25,8 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.methods": ("METHODS",),
     "ued.mixture": ("Mixture",),
     "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range"),
+    "ued.policy": ("load_policy",),
+    "ued.task": ("Task",),
     "ued.upomdp": ("UPOMDP", "ThetaError", "level_dtype"),
 }
 

@@ -46,6 +46,8 @@ from ued.parameters import Integer as Integer
 from ued.parameters import LevelFamily as LevelFamily
 from ued.parameters import LogRange as LogRange
 from ued.parameters import Range as Range
+from ued.policy import load_policy as load_policy
+from ued.task import Task as Task
 from ued.upomdp import UPOMDP as UPOMDP
 from ued.upomdp import ThetaError as ThetaError
 from ued.upomdp import level_dtype as level_dtype

@@ -197,6 +197,10 @@ class GymUPOMDP(UPOMDP):
         self.vector = self._vectorize(check_count(num_envs))
         spaces = self.vector.single_observation_space, self.vector.single_action_space
         super().__init__(num_envs, *spaces, self.theta_map.draws)
+        self.render_mode = self.vector.render_mode
+        self.metadata = {**self.metadata, "render_modes": self.vector.metadata.get("render_modes", [])}
+        if "render_fps" in self.vector.metadata:
+            self.metadata["render_fps"] = self.vector.metadata["render_fps"]
         self._observations: Any = None  # until the first reset
 
     def _vectorize(self, num_envs: int) -> Any:
@@ -250,6 +254,8 @@ class GymUPOMDP(UPOMDP):
                 says = told.get(f"_{name}", np.ones(self.num_envs, bool))
                 success[says] = np.asarray(told[name], float)[says]
         return success
+
+    gives_state = False  # Python objects
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that changes; the environments themselves are Python objects, copied deeply."""

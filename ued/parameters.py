@@ -273,6 +273,27 @@ def _kind(name: str, about: Any) -> Kind:
         ) from error
 
 
+class Axis(NamedTuple):
+    """Numbers along which a column's θ is linear: how a name is written there, and the numbers of θ = -1 and 1."""
+
+    note: str
+    low: float
+    high: float
+
+
+def axis_of(draw: Parameter) -> Axis:
+    """Return the axis of a column: logarithms of a `LogRange`, numbers of the values of a `Choice`."""
+    kind = getattr(draw, "kind", None)
+    if isinstance(kind, LogRange):
+        return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
+    if isinstance(kind, Integer):
+        return Axis("{}", kind.low - 0.5, kind.high + 0.5)
+    if isinstance(kind, Choice):
+        listed = ", ".join(f"{index} {value}" for index, value in enumerate(kind.values[:8]))
+        return Axis("{} (" + listed.replace("{", "(").replace("}", ")") + ")", -0.5, kind.high + 0.5)
+    return Axis("{}", draw.low, draw.high)
+
+
 # ---------------------------------------------------------------- columns with finitely many values
 
 

@@ -197,6 +197,11 @@ class UPOMDP(VectorEnv):
         self.idle = np.zeros(num_envs, bool)
 
     @property
+    def gives_state(self) -> bool:
+        """Whether `get_state` is data that a checkpoint can hold; else open episodes begin anew after a kill."""
+        return type(self).get_state is not UPOMDP.get_state
+
+    @property
     def agent_observation_space(self) -> Space:
         """What one agent sees."""
         return of_one_agent(self.single_observation_space, self.num_agents)

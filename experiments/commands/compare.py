@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from experiments.commands.evaluate import check_levels
-from experiments.pictures import level_plots, plots, results_page
+from experiments.pictures import level_plots, plots, results_page, theta_plots
 from experiments.pictures.overview import Comparison, overview
 from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
@@ -53,7 +53,7 @@ class CompareConfig(Checked):
     processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
-    train: TrainConfig = group(TrainConfig, "each run", without=OWN)
+    train: Any = group(TrainConfig, "each run", without=OWN)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,7 +85,8 @@ def main(argv: Sequence[str]) -> int:
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs)
-    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]), folder)
+    football = build.is_football(runs[0].config)
+    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]) if football else None, folder)
     page(report, runs, ["compare", *argv], folder)
     return 0
 
@@ -110,7 +111,7 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) 
     draw(Comparison(name, by_method, report.results, painter), folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
-    print(f"pictures: {folder}/overview.png, learning_curves.png, levels.png")
+    print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
     print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
 
 
@@ -119,19 +120,24 @@ def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], fold
     name = build.short_name(runs[0].config.minigame)
     trained = unique([run.config.method for run in runs])
     pictures = {f"Learning curves on {name}": "learning_curves.png", f"Goals and levels on {name}": "overview.png"}
+    if not build.is_football(runs[0].config):
+        pictures = {f"Learning curves on {name}": "learning_curves.png", f"Levels on {name}": "levels.png"}
     heading = f"{name}: {plots.listed(trained)}"
     results_page.write_page(folder, heading, command, report.markdown(), pictures)
 
 
 def draw(comparison: Comparison, folder: Path) -> None:
-    """Draw the three pictures of a comparison."""
+    """Draw the pictures of a comparison: three, or two where nothing is known of how levels look."""
     plots.learning_curves(comparison.runs, folder / "learning_curves.png")
+    if comparison.painter is None:
+        return theta_plots.levels(comparison.runs, folder / "levels.png")
     level_plots.levels(comparison.runs, comparison.painter, folder / "levels.png")
     overview(comparison, folder / "overview.png")
 
 
 def _read(argv: Sequence[str]) -> CompareConfig:
-    typed = arguments.typed_settings(CompareConfig(), argv, "compare", DESCRIPTION)
+    known = CompareConfig(train=build.settings_for(argv))
+    typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION)
     minigame = typed.get("minigame", CompareConfig().minigame)
     base = CompareConfig(train=build.starting_point(typed.get("preset", "fast"), minigame))
     config = arguments.replace_paths(base, typed)

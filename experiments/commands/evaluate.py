@@ -64,9 +64,10 @@ def main(argv: Sequence[str]) -> int:
     if len(games) > 1:
         raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
     first = replace(runs[0].config, threads=config.threads)
-    if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
-        raise CommandError("these runs read their program with different settings; evaluate them apart")
-    first = replace(first, env=config.playing.instead_of(first.env))
+    if build.is_football(first):
+        if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
+            raise CommandError("these runs read their program with different settings; evaluate them apart")
+        first = replace(first, env=config.playing.instead_of(first.env))
     scenes = EvalScenes(first, build.load_scenes(first), config.episodes)
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from experiments.run import arguments, build
+from experiments.run import arguments, build, own
 from experiments.run.arguments import group, positional
 from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
@@ -37,7 +37,7 @@ INDENT = "  "
 class InspectConfig(Checked):
     """What is typed after `regista inspect`."""
 
-    program: str = positional("a minigame's name, or the path of a .scenic program", default="")
+    program: str = positional("a minigame's name, a .scenic program, or a task of yours: file.py:name", default="")
     show: Literal["theta", "scenes", "tokens", "nodes", "code"] = setting(
         "theta",
         "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text; "
@@ -57,6 +57,8 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
+    if own.is_own(config.program):
+        return inspect_task(config)
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
     path = build.find_minigame(config.program).program
@@ -81,6 +83,22 @@ def main(argv: Sequence[str]) -> int:
         if config.rrd is not None:
             write_recording(program, theta, config.rrd, football)
             print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
+    return 0
+
+
+def inspect_task(config: InspectConfig) -> int:
+    """Show a task of one's own: its parameters, levels drawn from it or the typed one, and their first frames."""
+    from experiments.pictures.task_view import describe_task, draw_task
+    from ued.upomdp import check_theta
+
+    scene = own.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
+    upomdp = own.make_upomdp(scene, 1 if config.theta else config.n, config.seed)
+    theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
+    print(describe_task(config.program, upomdp, theta))
+    if config.png is not None:
+        draw_task(upomdp, theta, config.png)
+        print(f"\n{len(theta)} level{'s' * (len(theta) > 1)} drawn to {config.png}")
+    upomdp.close()
     return 0
 
 

@@ -1,6 +1,7 @@
 """`regista train`: one run, from a configuration to a run folder.
 
     regista train 1v1Restricted --method paired --seed 0
+    regista train examples/hopper.py:hopper --method plr
     regista train --resume runs/1v1Restricted-paired-0
     regista train 1v1Free --method dr --from runs/1v1Free-clone-0 --kl-to-clone 0.5
 
@@ -9,6 +10,7 @@ Read next: `run.folder`, what is on disk; `run.build`, what the names mean; then
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -37,7 +39,7 @@ class TrainFlags:
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
-    config: TrainConfig = group(TrainConfig, "run")
+    config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
@@ -64,7 +66,8 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     config, programs = run.config, build.load_scenes(run.config)
     program = programs[build.TRAINING_SCENE]
     run.keep_program(program)
-    upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, config.threads)
+    env = config.env if build.is_football(config) else None
+    upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, config.threads)
     method = build.make_method(config, upomdp)
     origin.begin_with(run, method)
     scenes = EvalScenes(config, programs, config.eval_episodes)
@@ -108,13 +111,20 @@ def restore(run: RunFolder, method: Any) -> float:
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
-    """Write the checkpoint: all that `train` needs to go on as if it had never stopped."""
-    progress = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
-    run.save({**progress, "method": method.state_dict()})
+    """Write the checkpoint: all that `train` needs to go on as if it had never stopped.
+
+    Where environments can give no state, open episodes begin anew.
+    """
+    from ued.policy import spaces_of
+
+    progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
+    whole = method.upomdp.gives_state
+    progress |= {"spaces": spaces_of(method.upomdp)}
+    run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 
 
 def _open_run(argv: Sequence[str]) -> RunFolder:
-    typed = arguments.typed_settings(TrainFlags(), argv, "train", DESCRIPTION)
+    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION)
     if "resume" in typed:
         return _resume(typed)
     source = origin.load(typed["from_"]) if "from_" in typed else None
@@ -133,6 +143,14 @@ def _open_run(argv: Sequence[str]) -> RunFolder:
     run = RunFolder.create(flags.out or Path("runs") / stem, config)
     origin.keep(run, source, flags.fine_tuning)
     return run
+
+
+def _known(argv: Sequence[str]) -> Any:
+    """Return the settings that can be typed: those of the run that is named, or of what is to be trained on."""
+    for flag, path in itertools.pairwise(argv):
+        if flag in ("--resume", "--from") and (Path(path) / "config.json").exists():
+            return RunFolder.open(Path(path)).config
+    return build.settings_for(argv)
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:

@@ -12,9 +12,23 @@ import numpy as np
 from envs.football.constants import DIRECTION_RIGHT, SHOT
 
 if TYPE_CHECKING:
-    from gymnasium.spaces import Discrete
+    from gymnasium.spaces import Discrete, Space
 
     from ued.upomdp import UPOMDP
+
+
+class SampledPolicy:
+    """Draw actions of any kind from their space, uniformly where it has bounds."""
+
+    def __init__(self, action_space: Space) -> None:
+        self.space = action_space
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+        """Return one action for each row of `observation` `[N, ...]`."""
+        import torch
+
+        self.space.seed(int(torch.randint(2**31, (), generator=generator)))
+        return np.stack([self.space.sample() for _ in range(len(observation))])
 
 
 class RandomPolicy:
@@ -43,7 +57,9 @@ class ShootPolicy:
 
 
 def make_baselines(upomdp: UPOMDP) -> dict[str, Any]:
-    """Return the baselines for the agents of this environment, by name."""
+    """Return the baselines for the agents of this environment, by name; shooting is football's."""
+    if not hasattr(upomdp, "program"):
+        return {"random": SampledPolicy(upomdp.single_action_space)}
     agents = () if upomdp.num_agents == 1 else (upomdp.num_agents,)
     space: Any = upomdp.agent_action_space
     return {"shoot": ShootPolicy(agents), "random": RandomPolicy(space, agents)}

@@ -14,7 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from experiments.run import own
 from experiments.run.errors import UsageError, nearest
+from experiments.run.own import OwnScene
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -64,6 +66,8 @@ def short_name(name: str) -> str:
     """Return what a minigame, or a mixture, is called in the names of folders and on pictures."""
     from minigames.suites import MIXTURES
 
+    if own.is_own(name):
+        return own.short(name)
     return name if name in MIXTURES else "+".join(find_minigame(part).name for part in parts_of(name))
 
 
@@ -71,6 +75,8 @@ def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
     from minigames.suites import MIXTURES, NAMED
 
+    if own.is_own(name):
+        return own.canonical(name)
     if name in MIXTURES or name in NAMED:
         return name
     if len(parts_of(name)) > 1:
@@ -78,15 +84,24 @@ def canonical_name(name: str) -> str:
     return str(find_minigame(name).program.resolve())
 
 
-def starting_point(preset: str, minigame: str) -> TrainConfig:
+def starting_point(preset: str, minigame: str) -> Any:
     """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
 
-    Of a mixture, those of its first minigame.
+    Of a mixture, those of its first minigame; of a task of one's own, those of `OwnTrainConfig`.
     """
-    from experiments.run.config import presets
+    from experiments.run.config import own_presets, presets
 
+    if own.is_own(minigame):
+        return own_presets()[preset]
     config, game = presets()[preset], find_minigame(parts_of(minigame)[0])
     return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
+
+
+def settings_for(argv: Sequence[str]) -> Any:
+    """Return the settings that can be typed in this command line: of football, or of a task if one is named."""
+    from experiments.run.config import OwnTrainConfig, TrainConfig
+
+    return OwnTrainConfig() if any(map(own.is_own, argv)) else TrainConfig()
 
 
 def find_method(name: str) -> str:
@@ -102,8 +117,10 @@ def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     `held_out`: its held-out scenes instead of its tests. Raises `UsageError` where it has none.
 
     The settings of `config.program` are the training program's; the test scenes stay as they are. A mixture is tested
-    on all of its programs, and on their test scenes.
+    on all of its programs, and on their test scenes. Of a task of one's own the scenes are `OwnScene`.
     """
+    if not is_football(config):
+        return dict(own.load_scenes(config.minigame, TRAINING_SCENE))
     games, dialect = [find_minigame(part) for part in parts_of(config.minigame)], config.env.dialect
     programs = [load_program(game.program, dialect, config.program) for game in games]
     tests = [{label: load_program(path, dialect) for label, path in tests_of(game, held_out)} for game in games]
@@ -191,11 +208,14 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def make_upomdp(program: Program | MixedProgram, num_envs: int, config: FootballConfig, seed: int, threads: int) -> Any:
-    """Make a program, or a mixture, into `num_envs` environments, with seeded streams, stepped by `threads` threads.
+def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed: int, threads: int) -> Any:
+    """Make a program, a mixture or a scene of one's own into `num_envs` environments, with seeded streams.
 
-    Raises `UsageError` for programs that do not go together.
+    `config` and `threads`, which step them, are football's. Raises `UsageError` for programs that do not go together.
     """
+    if isinstance(program, OwnScene):
+        return own.make_upomdp(program, num_envs, seed)
+    assert config is not None
     import numba
 
     from envs.football.batch import step_batch
@@ -242,6 +262,11 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
         return method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
+
+
+def is_football(config: Any) -> bool:
+    """Return whether the settings of a run are of football; those of a task of one's own have no environment."""
+    return hasattr(config, "env")
 
 
 def make_painter(program: Program | MixedProgram, lineup: Lineup | None = None) -> Any:

@@ -79,7 +79,9 @@ class EngineConfig:
 class RunConfig(Checked):
     """What a training run depends on whatever its method."""
 
-    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
+    minigame: str = positional(
+        "a minigame's name, a .scenic program, or a task of yours: file.py:name", default="1v1Restricted"
+    )
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0")
     total_env_steps: int = setting(
@@ -94,9 +96,16 @@ class RunConfig(Checked):
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
+    ppo: PPOConfig = group(PPOConfig, "PPO")
+
+
+@dataclass(frozen=True)
+class FootballRunConfig(RunConfig):
+    """What a run of football depends on besides."""
+
+    ppo: PPOConfig = group(football_ppo, "PPO")
     program: ProgramConfig = group(ProgramConfig, "the training program")
     env: FootballConfig = group(FootballConfig, "environment")
-    ppo: PPOConfig = group(football_ppo, "PPO")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -117,17 +126,32 @@ def _settings_of_methods() -> list[tuple[str, type, Any]]:
     ]
 
 
-Settings: Any = dataclasses.make_dataclass("Settings", _settings_of_methods(), bases=(RunConfig,), frozen=True)
+def _with_methods(base: type) -> Any:
+    return dataclasses.make_dataclass("Settings", _settings_of_methods(), bases=(base,), frozen=True)
 
 
-class TrainConfig(Settings):
+FootballSettings: Any = _with_methods(FootballRunConfig)
+OwnSettings: Any = _with_methods(RunConfig)
+
+
+class TrainConfig(FootballSettings):
     """One training run. Two runs with equal configurations on one machine give equal numbers."""
+
+
+class OwnTrainConfig(OwnSettings):
+    """One training run on a task of one's own: the same without football; `minigame` is the task's name."""
 
 
 # ---------------------------------------------------------------- JSON
 
 # Settings that older runs know nothing of, and what they did: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own"}
+
+
+def run_class(data: Any) -> type:
+    """Return of which class the settings of a run are that `to_dict` gave: those of a task of one's own have no env."""
+    own = isinstance(data, dict) and "env" not in data and ":" in str(data.get("minigame"))
+    return OwnTrainConfig if own else TrainConfig
 
 
 def to_dict(config: Any) -> dict[str, Any]:
@@ -148,13 +172,16 @@ def save(config: Any, path: Path) -> None:
     path.write_text(json.dumps(to_dict(config), indent=2) + "\n")
 
 
-def load(kind: type[Config], path: Path) -> Config:
-    """Read a configuration from JSON. Raises `ConfigError` as `from_dict`, and for text that is not JSON."""
+def load(kind: type[Config] | None, path: Path) -> Config:
+    """Read a configuration from JSON, of a run where no `kind` is given.
+
+    Raises `ConfigError` as `from_dict`, and for text that is not JSON.
+    """
     try:
         data = json.loads(path.read_text())
     except ValueError as error:
         raise ConfigError(f"{path} is not JSON: {error}") from error
-    return from_dict(kind, data, str(path))
+    return from_dict(kind or run_class(data), data, str(path))
 
 
 def differences(old: Any, new: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
@@ -218,6 +245,13 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
 
 
 # ---------------------------------------------------------------- presets
+
+
+def own_presets() -> dict[str, OwnTrainConfig]:
+    """Return the same for tasks of one's own, of which little is known: few environments, a middling budget."""
+    fast = OwnTrainConfig(total_env_steps=500_000, num_envs=16, eval_every=50_000, eval_episodes=32)
+    thesis = dataclasses.replace(fast, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis())
+    return {"fast": fast, "thesis": thesis}
 
 
 def presets() -> dict[str, TrainConfig]:

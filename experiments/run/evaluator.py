@@ -13,35 +13,43 @@ from typing import TYPE_CHECKING, Any
 from experiments.run import build
 from experiments.run.baselines import make_baselines
 from experiments.run.errors import CommandError
+from experiments.run.own import OwnScene
 from experiments.run.report import Report
 from experiments.run.results import LevelResult, Result, summarise, summarise_levels
 
 if TYPE_CHECKING:
     from experiments.run.config import TrainConfig
     from experiments.run.folder import RunFolder
-    from scenic_lite import Program
     from ued.evaluation import Evaluation
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
+OWN_ENVIRONMENTS = 16  # the same of a task of one's own
 
 
 class EvalScenes:
     """The test scenes of one minigame, ready to be played: `episodes` on each. Goals pay, whatever pays in training."""
 
-    def __init__(self, config: TrainConfig, programs: Mapping[str, Program], episodes: int) -> None:
+    def __init__(self, config: TrainConfig, programs: Mapping[str, Any], episodes: int) -> None:
         self.episodes = episodes
         self.every = config.eval_every
         self.programs = programs
         self.scenes = {label: self._make(program, config) for label, program in programs.items()}
+        own = {label: program for label, program in programs.items() if isinstance(program, OwnScene)}
+        self.theta = {label: scene.theta(self.scenes[label]) for label, scene in own.items()}  # of certain levels
         self._check_sizes(config)
 
     def play(self, policy: Any) -> dict[str, Evaluation]:
         """Play `episodes` whole episodes on each scene; `policy.play` chooses the actions."""
+        return {label: self._play(policy, label) for label in self.scenes}
+
+    def _play(self, policy: Any, label: str) -> Evaluation:
         from ued.evaluation import evaluate
 
-        return {label: evaluate(policy, scene, self.episodes, SEED) for label, scene in self.scenes.items()}
+        scene, theta = self.scenes[label], self.theta.get(label)
+        levels = None if theta is None else scene.make_levels(theta)
+        return evaluate(policy, scene, self.episodes, SEED, levels)
 
     def play_random_levels(self, policy: Any, levels: int, episodes: int) -> Evaluation:
         """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
@@ -65,7 +73,9 @@ class EvalScenes:
         """Return whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
         return bool(self.every) and (before == 0 or last or before // self.every < after // self.every)
 
-    def _make(self, program: Program, config: TrainConfig) -> Any:
+    def _make(self, program: Any, config: Any) -> Any:
+        if isinstance(program, OwnScene):
+            return build.make_upomdp(program, min(OWN_ENVIRONMENTS, self.episodes), None, SEED, config.threads)
         env = replace(config.env, rewards="scoring")
         return build.make_upomdp(program, min(ENVIRONMENTS[env.engine], self.episodes), env, SEED, config.threads)
 
@@ -101,7 +111,8 @@ class Evaluator:
         scene = self.scenes.scenes[build.TRAINING_SCENE]
         for name, policy in make_baselines(scene).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)
-        return Report(results, levels)
+        own = isinstance(self.scenes.programs[build.TRAINING_SCENE], OwnScene)
+        return Report(results, levels, "success" if own else "goals")
 
     def _play(
         self,
@@ -119,7 +130,7 @@ class Evaluator:
             levels.append(summarise_levels(played, method, seed))
 
 
-def load_student(run: RunFolder, program: Program) -> tuple[Any, tuple[int, int]]:
+def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
 
     Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
@@ -131,7 +142,8 @@ def load_student(run: RunFolder, program: Program) -> tuple[Any, tuple[int, int]
     if not run.checkpoint.exists():
         raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
     config, state = run.config, checkpoint.load(run.checkpoint)
-    env = EngineConfig(engine="regista").instead_of(config.env)  # sees the same and needs no engine
+    # On this engine: it sees the same and needs no other
+    env = EngineConfig(engine="regista").instead_of(config.env) if build.is_football(config) else None
     method = build.make_method(config, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
     try:
         method.load_students(state["method"])

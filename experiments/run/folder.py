@@ -1,7 +1,7 @@
 """The run folder: what a training run leaves behind, and how it continues after a kill.
 
     config.json       the TrainConfig; enough to start the run over
-    program.scenic    the text of the program, as it was when the run began
+    program.scenic    the text of the program, as it was when the run began; task.py of a task of one's own
     metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
     levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
@@ -38,7 +38,7 @@ class RunFolder:
 
     def __init__(self, path: Path, config: TrainConfig) -> None:
         self.path = path
-        self.config = config
+        self.config: Any = config  # an `OwnTrainConfig` where the task is one's own
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
         self.saved_update = 0
@@ -76,7 +76,7 @@ class RunFolder:
         """Open an existing run. Raises `CommandError` for a folder that holds none."""
         if not (path / "config.json").exists():
             raise CommandError(f"{path} is no run folder: it has no config.json")
-        return cls(path, configs.load(TrainConfig, path / "config.json"))
+        return cls(path, configs.load(None, path / "config.json"))
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
@@ -99,14 +99,18 @@ class RunFolder:
             yield
 
     def keep_program(self, program: Program) -> None:
-        """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with."""
-        kept, text = self.path / "program.scenic", program.source
+        """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with.
+
+        A task of one's own is code, and may change; it is kept as it was.
+        """
+        own = ":" in self.config.minigame
+        kept, text = self.path / ("task.py" if own else "program.scenic"), program.source
         if not kept.exists() or not self.begun():
             try:
                 kept.write_text(text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
-        elif kept.read_text() != text:
+        elif kept.read_text() != text and not own:
             raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
 
     # ------------------------------------------------------------ the checkpoint
@@ -189,5 +193,5 @@ def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
 
 
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
-UNTRAINED = ("config.json", "program.scenic", "train.log", "origin.pt", "curriculum.rrd")
+UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd")
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

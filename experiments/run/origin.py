@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.run import config as configs
+from experiments.run.build import is_football
 from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.folder import RunFolder
@@ -39,7 +40,7 @@ def load(path: Path) -> Origin:
         raise CommandError(f"{path} holds no checkpoint: give --from a run folder, or a checkpoint, of a student")
     state = checkpoint.load(file)
     try:
-        config = configs.from_dict(TrainConfig, state["config"], str(file))
+        config: Any = configs.from_dict(configs.run_class(state["config"]), state["config"], str(file))
         student = state["method"]["learners"][0]["ppo"]["student"]
     except (KeyError, IndexError, TypeError) as error:
         raise CommandError(f"{file} is a checkpoint without a student to begin with") from error
@@ -49,13 +50,16 @@ def load(path: Path) -> Origin:
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:
     """Return settings with the network of the student, and what it sees."""
     network = {name: getattr(origin.config.ppo, name) for name in NETWORK}
+    config = replace(config, ppo=replace(config.ppo, **network))
+    if not (is_football(origin.config) and is_football(config)):
+        return config
     seen = {name: getattr(origin.config.env, name) for name in SEEN}
-    return replace(config, ppo=replace(config.ppo, **network), env=replace(config.env, **seen))
+    return replace(config, env=replace(config.env, **seen))
 
 
 def check(origin: Origin, config: TrainConfig) -> None:
     """Raise `CommandError` where the student is of another network, or sees or moves something else."""
-    pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN]
+    pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN if is_football(config)]
     pairs += [(f"ppo.{name}", origin.config.ppo, config.ppo) for name in NETWORK]
     for name, its, ours in pairs:
         field = name.partition(".")[2]

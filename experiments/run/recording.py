@@ -14,12 +14,13 @@ import numpy as np
 from experiments.run import build
 from experiments.run import config as configs
 from experiments.run.folder import RunFolder
+from experiments.run.own import OwnScene
 from experiments.run.table import read_columns
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episode
 
 MAX_STEPS = 400  # of a recorded episode
-STEP_SECONDS = 0.1
+STEP_SECONDS = 0.1  # of an environment that says nothing of it
 
 
 class RunRecorder:
@@ -54,11 +55,16 @@ class RunRecorder:
 
     def _open(self, program: Any, upomdp: Any, updates: int) -> None:
         config = self.run.config
-        self.painter = build.make_painter(program, getattr(upomdp, "lineup", None))
-        self.env = upomdp.resized(1)
+        if isinstance(program, OwnScene):
+            self.painter: Any = program.task.painter(upomdp) if program.task.painter else None
+            self.env = build.make_upomdp(program, 1, None, config.seed, config.threads)
+        else:
+            self.painter = build.make_painter(program, getattr(upomdp, "lineup", None))
+            self.env = upomdp.resized(1)
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         recording = Recording(self.run.next_recording(), name, config.total_env_steps, flat)
+        self.step_seconds = 1 / (self.env.metadata.get("render_fps") or 1 / STEP_SECONDS)
         self.recorder = CurriculumRecorder(recording, self.painter, upomdp.draws)
         if updates:
             self._recall()
@@ -93,11 +99,19 @@ class RunRecorder:
 
         generator = torch.Generator().manual_seed(seed)
         observation, _ = self.env.reset(seed=seed, options={"theta": theta[None]})
-        places, total = [self.painter.frame(self.env)], 0.0
+        frames, total, steps = [self._frame()], 0.0, 0
         for _ in range(MAX_STEPS):
             observation, reward, terminated, truncated, _ = self.env.step(student.play(observation, generator))
-            total += float(reward[0])
+            total, steps = total + float(reward[0]), steps + 1
             if terminated[0] or truncated[0]:
                 break
-            places.append(self.painter.frame(self.env))
-        return Episode(np.stack(places), STEP_SECONDS, f"return {total:+.2f} after {len(places)} steps")
+            frames.append(self._frame())
+        shown = [frame for frame in frames if frame is not None]
+        return Episode(np.array(shown), self.step_seconds, f"return {total:+.2f} after {steps} steps")
+
+    def _frame(self) -> np.ndarray | None:
+        """Return what is shown of the environment as it stands: places `[K, 2]`, or an image, or nothing."""
+        if self.painter is not None:
+            return self.painter.frame(self.env)
+        images = self.env.render() if self.env.render_mode == "rgb_array" else None
+        return None if images is None else np.asarray(images[0], np.uint8)

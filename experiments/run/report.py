@@ -30,9 +30,7 @@ INTERVALS = (
     "95 % intervals: over runs and their episodes, wide where runs are few; "
     "for a single run or a baseline, over its episodes alone"
 )
-OF_SCENES = (
-    "goals; mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
-)
+OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
 OF_PAIRS = "P(better): that the mean of a run is above that of a run of {first}"
 OF_LEVELS = (
     "CVaR10: on the worst tenth of {levels} levels drawn at random, found by other episodes than those that count"
@@ -57,10 +55,12 @@ class Report:
     Attributes:
         results: rows of all policies on all scenes.
         levels: rows of all policies on levels drawn at random; none where nobody asked for them.
+        word: what successes are called.
     """
 
     results: Sequence[Result]
     levels: Sequence[LevelResult] = ()
+    word: str = "goals"
 
     @cached_property
     def methods(self) -> list[str]:
@@ -121,7 +121,7 @@ class Report:
         table = [["method", "", *self.scenes, "runs", "env_steps", "updates"]]
         for name in self.methods:
             table.append([name, "return", *self._cells(name, "return", _signed), *self._training(name)])
-            table.append(["", "goals", *self._cells(name, "goals", _percent), "", "", ""])
+            table.append(["", self.word, *self._cells(name, "goals", _percent), "", "", ""])
             if name in self.others():
                 table.append(["", f"− {self.first}", *self._cells(name, "return minus first", _signed), "", "", ""])
         return table
@@ -157,7 +157,7 @@ class Report:
 
     def _notes(self) -> list[str]:
         """Return what is to be said beneath the second table."""
-        notes = [OF_SCENES]
+        notes = [f"{self.word}; {OF_SCENES}"]
         if self.others():
             notes.append(OF_PAIRS.format(first=self.first))
         if self.levels:

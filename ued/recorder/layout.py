@@ -41,11 +41,13 @@ class ScenePainter(Protocol):
         """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
 
-def layout(painter: ScenePainter, names: Sequence[str], students: Sequence[str], mixed: bool = False) -> Any:
+def layout(painter: ScenePainter | None, names: Sequence[str], students: Sequence[str], mixed: bool = False) -> Any:
     """Return the blueprint for a painter, the names of the columns of θ, and those of the students.
 
     `mixed`: the levels are of several programs.
     """
+    if painter is None:
+        return blueprint(rrb.Tabs(_plain(students), _theta(names), active_tab=0), "update", fps=10)
     tabs = rrb.Tabs(
         _overview(painter, students, mixed), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
@@ -111,14 +113,26 @@ def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> An
         column_shares=[1.25, 1],
     )
     left = rrb.Vertical(_scene(painter, title, "/scene/heat/**", "/scene/batch"), level, row_shares=[1.15, 1])
+    return rrb.Horizontal(left, _progress(students, mixed), column_shares=[1.25, 1], name="Overview")
+
+
+def _plain(students: Sequence[str]) -> Any:
+    """Return the overview of environments without a painter: what they render, and the best level in words."""
+    films = [rrb.Spatial2DView(origin=f"/film/{name}", name=name.capitalize()) for name in students]
+    card = rrb.TextDocumentView(origin="/levels/card", name="The level of the highest score")
+    left = rrb.Vertical(rrb.Horizontal(*films), card, row_shares=[1.4, 1])
+    return rrb.Horizontal(left, _progress(students, False), name="Overview")
+
+
+def _progress(students: Sequence[str], mixed: bool) -> Any:
+    """Return the curves of returns and of what levels are worth, and where θ went."""
     curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
     if len(students) > 1:
         curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
     if mixed:
         curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
     curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "LeftTop"))
-    right = rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
-    return rrb.Horizontal(left, right, column_shares=[1.25, 1], name="Overview")
+    return rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
 
 
 def _levels(painter: ScenePainter) -> Any:

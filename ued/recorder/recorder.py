@@ -1,6 +1,7 @@
 """The curriculum as a Rerun recording: which levels were played, what came of them, how θ moved.
 
-The recorder knows no domain: a `ScenePainter` says what a level looks like. What it writes, by entity:
+The recorder knows no domain: a `ScenePainter` says what a level looks like; without one there is θ, and a film of what
+environments render (`/film/<student>`) in the place of `/scene`. What it writes, by entity:
 
     /scene/ground                    lines that never change; below /scene metres are y-up
     /scene/heat/map                  where the recent levels put the painter's focus
@@ -29,6 +30,7 @@ import numpy as np
 import rerun
 
 from ued.method import LevelBatch
+from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import ScenePainter, layout
 from ued.recorder.scene_log import Episode, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, STUDENT_COLOURS, Colour
@@ -51,7 +53,7 @@ class Recording:
 class CurriculumRecorder:
     """Write one .rrd file. Call `record` after every update, `flush` at every checkpoint, `close` at the end."""
 
-    def __init__(self, recording: Recording, painter: ScenePainter, draws: Sequence[Parameter]) -> None:
+    def __init__(self, recording: Recording, painter: ScenePainter | None, draws: Sequence[Parameter]) -> None:
         self.recording, self.painter = recording, painter
         self.stream = rerun.RecordingStream(
             "regista",
@@ -60,7 +62,8 @@ class CurriculumRecorder:
             batcher_config=rerun.ChunkBatcherConfig(flush_tick=60.0, flush_num_bytes=16 << 20),
         )
         self.stream.set_log_time_enabled(False)
-        self.scenes, self.theta = SceneLog(self.stream, painter), ThetaLog(self.stream, draws)
+        self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
+        self.theta = ThetaLog(self.stream, draws)
         self._opened = False
         self._pending: list[tuple[int, int, dict[str, float]]] = []  # update, env_steps, metrics
 

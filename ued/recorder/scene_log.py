@@ -19,7 +19,10 @@ HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
 
 
 class Episode(NamedTuple):
-    """One recorded episode: points `[T, K, 2]`, seconds between them, and what came of it in a word."""
+    """One recorded episode: points `[T, K, 2]`, seconds between them, and what came of it in a word.
+
+    Without a painter the points are images instead, uint8 `[T, height, width, 3]`, or none.
+    """
 
     positions: np.ndarray
     step_seconds: float

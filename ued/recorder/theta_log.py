@@ -10,11 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 import rerun
 
+from ued.parameters import Parameter, axis_of
 from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
 from ued.recorder.shades import smooth, unique_names
-from ued.upomdp import Parameter
 
 BINS = 24  # of a histogram of θ
+MOST_COLUMNS = 40  # of θ that are shown
 MAP_COLUMNS = 400  # of the densities over updates, at most
 MAP_BLUR = 1.2  # of those densities, in columns and bins
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
@@ -25,8 +26,11 @@ class ThetaLog:
     """Writes `/theta/...` of a recording, in the units of the parameters where these are finite."""
 
     def __init__(self, stream: rerun.RecordingStream, draws: Sequence[Parameter]) -> None:
-        self.stream, self.names = stream, unique_names(draws)
-        low, high = np.array([(parameter.low, parameter.high) for parameter in draws], float).reshape(-1, 2).T
+        draws = draws[:MOST_COLUMNS]
+        axes = [axis_of(parameter) for parameter in draws]
+        shown = zip(unique_names(draws), axes, strict=True)
+        self.stream, self.names = stream, [axis.note.format(name) for name, axis in shown]
+        low, high = np.array([(axis.low, axis.high) for axis in axes], float).reshape(-1, 2).T
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ itself is shown
         self._horizon = 1  # updates that the run will take, as far as is known
@@ -34,7 +38,8 @@ class ThetaLog:
         self._mapped = 0  # the last update at which the densities were written
 
     def values(self, theta: np.ndarray) -> np.ndarray:
-        """Return θ `[..., D]` in the units of the parameters."""
+        """Return the columns that are shown of θ `[..., D]`, in the units of the parameters."""
+        theta = theta[..., : len(self.names)]
         return self.low + (theta + 1) / 2 * (self.high - self.low)
 
     def expect(self, updates: int) -> None:

@@ -1,0 +1,62 @@
+"""What the command line does, as functions: one call trains, another tests. `import regista` offers both.
+
+Read next: `commands.train`, which does the same from a terminal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from experiments.run import build, own
+from experiments.run.config import OwnTrainConfig
+from experiments.run.errors import UsageError, nearest
+from experiments.run.evaluator import EvalScenes, Evaluator
+from experiments.run.folder import RunFolder
+from experiments.run.report import Report
+
+
+def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
+    """Train on a task and return its run folder; a run that is there already is continued to its budget.
+
+    Args:
+        task: a `ued.Task`, a function `make(num_envs)`, or the name of a minigame or a task.
+        method: a name of `ued.METHODS`.
+        seed: of every random stream.
+        out: the run folder, by default runs/TASK-METHOD-SEED.
+        settings: what `regista train --help` lists, such as `total_env_steps`, `num_envs`, `ppo=PPOConfig(...)`, or a
+            method's own, `accel=ACCELConfig(...)`.
+
+    Ctrl-C saves and returns. Raises `UsageError` for unknown names, `CommandError` where a run of other settings is.
+    """
+    from experiments.commands.train import train as train_run
+    from experiments.run.signals import StopRequest
+
+    name = build.canonical_name(task if isinstance(task, str) else own.name_of(task))
+    config = build.starting_point("fast", name)
+    unknown = [key for key in settings if not hasattr(config, key)]
+    if unknown:
+        raise UsageError(f"there is no setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
+    config = replace(config, minigame=name, method=build.find_method(method), seed=seed, **settings)
+    path = Path(out) if out is not None else Path("runs") / f"{build.short_name(name)}-{method}-{seed}"
+    run = RunFolder.create_or_extend(path, config)
+    with run.locked(), StopRequest() as stop:
+        train_run(run, stop)
+    return path
+
+
+def evaluate(
+    runs: str | Path | Sequence[str | Path], episodes: int = 100, levels: int = 0, level_episodes: int = 10
+) -> Report:
+    """Play the students of runs of one task on its tests, and a random policy; return tables of what came of it.
+
+    `levels` drawn at random, `level_episodes` on each, tell how they do on the worst tenth. Raises `CommandError` for
+    runs of several tasks, or without a checkpoint.
+    """
+    paths = [runs] if isinstance(runs, str | Path) else list(runs)
+    folders = [RunFolder.open(Path(path)) for path in paths]
+    config: OwnTrainConfig = folders[0].config
+    scenes = EvalScenes(config, build.load_scenes(config), episodes)
+    return Evaluator(scenes, levels, level_episodes).report(folders)

@@ -1,0 +1,69 @@
+"""A task of one's own as text and as a picture: its parameters, its levels, and what they look like when rendered.
+
+Read next: `commands.inspect`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.run.errors import CommandError
+from experiments.run.results import align
+from ued.upomdp import UPOMDP
+
+DRAWS = 1024  # of which it is told how many are valid
+MOST_COLUMNS = 40  # that are listed
+MOST_LETTERS = 300  # of a level that is described
+
+
+def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
+    """Return the columns of θ, the spaces, the share of θ that is valid, and the levels θ `[n, D]` in words."""
+    family = "" if upomdp.family is None else f", codes of levels of {type(upomdp.family).__name__}"
+    parts = [f"{name}: D = {upomdp.theta_dim} free parameter{'s' * (upomdp.theta_dim != 1)}{family}"]
+    if upomdp.draws and upomdp.family is None:
+        rows = [["θ", "name", "kind", "from", "to"]]
+        for index, draw in enumerate(upomdp.draws[:MOST_COLUMNS]):
+            kind: Any = getattr(draw, "kind", "")
+            told = kind if isinstance(kind, str) else type(kind).__name__
+            values = getattr(kind, "values", (f"{draw.low:g}", f"{draw.high:g}"))
+            rows.append([str(index), draw.name, told, str(values[0]), str(values[-1])])
+        parts.append(align(rows))
+        drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
+        parts.append(f"{upomdp.valid(drawn).mean():.0%} of θ are levels that can be played")
+    parts.append(f"observations: {upomdp.single_observation_space}\nactions: {upomdp.single_action_space}")
+    for index, values in enumerate(upomdp.describe(theta)):
+        text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())
+        parts.append(f"level {index}: {text[:MOST_LETTERS]}" + " …" * (len(text) > MOST_LETTERS))
+    return "\n\n".join(parts)
+
+
+def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
+    """Draw the first frames of the levels θ `[n, D]`, one environment for each.
+
+    Raises `CommandError` where environments render nothing.
+    """
+    import matplotlib.pyplot as plt
+
+    from experiments.pictures import plots
+
+    upomdp.reset(seed=0, options={"theta": theta})
+    frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
+    if frames is None:
+        raise CommandError('nothing can be drawn: make the environments with render_mode="rgb_array"')
+    columns = min(len(frames), 4)
+    with plots.style():
+        lines = -(-len(frames) // columns)
+        figure, grid = plt.subplots(lines, columns, figsize=(3 * columns, 3 * lines), squeeze=False)
+        for axes, frame in zip(grid.flat, frames, strict=False):
+            axes.imshow(frame)
+        for axes in grid.flat:
+            axes.set_axis_off()
+        figure.tight_layout()
+        plots.save(figure, path)
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else " ".join(str(value).split())

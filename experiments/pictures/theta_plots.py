@@ -1,0 +1,56 @@
+"""Where a method put its levels, for tasks without a painter: histograms of the columns of θ, early and late.
+
+Read next: `pictures.level_plots`, the same on a pitch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from experiments.pictures import plots
+from experiments.pictures.level_plots import PERIODS, read_theta
+from experiments.run.table import read_columns
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MOST_COLUMNS = 8  # of θ that are drawn
+BINS = 20
+
+
+def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
+    """Draw methods x columns of θ: how levels were spread in the first, a middle and the last tenth of training."""
+    import matplotlib.pyplot as plt
+
+    tables = (read_columns(run / "levels.csv") for paths in runs.values() for run in paths)
+    names = next((_names(table) for table in tables if table), [])[:MOST_COLUMNS]
+    if not names:
+        return
+    with plots.style():
+        size = (2.6 * len(names) + 0.6, 1.9 * len(runs) + 0.5)
+        figure, grid = plt.subplots(len(runs), len(names), figsize=size, squeeze=False, layout="constrained")
+        for line, (method, paths) in zip(grid, runs.items(), strict=True):
+            for column, (axes, name) in enumerate(zip(line, names, strict=True)):
+                _draw(axes, column, paths)
+                axes.set_title(f"{plots.title(method)}: {name}")
+        grid[0][0].legend(fontsize=7)
+        plots.save(figure, path)
+
+
+def _names(table: Mapping[str, np.ndarray]) -> list[str]:
+    return [name.removeprefix("theta/") for name in table if name.startswith("theta/")]
+
+
+def _draw(axes: Axes, column: int, paths: Sequence[Path]) -> None:
+    for shade, (period, span) in zip(np.linspace(0.75, 0.1, len(PERIODS)), PERIODS.items(), strict=True):
+        known = [theta[:, column] for theta in (read_theta(run, span) for run in paths) if len(theta)]
+        if known:
+            share, edges = np.histogram(np.concatenate(known), BINS, (-1, 1))
+            axes.stairs(share / share.sum(), edges, color=str(shade), label=period)
+    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8)
+    axes.set_xlim(-1, 1)
+    axes.set_xlabel("θ")

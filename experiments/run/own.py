@@ -1,0 +1,156 @@
+"""Tasks of one's own on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
+
+What a run trains on and is tested on are scenes here, which stand where programs stand in football. The file is
+imported, so it is code that runs. Read next: `run.build`, which makes environments of scenes and of programs.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from experiments.run.errors import CommandError, UsageError, nearest
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ued.task import Make, Task
+    from ued.upomdp import UPOMDP
+
+NAME = re.compile(r"[\w./\\~-]+:[A-Za-z_]\w*")  # what a task is called; no minigame has a colon
+
+
+@dataclass(frozen=True)
+class OwnScene:
+    """Environments of a task: those to train on, or a test of it, which may be of certain levels.
+
+    Attributes:
+        task: what it belongs to.
+        make: makes so many environments.
+        levels: what a test is of, as `Task.tests` has it; None: of random levels.
+        source: the text of the file that the task is in.
+    """
+
+    task: Task
+    make: Make
+    levels: Any = None
+    source: str = ""
+
+    def theta(self, upomdp: UPOMDP) -> np.ndarray | None:
+        """Return θ `[L, D]` of the levels of a test, None for random ones. Raises `CommandError` for none of it."""
+        from ued.upomdp import check_theta
+
+        if self.levels is None:
+            return None
+        rows = self.levels
+        try:
+            if isinstance(rows, dict):
+                rows = [rows]
+            if len(rows) and (isinstance(rows[0], dict) or upomdp.family is not None):
+                rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
+            return check_theta(rows, upomdp.theta_dim)
+        except (ValueError, TypeError, AttributeError) as error:
+            raise CommandError(
+                f"the levels of a test are no θ [L, {upomdp.theta_dim}] and no values: {error}"
+            ) from error
+
+
+def is_own(name: str) -> bool:
+    """Return whether a word is the name of a task, not of a minigame."""
+    return NAME.fullmatch(name) is not None
+
+
+def canonical(name: str) -> str:
+    """Return a task's name as a run keeps it: the path of its file holds in every working directory."""
+    place, _, attribute = name.rpartition(":")
+    return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
+
+
+def short(name: str) -> str:
+    """Return what a task is called in the names of folders and on pictures."""
+    place, _, attribute = name.rpartition(":")
+    return f"{Path(place).stem if place.endswith('.py') else place.rpartition('.')[2]}-{attribute}"
+
+
+def name_of(task: Any) -> str:
+    """Return the name under which a task, or a function that makes environments, is found again.
+
+    Raises `UsageError` for one that has none: it must stand at the top of a file.
+    """
+    from ued.task import Task
+
+    make = task.make if isinstance(task, Task) else task
+    module = inspect.getmodule(make)
+    known = [key for key, value in vars(module).items() if value is task] if module else []
+    if module is None or not known or getattr(module, "__file__", None) is None:
+        raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
+    return canonical(f"{module.__file__}:{known[0]}")
+
+
+def load_task(name: str) -> tuple[Task, str]:
+    """Return the task of a name, and the text of its file. Raises `UsageError` where there is none."""
+    from ued.task import Task
+
+    place, _, attribute = name.rpartition(":")
+    module = _import(place)
+    if not hasattr(module, attribute):
+        raise UsageError(f"{place} has no '{attribute}'{nearest(attribute, vars(module))}")
+    found = getattr(module, attribute)
+    if not isinstance(found, Task) and not callable(found):
+        raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {found!r}")
+    file = getattr(module, "__file__", None)
+    return found if isinstance(found, Task) else Task(found), Path(file).read_text() if file else ""
+
+
+def _import(place: str) -> ModuleType:
+    if not place.endswith(".py"):
+        if "" not in sys.path:
+            sys.path.insert(0, "")  # as `python -m` has it
+        try:
+            return importlib.import_module(place)
+        except ModuleNotFoundError as error:
+            raise UsageError(f"there is no module {error.name}, which {place} needs or is") from error
+    path = Path(place).expanduser().resolve()
+    if not path.is_file():
+        raise UsageError(f"there is no file {place}")
+    main = sys.modules.get("__main__")
+    if main is not None and Path(getattr(main, "__file__", None) or "").resolve() == path:
+        return main  # a script that trains on a task of its own
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))  # as Python does for a script
+    known = sys.modules.get(path.stem)
+    if known is not None and Path(getattr(known, "__file__", None) or "").resolve() == path:
+        return known
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules.setdefault(path.stem, module)  # dataclasses and pickles look a class's module up
+    spec.loader.exec_module(module)
+    return module
+
+
+def load_scenes(name: str, training: str) -> dict[str, OwnScene]:
+    """Return the scenes of a task by label: what is trained on, labelled `training`, then its tests."""
+    task, source = load_task(name)
+    scenes = {training: OwnScene(task, task.make, None, source)}
+    for label, test in task.tests.items():
+        scenes[label] = OwnScene(task, test) if callable(test) else OwnScene(task, task.make, test)
+    return scenes
+
+
+def make_upomdp(scene: OwnScene, num_envs: int, seed: int) -> UPOMDP:
+    """Make `num_envs` environments of a scene, with seeded streams. Raises `CommandError` for what is no UPOMDP."""
+    from ued.upomdp import UPOMDP
+
+    upomdp = scene.make(num_envs)
+    if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
+        raise CommandError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
+    upomdp.reset(seed=seed)
+    return upomdp

@@ -1,0 +1,30 @@
+"""Curriculum learning for reinforcement learning: what most programs need of it, by name.
+
+    import regista
+
+    run = regista.train(make, method="plr", out="runs/pendulum", total_env_steps=100_000)
+    print(regista.evaluate(run).text())
+    policy = regista.load_policy(run)
+
+All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
+Read next: `experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_OWN = {"train": "experiments.calls", "evaluate": "experiments.calls"}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__all__":
+        return __dir__()
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("regista")
+    return getattr(import_module(_OWN.get(name, "ued")), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*_OWN, "__version__", *dir(import_module("ued"))})

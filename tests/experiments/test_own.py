@@ -1,0 +1,169 @@
+"""A task of one's own gets all that football has: run folder, tests, resuming, comparison, inspection, recording."""
+
+import csv
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import regista
+from experiments.__main__ import main
+from experiments.run.folder import RunFolder
+
+ROOT = Path(__file__).parent.parent.parent
+SHORT = ["--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "128", "--eval-episodes", "4"]
+TASK = '''
+"""A ball that is pushed to one side; how hard it must be pushed is the level."""
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Dict, Discrete
+
+import ued
+
+
+class Push(gymnasium.Env):
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 5}
+    observation_space = Dict({"at": Box(-9, 9, (1,), np.float32), "ground": Discrete(2)})
+    action_space = Discrete(2)
+
+    def __init__(self):
+        self.render_mode = "rgb_array"
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.at, self.steps = 0.0, 0
+        return self.look(), {}
+
+    def step(self, action):
+        self.at += (2 * action - 1) * self.force
+        self.steps += 1
+        return self.look(), float(self.at > 2), bool(self.at > 2), self.steps >= 6, {}
+
+    def look(self):
+        return {"at": np.array([self.at], np.float32), "ground": int(self.ground == "ice")}
+
+    def render(self):
+        return np.full((8, 8, 3), int(20 * self.steps), np.uint8)
+
+
+def put(env, values):
+    env.unwrapped.force, env.unwrapped.ground = values["force"], values["ground"]
+
+
+def make(num_envs):
+    kinds = {"force": ued.LogRange(0.1, 2.0), "ground": ued.Choice("grass", "ice")}
+    return ued.GymUPOMDP(Push, put, kinds, num_envs)
+
+
+rows = [[-1, 0], [0, 0], [1, 0]]
+push = ued.Task(make, tests={"strong": {"force": 1.0, "ground": "ice"}, "three": rows, "other": make})
+broken = ued.Task(make, tests={"wrong": {"speed": 1}})
+'''
+
+
+@pytest.fixture
+def task(tmp_path):
+    (tmp_path / "push_task.py").write_text(TASK)
+    return f"{tmp_path / 'push_task.py'}:push"
+
+
+def rows(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+def train(task, out, *more):
+    return main(["train", task, *SHORT, "--out", str(out), *more])
+
+
+def test_a_run_has_all_files_and_its_tests_are_the_tasks(task, tmp_path):
+    out = tmp_path / "run"
+    assert train(task, out, "--method", "accel", "--total-env-steps", "256", "--record-rollouts", "1") == 0
+    files = {"config.json", "task.py", "metrics.csv", "levels.csv", "checkpoint.pt", "curriculum.rrd"}
+    assert files <= {path.name for path in out.iterdir()}
+    last = rows(out / "metrics.csv")[-1]
+    assert all(last[f"eval/{name}"] for name in ("training distribution", "strong", "three", "other"))
+    assert "theta/ground" in rows(out / "levels.csv")[0] or len(rows(out / "levels.csv")) == 0
+    assert (out / "curriculum.rrd").stat().st_size > 5000  # curves, θ and a film
+    assert "env" not in (out / "config.json").read_text().split('"')
+
+
+def test_a_run_continues_from_its_checkpoint(task, tmp_path):
+    out = tmp_path / "run"
+    assert train(task, out, "--method", "plr", "--total-env-steps", "128", "--no-record") == 0
+    before = rows(out / "metrics.csv")
+    assert main(["train", "--resume", str(out), "--total-env-steps", "320"]) == 0
+    after = rows(out / "metrics.csv")
+    assert after[: len(before)] == before and int(after[-1]["env_steps"]) == 320
+    assert main(["train", "--resume", str(out), "--gamma", "0.5"]) == 1
+
+
+def test_evaluate_and_compare(task, tmp_path, capsys):
+    settings = ["--total-env-steps", "128", "--episodes", "4", "--levels", "10", "--level-episodes", "2", "--no-record"]
+    out = tmp_path / "both"
+    command = ["compare", task, "--methods", "dr", "paired", "--seeds", "1", "--processes", "1", *SHORT, *settings]
+    assert main([*command, "--out", str(out)]) == 0
+    table = (out / "table.txt").read_text()
+    assert "strong" in table and "success" in table and "goals" not in table and "random" in table
+    assert {"learning_curves.png", "levels.png", "page.md"} <= {path.name for path in out.iterdir()}
+    capsys.readouterr()
+    assert main(["evaluate", str(out / "dr-0"), "--episodes", "4", "--levels", "0"]) == 0
+    assert "three" in capsys.readouterr().out
+
+
+def test_inspect_tells_kinds_and_draws_first_frames(task, tmp_path, capsys):
+    assert main(["inspect", task, "--n", "3", "--png", str(tmp_path / "levels.png")]) == 0
+    out = capsys.readouterr().out
+    assert "LogRange" in out and "Choice" in out and "grass" in out and "level 2: force = " in out
+    assert (tmp_path / "levels.png").stat().st_size > 1000
+    assert main(["inspect", task, "--theta", "0", "1"]) == 0
+    assert "level 0: force = 0.4472, ground = ice" in capsys.readouterr().out
+
+
+def test_one_call_from_python_trains_tests_and_loads_a_policy(task, tmp_path):
+    out = tmp_path / "run"
+    settings = {"num_envs": 4, "ppo": regista.PPOConfig(num_steps=16, hidden_size=8), "record": False, "eval_every": 0}
+    assert regista.train(task, method="plr", out=out, total_env_steps=128, **settings) == out
+    assert regista.train(task, method="plr", out=out, total_env_steps=192, **settings) == out  # goes on
+    assert RunFolder.open(out).env_steps() == 192
+    assert "strong" in regista.evaluate(out, episodes=4).text()
+    policy = regista.load_policy(out)
+    assert policy.act(np.zeros(3, np.float32)) in (0, 1)
+    assert policy.act(np.zeros((5, 3), np.float32), greedy=True).shape == (5,)
+    with pytest.raises(ValueError, match=r"an observation must have shape \(3,\)"):
+        policy.act(np.zeros(4))
+    import push_task
+
+    env = push_task.Push()
+    policy = regista.load_policy(out, env.observation_space)
+    assert policy.act({"at": np.zeros(1, np.float32), "ground": 1}) in (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["train", "{}/nowhere.py:push"], "there is no file"),
+        (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
+        (["train", "{}/push_task.py:put", "--no-record", "--total-env-steps", "1"], None),
+        (["train", "no_such_module:make"], "there is no module no_such_module"),
+        (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
+        (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
+    ],
+)
+def test_what_is_no_task_is_told(command, message, task, tmp_path, capsys):
+    words = [word.format(tmp_path) for word in command]
+    if message is None:
+        with pytest.raises(TypeError):
+            main(words + ["--out", str(tmp_path / "x")])
+        return
+    assert main(words) in (1, 2)
+    assert message in capsys.readouterr().err
+
+
+def test_the_maze_is_a_task(tmp_path):
+    shutil.copy(ROOT / "examples" / "maze.py", tmp_path / "maze_copy.py")
+    out = tmp_path / "run"
+    assert train(f"{tmp_path / 'maze_copy.py'}:make", out, "--method", "accel", "--total-env-steps", "512") == 0
+    assert len(rows(out / "metrics.csv")) == 8

@@ -1,0 +1,101 @@
+"""A trained student to be used elsewhere: `policy = load_policy("runs/x")`, `action = policy.act(observation)`.
+
+Read next: `learning.student`, what plays.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space, flatten
+
+from ued import checkpoint
+from ued.checkpoint import CheckpointError
+from ued.config import PPOConfig
+from ued.learning.student import Student
+from ued.seeding import torch_generator
+from ued.upomdp import UPOMDP
+
+KINDS = {"Box": Box, "Discrete": Discrete, "MultiDiscrete": MultiDiscrete, "MultiBinary": MultiBinary}
+
+
+class LoadedPolicy:
+    """A student that plays: `act` for one observation or for a batch.
+
+    Args:
+        student: what plays.
+        observation_space: of one environment; None: its observations are what the student reads, arrays.
+        seed: of the actions drawn.
+    """
+
+    def __init__(self, student: Student, shape: tuple[int, ...], observation_space: Space | None, seed: int) -> None:
+        self.student, self.shape, self.observation_space = student, shape, observation_space
+        self.generator = torch_generator(seed)
+
+    def act(self, observation: Any, greedy: bool = False) -> Any:
+        """Return an action for an observation, or actions `[N, ...]` for observations `[N, ...]`.
+
+        It is drawn from the policy, or its most likely one if `greedy`. Raises `ValueError` for another shape.
+        """
+        if self.observation_space is not None and not isinstance(observation, np.ndarray):
+            observation = flatten(self.observation_space, observation)
+        seen = np.asarray(observation)
+        single = seen.shape == self.shape
+        if not single and seen.shape[1:] != self.shape:
+            raise ValueError(f"an observation must have shape {self.shape}, or [N, *{self.shape}], got {seen.shape}")
+        actions = self.student.play(seen[None] if single else seen, self.generator, greedy)
+        return actions[0] if single else actions
+
+
+def load_policy(path: str | Path, observation_space: Space | None = None, seed: int = 0) -> LoadedPolicy:
+    """Return the first student of a run folder or a checkpoint, ready to play in one environment or in many.
+
+    Give the `observation_space` of your environment if it is a `Dict` or the like: training flattened it. Raises
+    `CheckpointError` where there is no student, or one of before spaces were kept.
+    """
+    path = Path(path)
+    file = path / "checkpoint.pt" if path.is_dir() else path
+    state = checkpoint.load(file)
+    try:
+        seen, done = (space_from(state["spaces"][name]) for name in ("observation", "action"))
+        saved, ppo = state["method"]["learners"][0]["ppo"]["student"], state["config"]["ppo"]
+    except (KeyError, IndexError, TypeError) as error:
+        raise CheckpointError(f"{file} holds no student with its spaces; train it on for an update") from error
+    config = PPOConfig(**{item.name: ppo[item.name] for item in fields(PPOConfig) if item.name in ppo})
+    agents = int(state["spaces"]["agents"])
+    student = Student(seen, done, config, torch_generator(0), None, agents)
+    student.load_state_dict(saved)
+    student.requires_grad_(False)
+    shape = seen.shape or ()
+    return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)
+
+
+def spaces_of(upomdp: UPOMDP) -> dict[str, Any]:
+    """Return what a checkpoint keeps of what an agent sees and does."""
+    seen, done = upomdp.agent_observation_space, upomdp.agent_action_space
+    return {"observation": space_data(seen), "action": space_data(done), "agents": upomdp.num_agents}
+
+
+def space_data(space: Space) -> dict[str, Any]:
+    """Return a space as plain data. Raises `ValueError` for one that no student knows."""
+    if isinstance(space, Box):
+        return {"kind": "Box", "low": space.low, "high": space.high, "dtype": str(space.dtype)}
+    if isinstance(space, Discrete):
+        return {"kind": "Discrete", "n": int(space.n), "start": int(space.start)}
+    if isinstance(space, MultiDiscrete):
+        return {"kind": "MultiDiscrete", "nvec": space.nvec, "start": space.start}
+    if isinstance(space, MultiBinary):
+        return {"kind": "MultiBinary", "n": list(space.shape)}
+    raise ValueError(f"students know nothing of the space {space}")
+
+
+def space_from(data: dict[str, Any]) -> Space:
+    """Return the space that `space_data` gave `data` for."""
+    about = dict(data)
+    kind = KINDS[about.pop("kind")]
+    if kind is Box:
+        about["dtype"] = np.dtype(about["dtype"]).type
+    return kind(**about)
