@@ -93,10 +93,10 @@ def near(name: str, names: Iterable[str]) -> str:
 class Default:
     """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it.
 
-    It also gets the scope of the statement that makes the object.
+    It also gets the scope of the statement that makes the object, and the property to which values drawn belong.
     """
 
-    compute: Callable[[Any, Instance], Value]
+    compute: Callable[[Any, Instance, str], Value]
     needs: frozenset[str] = frozenset()
     attributes: tuple[str, ...] = ()
 

@@ -190,8 +190,8 @@ def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
         if id(part) not in reads:
             raise scope.error("syntax", "a default reads `self.property`, never the bare `self`", part)
 
-    def compute(maker: Scope, self: Instance) -> Value:
-        value = Scope.inside(maker.mode, scope, {"self": self}).value(node.value)
+    def compute(maker: Scope, self: Instance, name: str) -> Value:
+        value = Scope.inside(maker.owning(self, name).mode, scope, {"self": self}).value(node.value)
         return value.compute(self) if isinstance(value, LazyValue) else value
 
     return Default(compute, frozenset(reads[id(part)] for part in selves), tuple(node.attributes))

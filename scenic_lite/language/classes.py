@@ -26,7 +26,7 @@ def constant(value: Value) -> Default:
 
 
 VELOCITY = Default(
-    lambda _, self: Vector(0.0, self.properties["speed"]).rotated(self.properties["heading"]),
+    lambda _, self, _owner: Vector(0.0, self.properties["speed"]).rotated(self.properties["heading"]),
     frozenset({"speed", "heading"}),
 )
 NOWHERE_IN_PARTICULAR = Vector(0.0, 0.0)

@@ -29,7 +29,7 @@ class Given(NamedTuple):
     value: Value
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class ResolvedSpecifier:
     """One specifier with its operands evaluated.
 
@@ -147,13 +147,12 @@ def default_of(
     scope: Scope, cls: ScenicClass, name: str, instance: Instance, owner: str | None = None
 ) -> ResolvedSpecifier:
     """Return the class's default for a property, as a specifier; `additive` ones collect those of all bases."""
-    owning = scope.owning(instance, owner or name)
     defaults = cls.defaults_of(name)
     additive = "additive" in defaults[0].attributes
     used = defaults if additive else defaults[:1]
 
     def compute(self: Instance) -> Value:
-        values = tuple(default.compute(owning, self) for default in used)
+        values = tuple(default.compute(scope, self, owner or name) for default in used)
         return values if additive else values[0]
 
     return optional(

@@ -22,6 +22,7 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import (
     Constraint,
     Constraints,
+    Outlines,
     RejectionReport,
     constraint_of_requirement,
     constraints_of,
@@ -128,11 +129,15 @@ class Program:
         Never raises for rows that describe no valid scene: their `ok` is False.
         """
         self.mode.budget.new_call()
-        return self._evaluate(self.layout.checked(theta))[0]
+        registers, outlines, ok, failed, _ = self._evaluate(self.layout.checked(theta))
+        positions, headings = self._plan.arrangement.placed(outlines, len(ok))
+        properties, params, arguments = self._plan.read(registers, len(ok))
+        return Scenes(positions, headings, properties, params, arguments, ok, failed.T)
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return whether each row of theta [N, D] describes a valid scene: [N] bool."""
-        return self.instantiate(theta).ok
+        self.mode.budget.new_call()
+        return self._evaluate(self.layout.checked(theta))[2]
 
     def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
         """Return the values that one row theta [D] gives to the draws, for `Mode.row`."""
@@ -154,8 +159,8 @@ class Program:
         """Return the tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
-    def _evaluate(self, theta: np.ndarray) -> tuple[Scenes, Faults]:
-        """Return the scenes of theta [N, D], and what could not be computed in them."""
+    def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, Faults]:
+        """Return the tape's registers for theta [N, D], rectangles, `ok` [N], `failed` [R, N], and what went wrong."""
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
         known = np.isfinite(scaled.sum(axis=0))  # [N]
@@ -163,14 +168,13 @@ class Program:
             scaled[:, ~known] = self.layout.offset
         with np.errstate(all="ignore"):
             registers = self.tape.run(scaled)
-            positions, headings, outlines = self._plan.arrangement.write(registers, count)
+            outlines = self._plan.arrangement.outlines(registers, count)
             failed = self._constraints.failed(registers, outlines, count)  # [R, N]
             faults = Faults(self._checks, self.tape, registers, failed)
             violated = self._constraints.hard_of(failed).any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
             ok = np.isfinite(placed) & ~violated & ~faults.in_values & known  # [N]
-        properties, params, arguments = self._plan.read(registers, count)
-        return Scenes(positions, headings, properties, params, arguments, ok, failed.T), faults
+        return registers, outlines, ok, failed, faults
 
     # ------------------------------------------------------------ sampling
 
@@ -195,11 +199,12 @@ class Program:
                 raise self._impossible(rng, n - len(pending), n, draws)
             tries = tries_for_each(len(pending), draws, accepted)  # K
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * tries, self.dim))  # [P * K, D]
-            scenes, faults = self._evaluate(candidates)
-            violated = scenes.failed  # [P * K, R]
+            _, _, valid, violated, faults = self._evaluate(candidates)
+            violated = violated.T  # [P * K, R]
             if soft:
                 violated = violated & np.repeat(in_force[pending], tries, axis=0)
-            valid = (scenes.ok & ~violated.any(axis=1)).reshape(len(pending), tries)  # [P, K]
+                valid = valid & ~violated.any(axis=1)
+            valid = valid.reshape(len(pending), tries)  # [P, K]
             if faults.any:
                 tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first that is valid
                 faults.raise_first(violated, tried.ravel())

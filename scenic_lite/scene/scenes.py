@@ -109,8 +109,7 @@ class Planner:
             keys = list(value)
             return self._of_parts(value.values(), lambda parts, _: dict(zip(keys, parts, strict=True)))
         if isinstance(value, Vector):
-            reader = self._of_parts([value.x, value.y], points)
-            return Fixed((value.x, value.y)) if value.fixed else reader
+            return Fixed((value.x, value.y)) if value.fixed else self._of_parts([value.x, value.y], points)
         if isinstance(value, list | tuple):
             return self._of_parts(value, lambda parts, _: type(value)(parts))
         return Fixed(value)
@@ -176,7 +175,7 @@ class ScenePlan:
 
 
 class Arrangement:
-    """Where everyone stands: writes positions, headings and outlines from the registers."""
+    """Where everyone stands: reads outlines from the registers, and positions and headings from these."""
 
     def __init__(self, planner: Planner, objects: list[Instance]) -> None:
         self.count = len(objects)
@@ -190,18 +189,22 @@ class Arrangement:
                 (i, planner.tape.slot(value)) for i, value in enumerate(values) if isinstance(value, RandomExpr)
             ]
 
-    def write(self, registers: list[Any], count: int) -> tuple[np.ndarray, np.ndarray, Outlines]:
-        """Return positions [N, O, 2], headings [N, O], and the objects' rectangles."""
+    def outlines(self, registers: list[Any], count: int) -> Outlines:
+        """Return the objects' rectangles in N = count scenes."""
         x, y = self._filled("x", registers, count), self._filled("y", registers, count)
         heading, width, length = (
             self._filled(part, registers, count) if self.random[part] else self.fixed[part]
             for part in ("heading", "width", "length")
         )
+        return Outlines(x, y, heading, width, length)
+
+    def placed(self, outlines: Outlines, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions [N, O, 2] and headings [N, O] of rectangles."""
         positions = np.empty((count, self.count, 2))
-        positions[:, :, 0], positions[:, :, 1] = x.T, y.T
+        positions[:, :, 0], positions[:, :, 1] = outlines.x.T, outlines.y.T
         headings = np.empty((count, self.count))
-        headings[:] = heading.T
-        return positions, headings, Outlines(x, y, heading, width, length)
+        headings[:] = outlines.heading.T
+        return positions, headings
 
     def _filled(self, part: str, registers: list[Any], count: int) -> np.ndarray:
         """Return one number of every object: [O, N]."""

@@ -19,7 +19,6 @@ from scenic_lite.dynamics.machine.bytecode import (
     INFINITE_LOOP,
     MAX_LOOP_ITERATIONS,
     MESSAGE_SLOT,
-    NO_COMMAND,
     Code,
     Listing,
     disassemble,
@@ -120,12 +119,6 @@ class Compiled:
         if self.code.rows[row, 0] == op.FAULT_UNLESS:
             message = message.replace(MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
         return self.program.error("value", message, self.places[row])
-
-    def rendered(self, number: float, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> tuple[Value, ...]:
-        """Return the actions of a command in a match [R] whose scene gives the draws these values."""
-        if number == NO_COMMAND:
-            return ()
-        return tuple(self.plain(action, registers, scene) for action in self.commands[int(number)])
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
         """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""

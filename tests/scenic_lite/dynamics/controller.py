@@ -49,9 +49,12 @@ class CompiledController:
         return tuple(sorted(having))
 
     def _actions(self, number: float) -> tuple[Value, ...]:
-        if self.compiled.commands:
-            return self.compiled.rendered(number, self.registers, self._scene)
-        return () if number == NO_COMMAND else (float(number),)
+        if number == NO_COMMAND:
+            return ()
+        if not self.compiled.commands:
+            return (float(number),)
+        actions = self.compiled.commands[int(number)]
+        return tuple(self.compiled.plain(action, self.registers, self._scene) for action in actions)
 
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
         """As `Reference.watch`."""
