@@ -79,15 +79,15 @@ class ThetaSpace(Resumable):
     """Levels θ in [-1, 1]^D for a trainer of one's own, which needs no `UPOMDP`.
 
     Args:
-        theta: D, or what the columns are, as `GymUPOMDP` takes it.
+        dim: D, or what the columns are, as `GymUPOMDP` takes `theta`.
         valid: says which rows of θ `[n, D]` can be played; None: all.
         seed: of the stream from which levels and their seeds are drawn.
     """
 
     state_fields = ("stream",)
 
-    def __init__(self, theta: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
-        self.theta_map = ThetaMap(theta)
+    def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
+        self.theta_map = ThetaMap(dim)
         self.draws, self.family = self.theta_map.draws, self.theta_map.family
         self.theta_dim, self._valid, self.stream = len(self.draws), valid, np.random.default_rng(seed)
 
