@@ -58,7 +58,8 @@ def load(
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
-    return Program(mode, own, text, warnings_of(state))
+    warnings = {(each.place, each.message): each for each in state.warnings + state.diagnostics}  # each once
+    return Program(mode, own, text, tuple(warnings.values()))
 
 
 def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
@@ -132,11 +133,6 @@ def warn_of_overrides(state: LoadState, own: Source) -> None:
         if hint:
             message = f"the program sets no parameter '{name}', which its caller overrides"
             state.warnings.append(ScenicError("warning", message, unset, hint=hint, source_line=own.line(1)))
-
-
-def warnings_of(state: LoadState) -> tuple[ScenicError, ...]:
-    """Return what the evaluation warns of, and what the parser does; once each."""
-    return tuple({(warning.place, warning.message): warning for warning in state.warnings + state.diagnostics}.values())
 
 
 def refuse_without_ego(state: LoadState, source: Source) -> None:

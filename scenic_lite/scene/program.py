@@ -1,7 +1,14 @@
 """Program: the layout of θ, and scenes, validity and samples from it; the seam of this package.
 
-`load` makes one. The text was walked once; here only a flat tape of array operations is left. Read next:
-`scene.scenes`, `scene.constraints`.
+    program = load("free.scenic")                         the text is walked once
+    theta, scenes = program.sample(256, rng)              [256, D] valid ones, and what they describe
+    scenes = program.instantiate(theta)                   the same again: θ is all of a scene
+    scenes.positions, scenes.ok                           [256, O, 2], [256]
+
+`Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. What the walk leaves
+is the graph of all values that scenes are made of. A Program lays it out as a flat tape: N rows of θ are N scenes by
+one array operation for each node. Constraints are nodes too, or tests of all objects at once: a row that violates
+one is no scene, and `sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -21,7 +28,6 @@ from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, 
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.scene.constraints import (
     Constraint,
-    Constraints,
     Outlines,
     RejectionReport,
     constraint_of_requirement,
@@ -42,6 +48,7 @@ from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, colum
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
+OUTLINE = ("position", "heading", "width", "length", "allowCollisions")  # what decides whether objects overlap
 
 
 class Program:
@@ -81,7 +88,9 @@ class Program:
         self.requirements = self._constraints.all
         self.read_in_episodes = values_read_in_episodes(state, objects)
         refuse_huge_values(state, objects)
-        roots = random_roots(state, objects, self._constraints, self.read_in_episodes)
+        conditions = [value for _, value in self._constraints.nodes]
+        values = [*objects, *state.params.values(), *conditions, *self.read_in_episodes]
+        roots = [node for value in values for node in randoms_in(value)]
         self.layout = lay_out_theta(state, objects, roots, self.file)
         with state.placing(source.start):
             self.tape = Tape(roots, self.layout.columns, state.budget.limits.operations)
@@ -118,8 +127,12 @@ class Program:
 
     def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
         """Return an error at a place of the program, to be raised by whoever finds it unfit for its purpose."""
-        line = self.mode.state.sources[place.file].line(place.line)
-        return ScenicError(kind, message, place, hint=hint, source_line=line)
+        return ScenicError(kind, message, place, hint=hint, source_line=self.line_of(place))
+
+    def line_of(self, place: SourceSpan) -> str:
+        """Return the line of the program's text, or of a module's, where a place begins."""
+        source = self.mode.state.sources.get(place.file)
+        return "" if source is None else source.line(place.line)
 
     # ------------------------------------------------------------ from θ to scenes
 
@@ -160,7 +173,10 @@ class Program:
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
     def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, Faults]:
-        """Return the tape's registers for theta [N, D], rectangles, `ok` [N], `failed` [R, N], and what went wrong."""
+        """Return what scenes of theta [N, D] are read from, their `ok` [N] and `failed` [R, N], and their faults.
+
+        That is all that sampling needs of a candidate: to make scenes of it takes as long again.
+        """
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
         known = np.isfinite(scaled.sum(axis=0))  # [N]
@@ -246,12 +262,11 @@ class Program:
             raise TypeError(f"scenes are described like {{'ego': (30, 5)}}, not by {description!r:.80}")
         if default is not None:
             default = np.clip(self.layout.checked(np.atleast_2d(default)), -1.0, 1.0)
-        state = self.mode.state
         try:
-            return theta_of(state, self.instances, self.layout, description, default)
+            return theta_of(self.mode.state, self.instances, self.layout, description, default)
         except ScenicError as error:
             if error.place is not None:
-                error.source_line = state.sources[error.place.file].line(error.place.line)
+                error.source_line = self.line_of(error.place)
             raise
 
     # ------------------------------------------------------------ three trial rows
@@ -266,7 +281,8 @@ class Program:
         except (TypeError, ValueError, ArithmeticError, LookupError) as fault:
             message = f"the random values of the program do not fit together: {fault}"
             raise self.error("type", message, SourceSpan(self.file, 1, 0, 1, 1)) from None
-        fixed = [next(randoms_in(outline_parts(instance)), None) is None for instance in self.instances]
+        parts = [[instance.properties[name] for name in OUTLINE] for instance in self.instances]
+        fixed = [next(randoms_in(values), None) is None for values in parts]
         for number, (constraint, members) in enumerate(self._constraints.members()):
             if all(fixed[i] for i in members) and scenes.failed[0, number]:
                 raise self._violated_always(constraint, [self.instances[i] for i in members])
@@ -315,15 +331,6 @@ def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
             refuse_huge(value, f"the parameter '{name}'")
 
 
-def random_roots(
-    state: LoadState, objects: list[Instance], constraints: Constraints, read_in_episodes: list[Value]
-) -> list[RandomExpr]:
-    """Return the random nodes that scenes and episodes are made of."""
-    conditions = [value for _, value in constraints.nodes]
-    values = [*objects, *state.params.values(), *conditions, *read_in_episodes]
-    return [node for value in values for node in randoms_in(value)]
-
-
 def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> ThetaLayout:
     """Return the columns of θ: the draws that reach any root, in order of first appearance, named."""
     used = {id(column) for column in columns_of(*roots)}
@@ -342,7 +349,3 @@ def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
     while state.sources[place.file].library and owner is not None:
         place, owner = owner[0].place, owner[0].owner
     return place
-
-
-def outline_parts(instance: Instance) -> list[Value]:
-    return [instance.properties[name] for name in ("position", "heading", "width", "length", "allowCollisions")]

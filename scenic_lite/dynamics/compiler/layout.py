@@ -95,16 +95,11 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     places = tuple(row.place or nowhere for row in rows)
     names = {layout(register): note for register, note in c.code.notes.items()}
     names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
-    lines = {(place.file, place.line): line_of(c.program, place) for place in set(places)}
+    lines = {(place.file, place.line): c.program.line_of(place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
     titles = {label.row: title for label, title in c.output.titles.items()}
     titles |= {thread.entry.row: thread.title for thread in threads}
     return Listing(places, names, lines, notes, titles)
-
-
-def line_of(program: Program, place: SourceSpan) -> str:
-    source = program.mode.state.sources.get(place.file)
-    return "" if source is None else source.line(place.line)
 
 
 def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:

@@ -107,7 +107,7 @@ def store(code: Assembler, moves: list[Move]) -> None:
     """Put all values into their registers, as if at once."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
-    if len(moves) == 1 or not any(targets & registers_in(value) for _, value in moves):
+    if len(moves) == 1 or targets.isdisjoint(leaf.register for _, value in moves for leaf in leaves(value)):
         for to, value in moves:
             register_of(code, value, to)
         return
@@ -118,11 +118,6 @@ def store(code: Assembler, moves: list[Move]) -> None:
             register_of(code, RegisterValue(register), sources[i])
     for (to, _), register in zip(moves, sources, strict=True):
         register_of(code, RegisterValue(register), to)
-
-
-def registers_in(value: Value) -> set[int]:
-    """Return the registers that computing a value reads."""
-    return {leaf.register for leaf in leaves(value)}
 
 
 # ------------------------------------------------------------ places for values
