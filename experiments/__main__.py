@@ -38,7 +38,7 @@ Curriculum learning for reinforcement learning, in football.
 commands:
 {commands}
 
-Every command takes --help; --debug shows the whole traceback of an error.
+Every command takes --help; --version tells the version; --debug shows the whole traceback of an error.
 Begin with: regista compare 1v1Restricted --out demo
 """
 
@@ -53,6 +53,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
+    if words[:1] == ["--version"]:
+        from importlib.metadata import version
+
+        print(f"regista {version('regista')}")
+        return 0
     if not words or words[0] in ("--help", "-h", "help"):
         lines = [f"  {name:<12}{text}" for name, text in COMMANDS.items()]
         print(USAGE.format(commands="\n".join(lines)), end="")

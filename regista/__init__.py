@@ -7,11 +7,14 @@
     policy = regista.load_policy(run)
 
 All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
+`gymnasium.make("regista:regista/1v1Free-v0")` needs no import at all: the minigames are registered here.
 Read next: `experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
 """
 
 from importlib import import_module
 from typing import Any
+
+import minigames  # noqa: F401
 
 _OWN = {"train": "experiments.calls", "evaluate": "experiments.calls"}
 

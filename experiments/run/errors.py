@@ -33,6 +33,17 @@ class UsageError(CommandError):
     exit_code = 2
 
 
+# What an installation may leave out, and the extra that brings it
+EXTRAS = {
+    "matplotlib": "all",
+    "PIL": "all",
+    "rerun": "all",
+    "numba": "all",
+    "shapely": "all",
+    "minari": "demonstrations",
+}
+
+
 def nearest(word: str, words: Iterable[str], most: int = 1) -> str:
     """Return ` (did you mean 'x'?)` for the words that `word` is probably meant to be, or nothing.
 
@@ -73,6 +84,9 @@ def _failed(error: BaseException, debug: bool) -> int:
     if isinstance(error, OSError) and error.filename is None and error.errno in READER_GONE:
         forget_terminal()  # `regista inspect ... | head`
         return 128 + signal.SIGPIPE
+    if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS and not debug:
+        print(f"regista: this needs {error.name}: pip install 'regista[{EXTRAS[error.name]}]'", file=sys.stderr)
+        return 1
     code = _exit_code(error)
     if debug or not code:
         raise error

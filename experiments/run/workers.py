@@ -61,7 +61,7 @@ def _start(run: RunFolder) -> subprocess.Popen:
     threads = str(run.config.threads)
     environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
     with open(run.path / "train.log", "a") as log:
-        command = [sys.executable, "-m", "experiments", "train", "--resume", str(run.path)]
+        command = [sys.executable, "-m", "regista", "train", "--resume", str(run.path)]
         return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
 
 

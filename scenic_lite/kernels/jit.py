@@ -28,7 +28,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import numba
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("scenic_lite", "envs")
+PACKAGES = ("scenic_lite", "regista/envs" if (ROOT / "regista" / "envs").is_dir() else "envs")  # installed, or here
 KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
 # Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
