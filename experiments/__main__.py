@@ -20,6 +20,7 @@ COMMANDS = {
     "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
     "study": "train many games over seeds: the thesis's benchmark, or what carries over to the other engine",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
+    "characterise": "tell how many random levels of a game are solved, as a student learns",
     "list": "show the minigames, what is measured on them elsewhere, and their test scenes",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",
@@ -59,7 +60,7 @@ def _dispatch(words: list[str]) -> int:
         print(f"regista {version('regista')}")
         return 0
     if not words or words[0] in ("--help", "-h", "help"):
-        lines = [f"  {name:<12}{text}" for name, text in COMMANDS.items()]
+        lines = [f"  {name:<14}{text}" for name, text in COMMANDS.items()]
         print(USAGE.format(commands="\n".join(lines)), end="")
         return 0 if words else 2
     name = words[0]

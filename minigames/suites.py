@@ -98,6 +98,39 @@ MINIGAMES: dict[str, Minigame] = {
     )
 }
 
+# Games of which hardly any random level can be learned from at first: broad programs, paid for goals alone.
+NEEDY: dict[str, Minigame] = {
+    game.name: game
+    for game in (
+        Minigame(
+            "Gauntlet",
+            HERE / "gauntlet" / "train.scenic",
+            tuple((name, HERE / "gauntlet" / f"test_{name}.scenic") for name in ("near", "middle", "far", "awake")),
+            "three guards on the way to the goal, each with a reach of his own",
+            difficulty="all guards and the keeper must be passed: a goal in three hundred random levels at first",
+            held_out=tuple((name, HERE / "gauntlet" / f"held_out_{name}.scenic") for name in ("near", "middle", "far")),
+        ),
+        Minigame(
+            "Buildup",
+            HERE / "buildup" / "train.scenic",
+            tuple((name, HERE / "buildup" / f"test_{name}.scenic") for name in ("two", "three", "four")),
+            "three attackers anywhere against up to four defenders and a keeper",
+            difficulty="far from the goal there is nothing to learn from until what is near it is known",
+            held_out=(("middle", HERE / "buildup" / "held_out.scenic"),),
+        ),
+        Minigame(
+            "CrossingWide",
+            HERE / "crossing" / "train.scenic",
+            (
+                ("hard crossing", HERE / "offense" / "hard_crossing.scenic"),
+                ("other wing", HERE / "offense" / "hard_crossing_test.scenic"),
+            ),
+            "the hard crossing from either wing, from any distance",
+            difficulty="mates and backs anywhere: the cross must find a gap",
+        ),
+    )
+}
+
 
 def _page(name: str, description: str, difficulty: str, tested: bool = True, **others: Any) -> Minigame:
     """Return the game of a page of this name, and of `<name>_test` beside it."""
@@ -281,6 +314,6 @@ MIXTURES: dict[str, tuple[str, ...]] = {
     ),
 }
 
-ALL = MINIGAMES | BENCHMARK | ACADEMY
+ALL = MINIGAMES | NEEDY | BENCHMARK | ACADEMY
 # Whatever can stand where a program is asked for: games, and each of their test scenes as `<game>/<test>`.
 NAMED = ALL | {test.name: test for game in ALL.values() for test in game.test_games()}

@@ -1,0 +1,117 @@
+"""`regista characterise`: what a game is like for a learner, before methods are compared on it.
+
+    regista characterise 1v1Free Gauntlet Buildup --total-env-steps 2_000_000
+
+On levels drawn at random, always the same, how many are never, sometimes and always solved: by uniform keys, and by
+students at several times of their training. A curriculum has something to choose where most levels are never solved,
+but not all, and where that changes as a student learns. Read next: `minigames.suites`; `commands.compare`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.run import arguments, build
+from experiments.run.arguments import group, positional
+from experiments.run.config import TrainConfig
+from experiments.run.errors import UsageError
+from experiments.run.progress import count
+from experiments.run.report import save_rows
+from experiments.run.results import align
+from ued.config import Checked, setting
+
+DESCRIPTION = "Tell how many random levels of a game are solved by uniform keys, and by students as they learn."
+SEED = 30_000  # of the levels and of how they are played
+ENVIRONMENTS = 64
+OWN = ("minigame",)  # settings of a run that are not typed as flags of training
+HEAD = ["game", "D", "who", "env_steps", "solved", "levels never", "sometimes", "always"]
+
+
+@dataclass(frozen=True)
+class CharacteriseConfig(Checked):
+    """What is typed after `regista characterise`."""
+
+    games: tuple[str, ...] = positional("minigames, mixtures, or paths of .scenic programs", default=())
+    levels: int = setting(150, "levels drawn at random", ">=1")
+    episodes: int = setting(4, "whole episodes on each of them", ">=1")
+    tests: int = setting(4, "how often a student is tested, evenly over its training", ">=1")
+    csv: Path | None = setting(None, "also write the rows to this CSV file")
+    train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=OWN)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of the levels of a game: shares of 1."""
+
+    game: str
+    dim: int
+    who: str
+    env_steps: int
+    solved: float
+    never: float
+    sometimes: float
+    always: float
+
+    def cells(self) -> list[str]:
+        """Return the row of the table."""
+        shares = [f"{share:.1%}" for share in (self.solved, self.never, self.sometimes, self.always)]
+        return [self.game, str(self.dim), self.who, count(self.env_steps), *shares]
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the command and give its exit code."""
+    typed = arguments.typed_settings(CharacteriseConfig(), argv, "characterise", DESCRIPTION)
+    config = arguments.replace_paths(CharacteriseConfig(), typed)
+    if not config.games:
+        raise UsageError("characterise needs at least one minigame, such as 1v1Free")
+    build.find_method(config.train.method)
+    rows = []
+    for game in config.games:
+        env = build.starting_point("fast", game).env
+        train = replace(CharacteriseConfig().train, minigame=build.canonical_name(game), env=env)
+        settings = {path.removeprefix("train."): value for path, value in typed.items() if path.startswith("train.")}
+        for row in measure(config, arguments.replace_paths(train, settings)):
+            rows.append(row)
+            print("  ".join(row.cells()), flush=True)
+    print(f"\n{align([HEAD, *(row.cells() for row in rows)])}")
+    if config.csv is not None:
+        save_rows([vars(row) for row in rows], list(vars(rows[0])), config.csv)
+    return 0
+
+
+def measure(config: CharacteriseConfig, train: TrainConfig) -> Iterator[Row]:
+    """Train a student on a game, and yield what becomes of its levels by uniform keys, then by the student."""
+    from experiments.run.baselines import make_baselines
+
+    program = build.load_scenes(train)[build.TRAINING_SCENE]
+    test = build.make_upomdp(program, min(ENVIRONMENTS, config.levels), train.env, SEED, train.threads)
+    test.reset(seed=SEED)
+    levels = test.sample_levels(config.levels)
+
+    def play(policy: Any, who: str, env_steps: int) -> Row:
+        shares = solved_shares(policy, test, levels, config.episodes)
+        return Row(build.short_name(train.minigame), test.theta_dim, who, env_steps, *shares)
+
+    yield play(make_baselines(test)["random"], "uniform keys", 0)
+    upomdp = build.make_upomdp(program, train.num_envs, train.env, train.seed, train.threads)
+    method, tested = build.make_method(train, upomdp), 0
+    while method.env_steps < train.total_env_steps:
+        method.update()
+        if method.env_steps >= (tested + 1) * train.total_env_steps / config.tests:
+            tested += 1
+            yield play(method.student, train.method, method.env_steps)
+
+
+def solved_shares(policy: Any, upomdp: Any, levels: np.ndarray, episodes: int) -> tuple[float, float, float, float]:
+    """Return the share of episodes that succeed, and of levels `[L]` that do never, sometimes and always."""
+    from ued.evaluation import evaluate
+
+    success = evaluate(policy, upomdp, len(levels) * episodes, SEED, levels).success
+    rate = success.reshape(episodes, len(levels)).mean(0)  # episode e plays level e mod L
+    never, always = float(np.mean(rate == 0)), float(np.mean(rate == 1))
+    return float(rate.mean()), never, 1 - never - always, always

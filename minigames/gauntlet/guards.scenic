@@ -1,0 +1,28 @@
+"""What the gauntlet's programs share: the settings of an episode, and guards who wake when the ball comes near."""
+
+from football.behaviors import *
+
+param game_duration = 300
+param deterministic = False
+param offsides = False
+param end_episode_on_score = True
+param end_episode_on_out_of_play = True
+param end_episode_on_possession_change = True
+
+behavior Guard(reach):
+    """Run at a ball that is within reach, at full speed from afar; else stand."""
+    while True:
+        gap = distance from self to simulation().game_ds.ball
+        if gap > reach:
+            take ReleaseSprint()
+            take ReleaseDirection()
+        elif gap > 8 and not self.sticky_actions[8]:
+            take Sprint()
+        elif gap <= 8 and self.sticky_actions[8]:
+            take ReleaseSprint()
+        else:
+            take MoveTowardsPoint(simulation().game_ds.ball, self.position, True)
+
+def between(start, share, aside):
+    """The place at this share of the way from a start to the goal, so far aside of it."""
+    return (start.x + share * (97 - start.x)) @ ((1 - share) * start.y + aside)
