@@ -111,6 +111,13 @@ NEEDY: dict[str, Minigame] = {
             held_out=tuple((name, HERE / "gauntlet" / f"held_out_{name}.scenic") for name in ("near", "middle", "far")),
         ),
         Minigame(
+            "ThreeLines",
+            HERE / "gauntlet" / "lines.scenic",
+            tuple((name, HERE / "gauntlet" / f"test_lines_{name}.scenic") for name in ("near", "middle", "far")),
+            "a guard in each of three lines across the pitch, the striker behind any of them or before",
+            difficulty="one random level in six begins beyond the last line; the others want a guard passed",
+        ),
+        Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
             tuple((name, HERE / "buildup" / f"test_{name}.scenic") for name in ("two", "three", "four")),

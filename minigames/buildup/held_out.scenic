@@ -1,8 +1,6 @@
-"""Buildup, held out: the carrier's middle third of x, and the middle third of all else that is no place."""
+"""Buildup, held out: the carrier's middle third of x, and of `awake`."""
 
 from defenders import *
-
-param right_team_difficulty = Range(0.33, 0.67)
 
 awake = Range(1.67, 3.33)
 

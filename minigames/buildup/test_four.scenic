@@ -2,8 +2,6 @@
 
 from defenders import *
 
-param right_team_difficulty = 0.6
-
 awake = 4
 
 ego = LeftCM at -40 @ 10

@@ -2,8 +2,6 @@
 
 from defenders import *
 
-param right_team_difficulty = 0.6
-
 awake = 2
 
 ego = LeftCM at 60 @ 0

@@ -1,12 +1,10 @@
 """Buildup: the ball anywhere from the own half to the penalty spot, two mates, up to four defenders and a keeper.
 
-So many of the four defend, by `awake`, and the others stand; how good all are is `right_team_difficulty`.
-theta: difficulty; awake; carrier x, y; mates x, y; defenders x, y.
+So many of the four defend, by `awake`, and the others stand; `-p right_team_difficulty=1` makes them better.
+theta: awake; carrier x, y; mates x, y; defenders x, y.
 """
 
 from defenders import *
-
-param right_team_difficulty = Range(0, 1)
 
 awake = Range(0, 5)
 

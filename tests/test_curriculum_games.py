@@ -1,0 +1,82 @@
+"""The games in which a curriculum is needed: their tests are scenes of them, and what makes them hard does."""
+
+import numpy as np
+import pytest
+
+from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.lineup import Lineup
+from envs.football.vector_env import FootballVectorEnv
+from minigames.suites import NEEDY
+from scenic_lite import load
+
+DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Buildup": 15, "CrossingWide": 12}
+HELD_OUT = {"Gauntlet": 11, "Buildup": 15}  # columns: held-out scenes are parts of the game, not single levels
+
+
+def program_of(path):
+    return load(path, FOOTBALL)
+
+
+def corners(program):
+    """Where objects stand at the ends and in the middle of every column: the least and greatest place of each."""
+    theta = np.vstack([np.zeros((1, program.dim)), np.eye(program.dim), -np.eye(program.dim)])
+    theta = np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (256, program.dim))])
+    places = program.instantiate(theta).positions
+    return places.min(0), places.max(0)
+
+
+@pytest.mark.parametrize("name", NEEDY)
+def test_all_scenes_of_a_game_are_the_same_match(name):
+    game = NEEDY[name]
+    train = Lineup(program_of(game.program))
+    assert train.program.dim == DIMENSIONS[name]
+    theta = np.random.default_rng(0).uniform(-1, 1, (1000, train.program.dim))
+    assert train.program.valid(theta).mean() > 0.97
+    for _, path in (*game.tests, *game.held_out):
+        other = Lineup(program_of(path))
+        assert (np.asarray(other.roster.teams) == np.asarray(train.roster.teams)).all()
+        assert other.config.end_episode_on_possession_change and other.config.end_episode_on_score
+        assert other.config.game_duration == train.config.game_duration
+
+
+@pytest.mark.parametrize("name", HELD_OUT)
+def test_tests_and_held_out_scenes_lie_within_the_game(name):
+    game = NEEDY[name]
+    low, high = corners(program_of(game.program))
+    for label, path in (*game.tests, *game.held_out):
+        program = program_of(path)
+        assert program.dim == (HELD_OUT[name] if (label, path) in game.held_out else 0)
+        least, greatest = corners(program)
+        assert (least > low - 6).all() and (greatest < high + 6).all(), label
+
+
+def courses(name, columns, steps=30):
+    """Places of the right players `[steps, N, players, 2]` while the carrier stands; `columns` are set to a number."""
+    env = FootballVectorEnv(NEEDY[name].program, 32)
+    env.reset(seed=0)
+    theta = env.sample_levels(32)["theta"]
+    for column, value in columns.items():
+        theta[:, column] = value
+    env.reset(seed=0, options={"theta": theta})
+    right = np.flatnonzero((env.matches["players"]["team"][0] == 1)[: env.num_players])
+    seen = []
+    for _ in range(steps):
+        players = env.matches["players"][:, right]
+        seen.append(np.stack([players["x"], players["y"]], -1))
+        env.step(np.zeros(32, int))
+    return np.array(seen)
+
+
+def test_a_guard_without_reach_stands_and_one_with_reach_comes():
+    near = {0: 1.0, 1: 0.0}  # the striker is 10 m from the goal line, so close to the first guard that they touch
+    still, awake = (courses("Gauntlet", near | dict.fromkeys((4, 7, 10), reach), 5)[:, :, 2:] for reach in (-1.0, 1.0))
+    gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (still, awake)]
+    assert np.median(gone[0], 0).max() < 0.01  # of two guards, and few of them are pushed
+    assert np.median(gone[1], 0).min() > 0.5
+
+
+def test_so_many_defend_as_are_awake():
+    asleep, awake = (courses("Buildup", {0: value}, 10)[:, :, 1:] for value in (-1.0, 1.0))
+    gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (asleep, awake)]
+    assert gone[0].max() < 0.5
+    assert np.median(gone[1]) > 1.0
