@@ -54,16 +54,29 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
 
 def load(path: str | Path) -> dict[str, Any]:
     """Read what `save` wrote. Raises `CheckpointError` for a file that is missing, cut short, foreign or too new."""
-    return decode(_content(Path(path), mapped=False))
+    return _entry(Path(path), None)
 
 
 def load_entry(path: str | Path, key: str) -> Any:
     """Read one entry of what `save` wrote; the arrays of the others stay on the disk. Raises as `load`."""
-    return decode(_content(Path(path), mapped=True)[key])
+    return _entry(Path(path), key)
+
+
+def _entry(path: Path, key: str | None) -> Any:
+    """Read one entry of a checkpoint, or all of it."""
+    content = _content(path, mapped=key is not None)
+    try:
+        return decode(content if key is None else content[key])
+    except Exception as error:  # whatever values that `encode` never wrote make of it
+        raise CheckpointError(_damaged(path)) from error
+
+
+def _damaged(path: Path) -> str:
+    return f"{path} is no checkpoint, or one that was cut short or damaged"
 
 
 def _content(path: Path, mapped: bool) -> dict[str, Any]:
-    damaged = f"{path} is no checkpoint, or one that was cut short or damaged"
+    damaged = _damaged(path)
     try:
         with open(path, "rb") as file:
             if not zipfile.is_zipfile(file):
@@ -83,6 +96,8 @@ def _content(path: Path, mapped: bool) -> dict[str, Any]:
         raise CheckpointError(
             f"{path} has version {content.get('version')} of the checkpoint format; this program reads {VERSION}"
         )
+    if not isinstance(content.get("state"), dict):
+        raise CheckpointError(damaged)
     return content["state"]
 
 

@@ -24,9 +24,12 @@ class Resumable:
         return {name: _saved(getattr(self, name)) for name in self.state_fields}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
+        """Take back what `state_dict` returned. Raises ValueError for what is of another kind, KeyError for too little.
+
+        Of arrays the first axis may be of another length, for some grow; where it may not, whoever has them says so.
+        """
         for name in self.state_fields:
-            setattr(self, name, _restored(getattr(self, name), state[name]))
+            setattr(self, name, _restored(getattr(self, name), state[name], name))
 
 
 def _saved(value: Any) -> Any:
@@ -37,7 +40,7 @@ def _saved(value: Any) -> Any:
     return value.get_state() if hasattr(value, "get_state") else copy.deepcopy(value)
 
 
-def _restored(value: Any, state: Any) -> Any:
+def _restored(value: Any, state: Any, name: str) -> Any:
     """Return `value` with this state put into it, or where it is plain data, a copy of the state."""
     if isinstance(value, np.random.Generator):
         value.bit_generator.state = state
@@ -46,5 +49,14 @@ def _restored(value: Any, state: Any) -> Any:
     elif hasattr(value, "set_state"):
         value.set_state(state)
     else:
+        if _kind(value) != _kind(state) and None not in (value, state):
+            raise ValueError(f"{name} is {_kind(state)} and must be {_kind(value)}")
         return copy.deepcopy(state)
     return value
+
+
+def _kind(value: Any) -> str:
+    """Say what kind of plain data something is: of an array its type and all but its first axis."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype}, {['N', *value.shape[1:]] if value.ndim else 'one number'}"
+    return "a number" if isinstance(value, int | float | np.number) else f"a {type(value).__name__}"

@@ -21,7 +21,7 @@ from experiments.pictures import plots
 from experiments.run import arguments, build, origin
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
-from experiments.run.errors import CommandError, UsageError
+from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count, headline
 from experiments.run.signals import StopRequest
@@ -102,12 +102,14 @@ def restore(run: RunFolder, method: Any) -> float:
     """
     state = run.load()
     if state is None:
+        run.cut_back(0)
         return 0.0
     try:
         method.load_state_dict(state["method"])
-    except ValueError as error:  # of environments that keep their state otherwise by now
-        raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {error}") from error
-    return state["elapsed"]
+    except DAMAGE as error:  # it is damaged, or of environments that keep their state otherwise by now
+        raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
+    run.cut_back(state["update"])
+    return float(state["elapsed"])
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:

@@ -178,10 +178,14 @@ def load(kind: type[Config] | None, path: Path) -> Config:
     Raises `ConfigError` as `from_dict`, and for text that is not JSON.
     """
     try:
-        data = json.loads(path.read_text())
-    except ValueError as error:
+        data = json.loads(path.read_text(), parse_constant=_no_number)
+    except (ValueError, RecursionError) as error:
         raise ConfigError(f"{path} is not JSON: {error}") from error
     return from_dict(kind or run_class(data), data, str(path))
+
+
+def _no_number(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
 
 
 def differences(old: Any, new: Any, path: str = "") -> dict[str, tuple[Any, Any]]:

@@ -27,6 +27,10 @@ class CommandError(Exception):
     exit_code = 1
 
 
+# What values that nobody has written make of the code that takes them.
+DAMAGE = (ValueError, KeyError, TypeError, IndexError, AttributeError, RuntimeError, OverflowError, AssertionError)
+
+
 class UsageError(CommandError):
     """The command line itself is wrong. The exit code is 2, as every Unix tool has it."""
 
@@ -42,6 +46,11 @@ EXTRAS = {
     "shapely": "all",
     "minari": "demonstrations",
 }
+
+
+def refused(error: Exception) -> str:
+    """Return what an error says, for a sentence of ours: of a missing key that it is missing."""
+    return f"{error} is missing" if isinstance(error, KeyError) else str(error).partition("\n")[0]
 
 
 def nearest(word: str, words: Iterable[str], most: int = 1) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from experiments.run import build
 from experiments.run.baselines import make_baselines
-from experiments.run.errors import CommandError
+from experiments.run.errors import DAMAGE, CommandError, refused
 from experiments.run.own import OwnScene
 from experiments.run.report import Report
 from experiments.run.results import LevelResult, Result, summarise, summarise_levels
@@ -137,19 +137,19 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     `CommandError` if the run has none yet, or one of other observations.
     """
     from experiments.run.config import EngineConfig
-    from ued import checkpoint
 
     if not run.checkpoint.exists():
         raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
-    config, state = run.config, checkpoint.load(run.checkpoint)
+    config, state = run.config, run.load()
+    assert state is not None
     # On this engine: it sees the same and needs no other
     env = EngineConfig(engine="regista").instead_of(config.env) if build.is_football(config) else None
     method = build.make_method(config, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
     try:
         method.load_students(state["method"])
-    except ValueError as error:  # of another number of agents
-        raise CommandError(f"{run.path}: {error}") from error
     except RuntimeError as error:
         seen = method.upomdp.single_observation_space
         raise CommandError(f"{run.path} holds a student of other observations than {seen}; train it anew") from error
+    except DAMAGE as error:  # of another number of agents, or it is damaged
+        raise CommandError(f"{run.path}: {refused(error)}") from error
     return method.student, (state["env_steps"], state["update"])

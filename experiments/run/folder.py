@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 from experiments.run import config as configs
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
-from experiments.run.table import Table, cannot_write, read_rows
+from experiments.run.table import Table, cannot_write, read_columns
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -85,8 +85,9 @@ class RunFolder:
             of_others = name.partition(".")[0] in others
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
+        if config != self.config:
+            configs.save(config, self.path / "config.json")
         self.config = config
-        configs.save(config, self.path / "config.json")
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -110,7 +111,7 @@ class RunFolder:
                 kept.write_text(text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
-        elif kept.read_text() != text and not own:
+        elif kept.read_text(errors="replace") != text and not own:
             raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
 
     # ------------------------------------------------------------ the checkpoint
@@ -120,14 +121,23 @@ class RunFolder:
         return self.path / "checkpoint.pt"
 
     def load(self) -> dict[str, Any] | None:
-        """Return the checkpoint, with the tables cut back to its update; None if the run has none yet."""
+        """Return the checkpoint, None if the run has none yet. Raises `CheckpointError` for one that is damaged."""
         from ued import checkpoint
 
-        state = checkpoint.load(self.checkpoint) if self.checkpoint.exists() else None
-        self.saved_update = state["update"] if state else 0
-        self.metrics.keep_until(self.saved_update)
-        self.levels.keep_until(self.saved_update)
+        if not self.checkpoint.exists():
+            return None
+        state = checkpoint.load(self.checkpoint)
+        for name in COUNTERS:
+            value: Any = state.get(name)
+            if type(value) not in (int, float) or not 0 <= value < LARGEST:
+                raise checkpoint.CheckpointError(f"{self.checkpoint} is damaged: its {name} is {value!r}")
         return state
+
+    def cut_back(self, update: int) -> None:
+        """Cut the tables back to an update, that of the checkpoint from which the run goes on."""
+        self.saved_update = update
+        self.metrics.keep_until(update)
+        self.levels.keep_until(update)
 
     def save(self, state: dict[str, Any]) -> None:
         """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
@@ -154,7 +164,10 @@ class RunFolder:
             return False
         from ued import checkpoint
 
-        return checkpoint.load_entry(self.checkpoint, "env_steps") >= self.config.total_env_steps
+        done = checkpoint.load_entry(self.checkpoint, "env_steps")
+        if not isinstance(done, int):
+            raise checkpoint.CheckpointError(f"{self.checkpoint} is damaged: its env_steps is {done!r}")
+        return done >= self.config.total_env_steps
 
     def add_update(self, method: Any, metrics: Mapping[str, float], names: Sequence[str]) -> None:
         """Add one row to metrics.csv and one per trained level to levels.csv; wall-clock columns come last.
@@ -173,8 +186,8 @@ class RunFolder:
 
     def env_steps(self) -> int:
         """Return the env_steps of the last row of metrics.csv, 0 if there is none."""
-        rows = read_rows(self.metrics.path)
-        return int(rows[-1]["env_steps"]) if rows else 0
+        steps = read_columns(self.metrics.path).get("env_steps")
+        return 0 if steps is None or not len(steps) else int(steps[-1])
 
     def next_recording(self) -> Path:
         """Return the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
@@ -194,4 +207,6 @@ def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
 
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd")
+COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
+LARGEST = 10**15  # of any of them
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")

@@ -13,7 +13,7 @@ from typing import Any
 from experiments.run import config as configs
 from experiments.run.build import is_football
 from experiments.run.config import TrainConfig
-from experiments.run.errors import CommandError
+from experiments.run.errors import CommandError, refused
 from experiments.run.folder import RunFolder
 from ued.config import FineTuningConfig
 
@@ -42,7 +42,7 @@ def load(path: Path) -> Origin:
     try:
         config: Any = configs.from_dict(configs.run_class(state["config"]), state["config"], str(file))
         student = state["method"]["learners"][0]["ppo"]["student"]
-    except (KeyError, IndexError, TypeError) as error:
+    except (KeyError, IndexError, TypeError, AttributeError) as error:
         raise CommandError(f"{file} is a checkpoint without a student to begin with") from error
     return Origin(path, config, student)
 
@@ -96,6 +96,8 @@ def begin_with(run: RunFolder, method: Any) -> None:
     state = checkpoint.load(path)
     try:
         method.start_from(state["student"], state["kl_coef"], state["kl_env_steps"])
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise CommandError(f"{path} is damaged: {refused(error)}") from error
     except RuntimeError as error:
         raise CommandError(
             f"{state['source']} holds a student of {state['minigame']}, who sees something else than "

@@ -45,10 +45,8 @@ class Table:
         """Drop the rows of later updates, and a last one that was cut off in the middle."""
         if not self.path.exists():
             return
-        with open(self.path, newline="") as file:
-            lines = file.readlines()
-        kept = lines[:1] + [line for line in lines[1:] if line.endswith("\n") and int(line.split(",", 1)[0]) <= update]
-        self._rewrite(kept)
+        header, lines = _lines(self.path)
+        self._rewrite([header, *(line for line, cells in lines if _number(cells[0]) <= update)])
 
     def _widen(self, names: list[str]) -> None:
         old = read_rows(self.path) if self.columns else []
@@ -71,25 +69,43 @@ class Table:
 
 def read_header(path: Path) -> list[str]:
     """Return the names of the columns, none if there is no table yet."""
-    if not path.exists():
-        return []
-    with open(path, newline="") as file:
-        return next(csv.reader(file), [])
+    return next(csv.reader([_lines(path)[0]]), []) if path.exists() else []
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
     """Return the whole rows as text by column; a last row without its newline is left out."""
     if not path.exists():
         return []
-    with open(path, newline="") as file:
-        lines = [line for line in file if line.endswith("\n")]
-    return list(csv.DictReader(lines))
+    names = read_header(path)
+    return [dict(zip(names, cells, strict=True)) for _, cells in _lines(path)[1]]
+
+
+def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
+    """Return the header and the whole lines of a table, each with its cells; a last one without its end is left out.
+
+    Raises `CommandError` where it is damaged: what is no text, lines of other lengths, cells that are no numbers.
+    """
+    try:
+        with open(path, newline="") as file:
+            header, *lines = file.readlines() or [""]
+        whole = [line for line in lines if line.endswith("\n")]
+        rows = list(csv.reader(whole, strict=True))
+        width = len(next(csv.reader([header], strict=True), []))
+    except (ValueError, csv.Error) as error:
+        raise CommandError(f"{path} is damaged: {error}") from error
+    for number, cells in enumerate(rows, 2):
+        if len(cells) != width or (header.startswith("update,") and not cells[0].isdecimal()):
+            raise CommandError(f"{path} is damaged: line {number} is no row of {width} cells")
+    return header, list(zip(whole, rows, strict=True))
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
     """Return the columns as float64 arrays, NaN where a cell is empty."""
     rows = read_rows(path)
-    return {name: np.array([_number(row[name]) for row in rows]) for name in read_header(path)}
+    try:
+        return {name: np.array([_number(row[name]) for row in rows]) for name in read_header(path)}
+    except ValueError as error:
+        raise CommandError(f"{path} is damaged: {error}") from error
 
 
 def cannot_write(path: Path, error: Exception) -> CommandError:

@@ -12,7 +12,9 @@ Read next: `learning.rollout`.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import torch
@@ -128,6 +130,13 @@ class Student(nn.Module):
         self.actor = PolicyHead(action_space, config.hidden_size, generator, self.policies)
         self.critic = linear(config.hidden_size, 1, 1.0, generator, team.policies)
         self.action_space = action_space
+
+    def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False) -> Any:
+        """Take back weights. Raises ValueError for some that are no numbers, RuntimeError for those of another net."""
+        for name, weights in state_dict.items():
+            if not (isinstance(weights, Tensor) and weights.isfinite().all()):
+                raise ValueError(f"the student's {name} is not finite")
+        return super().load_state_dict(state_dict, strict, assign)
 
     def forward(self, observation: Tensor) -> tuple[Policy, Tensor]:
         """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`."""

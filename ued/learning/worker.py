@@ -158,8 +158,11 @@ class RolloutWorker(Resumable):
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
+        """Take back what `state_dict` returned. Raises ValueError if it is of another number of environments."""
         super().load_state_dict(state)
+        for name in ("training", "returns", "lengths"):
+            if getattr(self, name).shape != (self.upomdp.num_envs,):
+                raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
             self.observation, _ = self.upomdp.reset_to_levels(state["levels"])
