@@ -154,9 +154,11 @@ def post_place(match, player, post, on_ball):
     draw = (1.0 - min(abs(ball_v - v) / (high - low), 1.0)) * (0.2 + 0.8 * abs(ball_v) / HALF_WIDTH)
     v += draw * blend(ATTACK.across, DEFENCE.across, attacking) * (ball_v - v)
     focus_u, focus_v = focus(match, first, player.team, attacking, back)
-    draw = close_up(focus_u - u, focus_v - pure_v) * close_up_strength(attacking, ball_u)
-    u += draw * (focus_u - u)
-    v += draw * CLOSE_UP.across * (focus_v - v)
+    draw = close_up(focus_u - u, focus_v - pure_v)
+    if draw > 0.0:
+        draw *= close_up_strength(attacking, ball_u)
+        u += draw * (focus_u - u)
+        v += draw * CLOSE_UP.across * (focus_v - v)
     u, v = min(max(u, -HALF_LENGTH), HALF_LENGTH), min(max(v, -HALF_WIDTH), HALF_WIDTH)
     return ahead * u, ahead * v
 

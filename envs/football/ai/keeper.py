@@ -10,10 +10,12 @@ from typing import NamedTuple
 
 from envs.football.constants import (
     GOAL_HALF_WIDTH,
+    HALF_LENGTH,
     HIGH_PASS,
     NOBODY,
     RUN_SPEED,
 )
+from envs.football.physics.ball import MEAN_DRAG
 from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import ball_speed, fall_time, man_on_ball, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length, toward
@@ -72,6 +74,7 @@ class KickOut(NamedTuple):
 
 # Documented of Google Research Football; leads are fitted: `regista benchmark --suite grf`, family keeper.
 STAND, OUT, KICK_OUT = Stand(), ComeOut(), KickOut()
+FARTHEST_ROLL = 1.0 / MEAN_DRAG  # m; `rolled` gives at most half of it
 
 
 @kernel
@@ -277,7 +280,9 @@ def stand(match, i):
     """Stand on the line that halves the angle between ball and posts, or high while the ball is far."""
     player = match.players[i]
     goal_x = own_goal_x(player.team)
-    x, y = led_ball(match, i)
+    x, y = match.ball.x, match.ball.y
+    if x * goal_x > -HALF_LENGTH * FARTHEST_ROLL or fall_time(match.ball) > 0.0:  # else it stays in the other half
+        x, y = led_ball(match, i)
     if x * goal_x <= 0.0:
         hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
         return

@@ -87,13 +87,15 @@ def meeting_time(match, player, speed):
 def find_chasers(match):
     """Find for each team the player who can be first at the ball, the carrier or by meeting time, and how soon."""
     speed = ball_speed(match.ball)
+    lasts = match.chaser[LEFT], match.chaser[RIGHT]
     for team in (LEFT, RIGHT):
-        last = match.chaser[team]
         match.chaser[team], match.arrival[team] = NOBODY, NEVER
-        if last != NOBODY:
-            consider_chaser(match, last, speed)  # who mostly still is: then all the others are seen to be too far away
+        if lasts[team] != NOBODY:  # who mostly still is: then all the others are seen to be too far away
+            consider_chaser(match, lasts[team], speed)
     for i in range(match.num_players):
         player = match.players[i]
+        if lasts[player.team] == i and match.carrier != i:
+            continue
         reach = (CHASE.speed + speed) * match.arrival[player.team]  # m, of who could be as soon at a ball rolled to him
         if match.carrier == i or squared_apart(player, match.ball.x, match.ball.y) <= reach * reach:
             consider_chaser(match, i, speed)
