@@ -72,6 +72,7 @@ FLOORS = {
         "recorder",
         "task",
         "policy",  # a trained student, elsewhere
+        "sb3",  # for Stable-Baselines3
     ),
     "experiments": (
         "run",

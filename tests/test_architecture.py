@@ -34,6 +34,7 @@ EXCEPTIONS = {
     "ued/methods/alp_gmm.py": {"ued", "numpy", "sklearn", "threadpoolctl"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},
+    "ued/sb3.py": {"ued", "numpy", "stable_baselines3"},
     "ued/recorder/film_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/scene_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/theta_log.py": {"ued", "numpy", "rerun"},

@@ -7,8 +7,15 @@ checkers read them in `__init__.pyi`.
 Read next: `upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
+import os
+import sys
 from importlib import import_module
 from typing import Any
+
+# Torch and Numba bring an OpenMP pool each, whose threads wait by spinning and take the cores from each other's work,
+# ten times slower. It must be said before torch starts its own: import it after this, or set the variable yourself.
+if "torch" not in sys.modules:
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 _EXPORTS = {  # by module; the methods and their settings are those of `methods.METHODS`
     "ued.checkpoint": ("CheckpointError",),

@@ -150,7 +150,8 @@ class UPOMDP(VectorEnv):
 
     Subclasses call `__init__` and give `_start`, `_step`, and where they can `valid`, `describe`, `get_state`,
     `set_state`. Episodes that end start again in the same step (`AutoresetMode.SAME_STEP`): `info["final_obs"]` holds
-    the last observations of those that ended, dense `[N, ...]`, and `info["_final_obs"]` `[N]` says which rows count.
+    the last observations of those that ended, dense `[N, ...]`, and `info["_final_obs"]` `[N]` says which rows count;
+    `info["final_info"]` is what else was told of them.
     Whether an ended episode succeeded is for the environment to say, in `info["success"]` `[N]`: 1, 0, or NaN where it
     does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
 
@@ -171,6 +172,7 @@ class UPOMDP(VectorEnv):
     """
 
     num_agents = 1
+    autoreset_mode = AutoresetMode.SAME_STEP
     num_programs = 1
     family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
@@ -355,8 +357,11 @@ class UPOMDP(VectorEnv):
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Step all environments; an ended one is already at the start of its next episode (see the class)."""
         observations, rewards, terminated, truncated, info = self._step(actions)
+        ended = terminated | truncated
+        if ended.any():
+            last = {name: value for name, value in info.items() if name not in ("final_obs", "_final_obs")}
+            info |= {"final_info": last, "_final_info": ended}
         if self.next_levels is not None:
-            ended = terminated | truncated
             count = int(np.count_nonzero(ended))
             if count:
                 observations, _ = self.reset_to_levels(self.next_levels(count), ended)
