@@ -21,7 +21,8 @@ class SB3VecEnv(VecEnv):
     def __init__(self, upomdp: UPOMDP) -> None:
         if upomdp.num_agents > 1:
             raise ValueError(f"Stable-Baselines3 plays one agent; the environments have {upomdp.num_agents}")
-        self.upomdp, self._seed = upomdp, None
+        self.upomdp = upomdp
+        self._seed: int | None = None
         if upomdp.next_levels is None:
             upomdp.next_levels = upomdp.sample_levels
         super().__init__(upomdp.num_envs, upomdp.single_observation_space, upomdp.single_action_space)
