@@ -65,17 +65,8 @@ FASTEST_TOUCH = FEET.fast  # m/s that a touch can give the ball which is no kick
 @kernel
 def complaint(match, before, energy):
     """Say what is wrong with a match after a step, 0 nothing; `energy` is the ball's before it, negative if unknown."""
-    wrong = wrong_player(match)
-    if wrong == 0:
-        wrong = wrong_ball(match)
-    if wrong == 0:
-        wrong = wrong_play(match)
-    if wrong == 0:
-        wrong = wrong_names(match)
-    if wrong == 0:
-        wrong = wrong_restart(match)
-    if wrong == 0:
-        wrong = wrong_change(match, before)
+    wrong = wrong_player(match) or wrong_ball(match) or wrong_play(match) or wrong_names(match)
+    wrong = wrong or wrong_restart(match) or wrong_change(match, before)
     if wrong != 0:
         return wrong
     if energy >= 0.0 and free(match) and energy_of(match.ball) > 1.001 * energy + 0.02:
