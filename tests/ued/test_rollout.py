@@ -109,11 +109,11 @@ def test_a_new_level_comes_to_the_environments_that_are_named():
     def every_second(ended, returns, success):
         envs = ended[ended % 2 == 1][::-1]  # in any order
         levels = env.make_levels(np.zeros((len(envs), 0)))
-        levels["program"] = envs + 100
+        levels["seed"] = envs + 100
         return envs, records_of(levels)
 
     env = TwoStep(4)
     playing = worker(env, num_steps=2, on_episode_end=every_second)
     collect([playing])
-    assert env.levels["program"].tolist() == [0, 101, 0, 103]
-    assert (playing.pop_episodes().level["program"] == 0).all()  # the level that was played, not the next
+    assert env.levels["seed"][1::2].tolist() == [101, 103] and (env.levels["seed"][::2] > 103).all()
+    assert (playing.pop_episodes().level["seed"] > 103).all()  # the level that was played, not the next
