@@ -45,11 +45,11 @@ test: lint
 test-quick: lint
 	OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto -m 'not slow'
 
-# Long tests, about ten minutes: matches that are not to break, programs that nobody would write. Other seeds: SEED=7.
-SEED ?= 0
+# Hostile states, code, files, programs, signals and matches, for MINUTES, with a report in runs/torture.json. It goes on
+# where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.
+MINUTES ?= 10
 torture: $(READY)
-	$(BIN)/python -m tests.envs.torture 1024 3000 $(SEED)
-	$(BIN)/python -m tests.scenic_lite.fuzzing 20000 $(SEED)
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.torture --minutes $(MINUTES)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

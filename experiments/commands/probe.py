@@ -34,7 +34,10 @@ if TYPE_CHECKING:
     from ued.statistics import Interval
 
 DESCRIPTION = "Compare methods on a probe where levels at the frontier of a student's skill are rare."
-OWN = ("minigame", "method", "seed", "threads", "checkpoint_seconds", "record", "record_rollouts", "env")
+OWN = (
+    *("minigame", "method", "seed", "threads", "checkpoint_seconds", "env"),
+    *("record", "record_rollouts", "record_limit"),
+)
 TESTS = 20  # evaluations of a run
 EPISODES = 5  # on each test level, in each of them
 

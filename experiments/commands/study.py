@@ -44,7 +44,7 @@ BUDGETS = {  # of `transfer`: steps after which returns hardly rise any more
 }
 OTHERS = 1_000_000  # steps of a game that is not among these
 OWN = ("minigame", "seed")  # settings of a run that the study chooses
-BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts"}
+BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
 LONGEST = 24 * 365.0  # hours, where nobody says how many
 
 

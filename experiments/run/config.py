@@ -96,6 +96,7 @@ class RunConfig(Checked):
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
+    record_limit: int = setting(2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1")
     ppo: PPOConfig = group(PPOConfig, "PPO")
 
 
@@ -145,7 +146,7 @@ class OwnTrainConfig(OwnSettings):
 # ---------------------------------------------------------------- JSON
 
 # Settings that older runs know nothing of, and what they did: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own"}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000}
 
 
 def run_class(data: Any) -> type:

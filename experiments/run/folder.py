@@ -189,10 +189,14 @@ class RunFolder:
         steps = read_columns(self.metrics.path).get("env_steps")
         return 0 if steps is None or not len(steps) else int(steps[-1])
 
+    def recordings(self) -> list[Path]:
+        """Return the parts of the recording that are there."""
+        return list(self.path.glob("curriculum*.rrd"))
+
     def next_recording(self) -> Path:
         """Return the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
         first = self.path / "curriculum.rrd"
-        parts = len(list(self.path.glob("curriculum*.rrd")))
+        parts = len(self.recordings())
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
@@ -209,4 +213,4 @@ def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd")
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
 LARGEST = 10**15  # of any of them
-MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts")
+MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit")

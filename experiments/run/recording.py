@@ -37,9 +37,14 @@ class RunRecorder:
         self._try(self._update, method, metrics)
 
     def flush(self) -> None:
-        """Bring everything to the disk."""
+        """Bring everything to the disk; end the recording where it has become larger than it may be."""
         if self.recorder is not None:
             self._try(self.recorder.flush)
+        size, most = sum(part.stat().st_size for part in self.run.recordings()), self.run.config.record_limit
+        if self.recorder is not None and size > most * 1_000_000:
+            self.close()
+            self.recorder = None
+            print(f"regista: {most} MB are recorded, and nothing more is; see --record-limit", file=sys.stderr)
 
     def close(self) -> None:
         """Finish the file."""

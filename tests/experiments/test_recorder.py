@@ -2,10 +2,12 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from experiments.run.recording import RunRecorder
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episode
@@ -121,3 +123,17 @@ def test_smoothing_keeps_the_mass_and_the_shape():
 def test_a_ramp_of_colours_hits_its_ends():
     colours = ramp(np.array([0.0, 1.0, np.nan]), ((0, 0, 0), (10, 20, 30)))
     assert colours.tolist() == [[0, 0, 0], [10, 20, 30], [0, 0, 0]]
+
+
+def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
+    (tmp_path / "curriculum.rrd").write_bytes(bytes(1_000_001))
+    ended = []
+    recorder = RunRecorder.__new__(RunRecorder)
+    recorder.run = SimpleNamespace(
+        recordings=lambda: [tmp_path / "curriculum.rrd"], config=SimpleNamespace(record_limit=1)
+    )
+    recorder.recorder = SimpleNamespace(flush=lambda: None, close=lambda: ended.append(True))
+    recorder.flush()
+    recorder.flush()
+    assert ended == [True] and recorder.recorder is None
+    assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"

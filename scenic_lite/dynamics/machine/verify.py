@@ -39,7 +39,7 @@ def verify(code: Code, objects: int, cells: int) -> Code:
     for opcode in np.unique(rows[:, 0]).tolist():
         mine = rows[rows[:, 0] == opcode]
         for values, kind in zip(mine[:, 1:].T, OPCODES[opcode].operands, strict=True):
-            if kind in "abc":
+            if kind in "abc.":  # one that is not used is read with the others
                 _demand(values < registers, f"an operand of {OPCODES[opcode].name} is no register")
             elif kind == "t":
                 _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is no row")
