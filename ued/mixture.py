@@ -198,5 +198,7 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
             raise ValueError(f"{name} has {member.num_agents} agents, {names[0]} {first.num_agents}")
         if member.single_action_space != first.single_action_space:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
+        if member.paid_apart:
+            raise ValueError(f"{name} has opponents; a mixture needs agents who are paid together")
         if len(member.agent_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

@@ -169,11 +169,14 @@ class UPOMDP(VectorEnv):
         num_programs: how many programs its levels may be of; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
             of several, observations and actions are `[N, A, ...]`, alike for all.
+        paid_apart: they are opponents, each of whom learns from a reward of its own, `info["agent_rewards"]` `[N, A]`;
+            the rewards `[N]`, by which levels are judged, are those of the first side.
     """
 
     num_agents = 1
     autoreset_mode = AutoresetMode.SAME_STEP
     num_programs = 1
+    paid_apart = False
     family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Discrete, MultiDiscrete, Space
+from gymnasium.spaces import Discrete, MultiDiscrete
 
 from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
 from envs.football.config import FootballConfig
@@ -106,11 +106,9 @@ class FootballVectorEnv(UPOMDP):
         return self._batch.matches.copy()
 
     @property
-    def agent_action_space(self) -> Space:
-        """What one agent does. Raises ValueError where both teams have agents: they are not paid together."""
-        if all(self.lineup.num_agents):
-            raise ValueError("agents of both teams cannot learn as one team; set control or right_control to 'none'")
-        return super().agent_action_space
+    def paid_apart(self) -> bool:  # type: ignore[override]
+        """Whether both teams have agents: they are opponents, and learn by self-play."""
+        return all(self.lineup.num_agents)
 
     @property
     def observation_unit(self) -> np.ndarray | None:

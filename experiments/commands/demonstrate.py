@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from experiments.run.demonstrator import Choose
 
 DESCRIPTION = "Keep episodes of a program, or of a trained student, as records and as a Minari data set."
+RUN_SAYS = {"representation", "control", "right_control"}
 SIDE_BY_SIDE = {"smm": 64, "smm_stacked": 64}  # episodes of a part, by representation; 256 of small observations
 
 
@@ -56,14 +57,17 @@ class DemonstrateConfig(Checked):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    typed = arguments.parse(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
+    said = arguments.typed_settings(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
+    typed = arguments.replace_paths(DemonstrateConfig(), said)
     if not typed.minigame and typed.run is None:
         raise UsageError("demonstrate needs a minigame's name, a .scenic file, or --run RUN")
+    for name in sorted(RUN_SAYS & said.keys()) if typed.run else ():
+        raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run plays as it was trained")
     check_installed()
     config, program, student = _who_plays(typed)
+    env = build.make_upomdp(program, config.part, config.env, config.seed, typed.threads)  # refuses before it is begun
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
     demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
-    env = build.make_upomdp(program, config.part, config.env, config.seed, typed.threads)
     if student is None:
         if not env.behaviors.is_live:
             build.warn(f"note: {program.file} has no behaviors; the built-in AI plays for its agents")

@@ -216,6 +216,8 @@ def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     capsys.readouterr()
     assert main(["demonstrate", str(program), "--run", str(run)]) == 2
     assert "exclude each other" in capsys.readouterr().err
+    assert main(["demonstrate", "--run", str(run), "--control", "all"]) == 2
+    assert "--control and --run exclude each other: a run plays as it was trained" in capsys.readouterr().err
 
 
 def test_the_environment_is_recovered_from_the_data(program, tmp_path):
@@ -243,3 +245,19 @@ def test_one_agent_has_another_semi_expert_than_a_team(program, tmp_path, monkey
     out = tmp_path / "demos"
     assert main(["demonstrate", "game", "--control", control, "--episodes", "2", "--out", str(out)]) == 0
     assert (out / "program.scenic").read_text() == {"run": RUN, "pair": PAIR}[played]
+
+
+def test_a_control_mode_that_does_not_fit_leaves_nothing_behind(program, tmp_path, capsys):
+    out = tmp_path / "demos"
+    assert main(["demonstrate", str(program), "--control", "3", "--out", str(out)]) == 1
+    assert "control '3' needs 3 players in the left team, which has 1" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_defence_that_concedes_nothing_is_a_success(tmp_path, capsys):
+    path, out = tmp_path / "hold.scenic", tmp_path / "demos"
+    path.write_text(f"{RUN}param defending = True\n")
+    assert demonstrate(path, out, "--episodes", "256") == 0
+    table = read_columns(out / "episodes.csv")
+    assert (table["success"] == 1).all() and (table["return"] == 0).any()
+    assert "256 played, success 1.00" in capsys.readouterr().out

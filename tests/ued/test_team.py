@@ -293,3 +293,32 @@ def test_a_team_learns_several_programs_in_one_batch(team, critic):
 def test_programs_of_a_mixture_have_as_many_agents():
     with pytest.raises(ValueError, match="pair has 2 agents, roles 3"):
         Mixture([Roles(4), Roles(4, agents=2)], ["roles", "pair"])
+
+
+class Opponents(Roles):
+    """One step: an agent is paid for following the sign, and what one is paid, the other loses."""
+
+    paid_apart = True
+
+    def __init__(self, num_envs=16):
+        super().__init__(num_envs, agents=2)
+
+    def _step(self, actions):
+        follows = np.where((np.asarray(actions) == 1) == (self.sign[:, None] > 0), 1.0, -1.0)  # [N, A]
+        own = follows - follows[:, ::-1]
+        observation, _, *over, info = super()._step(actions)
+        return observation, own[:, 0], *over, info | {"agent_rewards": own}
+
+
+@pytest.mark.parametrize("team", ["independent", "shared"])
+def test_opponents_learn_each_from_what_it_is_paid(team):
+    method = DR(Opponents(64), dataclasses.replace(QUICK, team=team), seed=0)
+    for _ in range(60):
+        metrics = method.update()
+    seen = torch.tensor([[[1.0], [1.0]], [[-1.0], [-1.0]]])
+    assert (method.student(seen)[0].mode() == torch.tensor([[1, 1], [0, 0]])).all()
+    assert abs(metrics["return/student"]) < 0.4  # what one wins the other loses
+    rollout = method.learners[0].rollout
+    assert rollout.reward.shape == rollout.value.shape and (rollout.reward.sum(-1) == 0).all()
+    with pytest.raises(ValueError, match="critic = own"):
+        DR(Opponents(), dataclasses.replace(QUICK, team=team, critic="central"))

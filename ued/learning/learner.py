@@ -33,6 +33,8 @@ class Learner:
         seeds: of its weights, its actions, and the shuffling of minibatches, in this order.
         on_episode_end: decides which level an environment plays next; see `RolloutWorker`.
         scripted: the environments play the learner's part themselves: there is no student, and nothing is learned.
+
+    Raises `ValueError` for one critic of opponents.
     """
 
     def __init__(
@@ -44,6 +46,8 @@ class Learner:
         on_episode_end: OnEpisodeEnd,
         scripted: bool = False,
     ) -> None:
+        if upomdp.paid_apart and config.critic == "central":
+            raise ValueError("opponents are not worth the same: they need critic = own")
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
@@ -139,7 +143,7 @@ def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
     if agents == 1 or not isinstance(space, Discrete):
         return {}
     counts = np.stack([np.bincount(taken, minlength=int(space.n)) for taken in rollout.action.flatten(0, 1).T.numpy()])
-    shares = counts / len(rollout.reward.flatten())  # [A, actions]
+    shares = counts / rollout.terminated.numel()  # [A, actions]
     return {
         f"agent_{agent}/action_{space.start + action}": float(share)
         for agent, row in enumerate(shares)

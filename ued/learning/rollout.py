@@ -21,13 +21,13 @@ class Rollout:
     """T steps of N environments. Episodes run on from one rollout to the next.
 
     What an agent sees, does and expects has a further axis of agents where there are several, `[T, N, A, ...]`; they
-    are paid together, and their episodes are the same.
+    are paid together unless they are opponents, and their episodes are the same.
 
     Attributes:
         observation: `[T, N, size]`, uint8 as uint8, what was seen before the action.
         action: `[T, N]` or flat `[T, N, K]` as the policy drew it.
         log_prob, value: `[T, N]`, of each agent.
-        reward: `[T, N]`, of the team.
+        reward: `[T, N]`, of the team; of opponents `[T, N, A]`, of each.
         terminated: `[T, N]` the episode ended in this step, and nothing follows.
         truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
         final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0, of each agent.
@@ -48,9 +48,15 @@ class Rollout:
 
     @classmethod
     def empty(
-        cls, num_steps: int, num_envs: int, observation_space: Space, action_space: Space, agents: int = 1
+        cls,
+        num_steps: int,
+        num_envs: int,
+        observation_space: Space,
+        action_space: Space,
+        agents: int = 1,
+        apart: bool = False,
     ) -> Rollout:
-        """Allocate a rollout for these spaces of one agent of one environment."""
+        """Allocate a rollout for these spaces of one agent of one environment; `apart`: each agent is paid its own."""
         assert observation_space.shape is not None and action_space.shape is not None
         shape = (num_steps, num_envs)
         by_agent = shape if agents == 1 else (*shape, agents)
@@ -62,7 +68,7 @@ class Rollout:
             action=torch.zeros(*by_agent, *size, dtype=kind),
             log_prob=torch.zeros(by_agent),
             value=torch.zeros(by_agent),
-            reward=torch.zeros(shape),
+            reward=torch.zeros(by_agent if apart else shape),
             terminated=torch.zeros(shape, dtype=torch.bool),
             truncated=torch.zeros(shape, dtype=torch.bool),
             final_value=torch.zeros(by_agent),
@@ -83,9 +89,12 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
     What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.
     """
-    for_each = (..., None) if rollout.value.ndim > rollout.reward.ndim else ...  # of several agents
-    reward, terminated = rollout.reward[for_each], rollout.terminated[for_each]
-    done = terminated | rollout.truncated[for_each]
+    by_agent = rollout.value.ndim
+    reward, terminated, truncated = (
+        each if each.ndim == by_agent else each[..., None]
+        for each in (rollout.reward, rollout.terminated, rollout.truncated)
+    )
+    done = terminated | truncated
     next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])
     next_value = torch.where(done, rollout.final_value.masked_fill(terminated, 0.0), next_value)
     delta = reward + gamma * next_value - rollout.value  # [T, N]

@@ -57,7 +57,7 @@ class RolloutWorker(Resumable):
         self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
         upomdp.next_levels = None
         spaces = upomdp.agent_observation_space, upomdp.agent_action_space
-        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, upomdp.num_agents)
+        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, upomdp.num_agents, upomdp.paid_apart)
         self.observation: np.ndarray | None = None  # until `start`
         self.training = np.ones(upomdp.num_envs, bool)  # [N] where the student learns from what it does
         self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
@@ -83,7 +83,7 @@ class RolloutWorker(Resumable):
         self.observation, reward, terminated, truncated, info = self.upomdp.step(actions)
         self.seconds["forward"] += acted - began
         self.seconds["sim"] += perf_counter() - acted
-        rollout.reward[t] = torch.as_tensor(reward)
+        rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.paid_apart else reward)
         rollout.terminated[t] = torch.as_tensor(terminated)
         rollout.truncated[t] = torch.as_tensor(truncated)
         self._value_final_observations(t, truncated & ~terminated, info)
