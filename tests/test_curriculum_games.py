@@ -78,5 +78,5 @@ def test_a_guard_without_reach_stands_and_one_with_reach_comes():
 def test_so_many_defend_as_are_awake():
     asleep, awake = (courses("Buildup", {0: value}, 10)[:, :, 1:] for value in (-1.0, 1.0))
     gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (asleep, awake)]
-    assert gone[0].max() < 0.5
-    assert np.median(gone[1]) > 1.0
+    assert np.quantile(gone[0], 0.9) < 0.2  # some are pushed by those who run
+    assert np.quantile(gone[1], 0.1) > 0.5
