@@ -11,6 +11,7 @@ from experiments.commands.train import train
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.results import mean_return
+from experiments.run.signals import StopRequest
 from experiments.studies import page, rows
 from experiments.studies.measuring import measure_random
 from minigames.suites import BENCHMARK
@@ -195,7 +196,9 @@ def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypat
     assert main([*words, "--hours", "1"]) == 0
     assert len(begun) < 2
     monkeypatch.undo()
-    monkeypatch.setattr(study, "train_all", lambda runs, *_: [train(RunFolder.open(run.path), False) for run in runs])
+    monkeypatch.setattr(
+        study, "train_all", lambda runs, *_: [train(RunFolder.open(run.path), StopRequest()) for run in runs]
+    )
     assert main(words) == 0
     assert len(rows.load(tmp_path / "results" / "fast.csv")) == 9
 

@@ -181,7 +181,7 @@ def test_plr_writes_new_scores_of_replayed_levels():
 def test_accel_edits_what_was_replayed_and_only_looks_at_the_children():
     method = METHODS["accel"](frontier())
     seen = observed(method)
-    for _ in range(30):
+    for _ in range(60):
         method.update()
     records = np.concatenate(seen)
     children = records[records["origin"] == Origin.EDITED]
@@ -376,5 +376,6 @@ def test_every_metric_is_explained_in_the_readme():
         for student in [learner.name for learner in method.learners]:
             names = {re.sub(rf"(^|/){student}(/|$)", r"\1NAME\2", name) for name in names}
         logged |= names
-    of_teams = {name for name in explained if "/agent_" in name}  # tests/ued/test_team.py finds these
-    assert logged == explained - of_teams
+    elsewhere = {name for name in explained if "/agent_" in name}  # tests/ued/test_team.py finds these
+    elsewhere |= {"program/NAME", "program_success/NAME"}  # and tests/ued/test_mixture.py those of mixtures
+    assert logged == explained - elsewhere
