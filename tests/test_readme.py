@@ -90,7 +90,7 @@ def test_every_command_is_shown_with_flags_that_it_has(command, capsys):
     shown = [words for name, words in COMMAND_LINES if name == command]
     assert shown
     with pytest.raises(SystemExit):
-        main([command, "--help"])
+        main([command, "--help", "all"])
     flags = set(re.findall(r"--[a-z.-]+", capsys.readouterr().out))
     assert set(re.findall(r"--[a-z.-]+", " ".join(shown))) <= flags
 

@@ -205,7 +205,8 @@ class PairedConfig(TeacherConfig):
         "student", "who plays the antagonist: a second student, or what the environment itself does there"
     )
     kl: Literal["none", "one_way", "both_ways"] = setting(
-        "none", "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other"
+        "none",
+        "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other (both_ways)",
     )
     kl_coef: float = setting(0.1, "weight of the divergence of the other student's policy", ">=0")
     kl_every: int = setting(5, "updates between two in which students are drawn to each other", ">=1")
@@ -263,7 +264,11 @@ class PLRConfig(Checked):
 
     replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one", "0-1")
     min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed", "0-1")
-    score: ScoreRule = setting("max_mc", "what makes a level worth replaying")
+    score: ScoreRule = setting(
+        "max_mc",
+        "what makes a level worth replaying: its best return above what the critic expects (max_mc), mean advantages "
+        "above 0 (positive_value_loss) or in size (l1_value_loss), or p (1 - p), p the share solved (learnability)",
+    )
     episodes_per_level: int = setting(1, "whole episodes that the student plays on a level", ">=1")
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 

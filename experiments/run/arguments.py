@@ -2,7 +2,8 @@
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
 fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only what
-was typed changes the base configuration, so a preset or a resumed run can serve as base. Read next: `run.config`.
+was typed changes the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
+with topics have pages of their own, `--help TOPIC`. Read next: `run.config`.
 """
 
 from __future__ import annotations
@@ -26,12 +27,19 @@ def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
     return field(default=default, metadata={"help": help, "positional": True})
 
 
-def group(factory: Callable[[], Any], help: str, prefix: str = "", without: tuple[str, ...] = ()) -> Any:
+def group(
+    factory: Callable[[], Any],
+    help: str,
+    prefix: str = "",
+    without: tuple[str, ...] = (),
+    topics: tuple[str, ...] = (),
+) -> Any:
     """Return a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
 
-    The fields `without` get no flag.
+    The fields `without` get no flag. A group with `topics` is shown by `--help TOPIC`, not by `--help`.
     """
-    return field(default_factory=factory, metadata={"help": help, "prefix": prefix, "without": without})
+    about = {"help": help, "prefix": prefix, "without": without, "topics": topics}
+    return field(default_factory=factory, metadata=about)
 
 
 def option(default: Any, help: str, short: str = "", repeated: bool = False, metavar: str = "") -> Any:
@@ -51,9 +59,11 @@ def typed_settings(base: Any, argv: Sequence[str], command: str, description: st
     parser = _Parser(
         prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
     )
-    parser.add_argument("--help", "-h", action="help", help="show this and exit")
+    showing = parser.add_argument("--help", "-h", action=_ShowHelp)
     flags = ["--help"]
     _add(parser, parser, base, _Place("", ""), flags)
+    if parser.topics:
+        showing.nargs, showing.help = "?", "show this page, or that of a topic, and exit"
     typed, unknown = parser.parse_known_args(list(argv))
     if unknown:
         raise UsageError(_unknown(unknown[0], flags))
@@ -84,11 +94,12 @@ def flag_name(name: str, prefix: str = "") -> str:
 
 
 class _Place(NamedTuple):
-    """Where in the nesting of configurations: dotted path of fields, prefix of flags, fields that get no flag."""
+    """Where in the nesting of configurations: path of fields, prefix of flags, fields without a flag, help topics."""
 
     path: str
     prefix: str
     without: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()
 
 
 def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
@@ -102,7 +113,10 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
         if is_dataclass(value):
             nested = parser.add_argument_group(help_text or item.name)
             prefix = place.prefix + about.get("prefix", f"{item.name}.")
-            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ())), flags)
+            topics = about.get("topics") or place.topics
+            for topic in topics:
+                parser.topics.setdefault(topic, []).append(nested)
+            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ()), topics), flags)
         elif about.get("positional"):
             _add_positional(container, item, hints[item.name], path)
             parser.words += (item.name.upper(),)
@@ -214,23 +228,66 @@ class _Parser(argparse.ArgumentParser):
 
     words: tuple[str, ...] = ()
 
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.topics: dict[str, list[Any]] = {}  # groups that `--help TOPIC` shows
+
     def error(self, message: str) -> NoReturn:
         raise UsageError(message.removeprefix("argument ") + f"; see {self.prog} --help")
 
     def format_usage(self) -> str:
         return f"usage: {' '.join([self.prog, *self.words])} [flags]\n"
 
-    def format_help(self) -> str:
-        body = super().format_help()
-        return self.format_usage() + body[body.index("\n\n") + 1 :]
+    def format_page(self, topic: str | None) -> str:
+        """Return a page of help: the first one, that of a topic, or "all". Raises `UsageError` for any other word."""
+        if topic is None:
+            apart = [group for groups in self.topics.values() for group in groups]
+            shown = [group for group in self._action_groups if group not in apart]
+        elif topic == "all":
+            shown = self._action_groups
+        elif topic in self.topics:
+            shown = self.topics[topic]
+        else:
+            raise UsageError(f"--help has no page '{topic}'{nearest(topic, self.topics)}; see {self.prog} --help")
+        formatter = self._get_formatter()
+        if topic is None:
+            formatter.add_text(self.description)
+        for group in shown:
+            formatter.start_section(group.title)
+            formatter.add_text(group.description)
+            formatter.add_arguments(group._group_actions)
+            formatter.end_section()
+        pages = [self.format_usage(), formatter.format_help().strip("\n") + "\n"]
+        return "\n".join(pages + [self._contents()] * (topic is None and bool(self.topics)))
+
+    def _contents(self) -> str:
+        """Return the table of topics, a line each."""
+        known = {topic: groups[0].title for topic, groups in self.topics.items()} | {"all": "every flag there is"}
+        room = _width() - 18
+        lines = [
+            f"  {topic:<16}{title if len(title) <= room else title[: room - 4].rstrip() + ' ...'}"
+            for topic, title in known.items()
+        ]
+        return "\n".join([f"more settings, each on a page: {self.prog} --help TOPIC", *lines, ""])
+
+
+class _ShowHelp(argparse.Action):
+    """Print a page of help and end."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
+        super().__init__(option_strings, dest, 0, default=argparse.SUPPRESS, metavar="TOPIC", help="show this and exit")
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        print(parser.format_page(values or None), end="")
+        parser.exit()
+
+
+def _width() -> int:
+    return min(shutil.get_terminal_size().columns, 110)
 
 
 class _Help(argparse.HelpFormatter):
     """A narrow column of flags, each shown once."""
 
     def __init__(self, prog: str) -> None:
-        width = min(shutil.get_terminal_size().columns, 110)
-        super().__init__(prog, max_help_position=34, width=width)
-
-    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
-        super().add_usage("regista", (), (), prefix)  # `_Parser.format_help` puts the true line in its place
+        super().__init__(prog, max_help_position=34, width=_width())

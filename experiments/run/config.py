@@ -97,16 +97,20 @@ class RunConfig(Checked):
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
     record_limit: int = setting(2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1")
-    ppo: PPOConfig = group(PPOConfig, "PPO")
+    ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics=("ppo",))
 
 
 @dataclass(frozen=True)
 class FootballRunConfig(RunConfig):
     """What a run of football depends on besides."""
 
-    ppo: PPOConfig = group(football_ppo, "PPO")
+    ppo: PPOConfig = group(football_ppo, "PPO: how students learn", topics=("ppo",))
     program: ProgramConfig = group(ProgramConfig, "the training program")
-    env: FootballConfig = group(FootballConfig, "environment")
+    env: FootballConfig = group(
+        FootballConfig,
+        "environment: what agents see and do, what they are paid for, what plays",
+        topics=("environment",),
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -116,11 +120,14 @@ class FootballRunConfig(RunConfig):
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
     """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
+    sharing = {
+        row.name: tuple(each.name for each in METHODS.values() if each.group == row.name) for row in METHODS.values()
+    }
     return [
         (
             row.name,
             type(row.settings()),
-            group(row.settings, f"{row.title}: {row.help}", prefix=f"{row.name}.".replace("_", "-")),
+            group(row.settings, f"{row.title}: {row.help}", f"{row.name}.".replace("_", "-"), topics=sharing[row.name]),
         )
         for row in METHODS.values()
         if row.group == row.name

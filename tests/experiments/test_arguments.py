@@ -105,3 +105,37 @@ def test_help_names_every_flag_with_its_default(capsys):
         "{fast,slow}",
     ):
         assert piece in text
+
+
+@dataclass(frozen=True)
+class Paged:
+    out: Path | None = setting(None, "where to")
+    teacher: Teacher = group(Teacher, "the teacher", prefix="teacher.", topics=("teacher", "guide"))
+
+
+def page(capsys, *words):
+    with pytest.raises(SystemExit) as found:
+        typed_settings(Paged(), ["--help", *words], "play", "Play.")
+    assert found.value.code == 0
+    return capsys.readouterr().out
+
+
+def test_a_group_with_topics_has_a_page_of_its_own(capsys):
+    first = page(capsys)
+    assert "--out PATH" in first and "--teacher" not in first
+    assert first.endswith(
+        "more settings, each on a page: regista play --help TOPIC\n"
+        "  teacher         the teacher\n  guide           the teacher\n  all             every flag there is\n"
+    )
+    for topic in ("teacher", "guide"):
+        text = page(capsys, topic)
+        assert "--teacher.fraction X" in text and "--teacher.inner.layers N" in text and "--out" not in text
+    text = page(capsys, "all")
+    assert "--out PATH" in text and "--teacher.inner.layers N" in text
+
+
+def test_a_topic_that_there_is_not():
+    with pytest.raises(
+        UsageError, match=r"^--help has no page 'teecher' \(did you mean 'teacher'\?\); see regista play"
+    ):
+        typed_settings(Paged(), ["--help", "teecher"], "play", "Play.")

@@ -1,6 +1,7 @@
 """The command line as a user meets it: help, errors in one sentence, exit codes."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from experiments.__main__ import COMMANDS, main
 from experiments.run.progress import Progress, count, duration
+from ued.methods import METHODS
 
 ROOT = Path(__file__).parents[2]
 
@@ -97,7 +99,16 @@ def test_every_command_has_help(command, capsys):
     with pytest.raises(SystemExit) as found:
         main([command, "--help"])
     assert found.value.code == 0
-    assert capsys.readouterr().out.startswith(f"usage: regista {command}")
+    text = capsys.readouterr().out
+    assert text.startswith(f"usage: regista {command}") and text.count("\n") <= 90
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_the_settings_of_a_method_have_a_page(method, capsys):
+    with pytest.raises(SystemExit):
+        main(["train", "--help", method.name])
+    flags = set(re.findall(r"^  --(?:no-)?([\w-]+)\.", capsys.readouterr().out, re.M))
+    assert flags == {method.group.replace("_", "-")}
 
 
 def test_help_loads_nothing_heavy():
