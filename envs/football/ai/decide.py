@@ -22,6 +22,7 @@ from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
 MARKED_EVERY, MARKED_AT = 4, 3  # steps; which of them: at first nobody is marked
+SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of who has been the first at a free ball; s, added to both
 LATE, LATE_SHARE = 0.2, 2.0  # s, and times the opponents' time to a free ball: who needs longer does not run for it
 
 
@@ -51,11 +52,17 @@ def count_possession(match):
 
 @kernel
 def find_team_in_possession(match):
-    """Find the team that has the ball or will be first at it; between two that are equally soon it stays as it is."""
+    """Find the team that has the ball or will be first at it; a free ball stays the team's until the other is clearly
+    sooner.
+    """
+    team = match.team_in_possession
     if match.carrier != NOBODY:
         match.team_in_possession = match.players[match.carrier].team
-    elif match.arrival[LEFT] != match.arrival[RIGHT]:
-        match.team_in_possession = LEFT if match.arrival[LEFT] < match.arrival[RIGHT] else RIGHT
+    elif team == NOBODY:
+        if match.arrival[LEFT] != match.arrival[RIGHT]:
+            match.team_in_possession = LEFT if match.arrival[LEFT] < match.arrival[RIGHT] else RIGHT
+    elif match.arrival[1 - team] + SOONER_SLACK < SOONER * (match.arrival[team] + SOONER_SLACK):
+        match.team_in_possession = 1 - team
 
 
 @kernel

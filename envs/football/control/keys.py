@@ -21,12 +21,14 @@ from envs.football.constants import (
     KICK_PATIENCE,
     LONG_PASS,
     NO_KEY,
+    NOBODY,
     NORMAL,
     NUM_COMMANDS,
     RELEASE_DIRECTION,
     RELEASE_DRIBBLE,
     RELEASE_SPRINT,
     RUN_SPEED,
+    SHORT_PASS,
     SHOT,
     SLIDING,
     SPRINT,
@@ -47,6 +49,7 @@ class Ask(NamedTuple):
     high_pass: float = 1.0  # the same for a high pass
     high: float = 1.5  # m, height of a ball from where on
     high_ease: float = 0.2  # less is enough
+    slide: float = 1.15  # and who is in time by more than this for a free ball does not slide
 
 
 ASK = Ask()  # documented of Google Research Football
@@ -73,7 +76,7 @@ def apply_action(match, i, actions):
         actions //= NUM_COMMANDS
     if player.kick != 0 or not LONG_PASS <= button <= SHOT or may_ask(match, i, button):
         hold_kick(player, button)
-    if button == SLIDING:
+    if button == SLIDING and may_slide(match, i):
         slide(match, i)
     steer(match, i)
 
@@ -108,8 +111,11 @@ def release_keys(match, i):
 
 @kernel
 def hold_kick(player, action):
-    """Count how long a kick button is held; the kick is due on release, or when it was held for too long."""
-    if LONG_PASS <= action <= SHOT:
+    """Count how long a kick button is held; the kick is due on release, or when it was held for too long.
+
+    Another button is a release, but that of a short pass, which takes the place of a shot or a high pass.
+    """
+    if LONG_PASS <= action <= SHOT and (player.kick in (0, action) or takes_place(player.kick, action)):
         if player.kick_wait > 0.0:
             return  # the leg already swings
         if player.kick != action:
@@ -125,6 +131,25 @@ def hold_kick(player, action):
         player.kick_patience -= 1
         if player.kick_patience < 0:
             forget_kick(player)
+
+
+@kernel
+def takes_place(kick, action):
+    """Return whether a button is a kick of its own for who has asked for another."""
+    return action == SHORT_PASS and kick in (HIGH_PASS, SHOT)
+
+
+@kernel
+def may_slide(match, i):
+    """Return whether the button of the slide is one for player i: he has asked for no kick, and is not the first at a
+    free ball, nor sooner at it than the opponents.
+    """
+    player = match.players[i]
+    if player.kick != 0 or i in (match.carrier, match.kicker):
+        return False
+    if match.carrier == NOBODY and is_ours(match, player.team) and match.chaser[player.team] == i:
+        return False
+    return in_time_by(match, player, time_to_meet(match, i, ball_speed(match.ball))) < ASK.slide
 
 
 @kernel

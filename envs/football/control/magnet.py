@@ -61,10 +61,11 @@ def follow_magnet(match, i):
     if player.kick == 0 and (match.carrier not in (NOBODY, i) or match.chaser[player.team] != i):
         return
     keys_x, keys_y = player.desired_vx, player.desired_vy
-    if player.kick == 0 and is_ours(match, player.team) and awaits(match, i):
+    goes = is_ours(match, player.team)
+    if player.kick == 0 and goes and awaits(match, i):
         return
     chase(match, i, player.top_speed)
-    if is_ours(match, player.team):
+    if goes:
         return
     share = pull(match, i)
     player.desired_vx = share * player.desired_vx + (1.0 - share) * keys_x
@@ -129,8 +130,8 @@ def in_time_by(match, player, time):
 
 @kernel
 def is_ours(match, team):
-    """Return whether a team is the first at the ball."""
-    return match.arrival[team] < match.arrival[1 - team]
+    """Return whether a free ball is a team's: its first is there sooner, or has been so and is not clearly later."""
+    return match.team_in_possession == team
 
 
 @kernel
