@@ -10,6 +10,8 @@ Read next: `kernels.jit`, which makes kernels.
 
 from __future__ import annotations
 
+import fcntl
+from contextlib import ExitStack, suppress
 from typing import Any
 
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
@@ -137,3 +139,11 @@ class Kernel(CPUDispatcher):
     @property
     def _numba_type_(self) -> Any:
         return self._part._numba_type_
+
+    def compile(self, sig: Any) -> Any:
+        """Load or compile it; programs that begin together wait for the one that compiles, and load what it made."""
+        with ExitStack() as held:
+            with suppress(OSError):  # a folder that nobody may write into, or that knows no locks
+                name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
+                fcntl.flock(held.enter_context(open(name, "w")), fcntl.LOCK_EX)
+            return super().compile(sig)

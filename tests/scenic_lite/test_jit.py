@@ -162,6 +162,35 @@ def test_a_numba_that_is_not_known_inside_compiles_in_the_usual_way(monkeypatch:
     assert thrice_and_one(3) == 10
 
 
+AT_ONCE = """
+import sys
+from scenic_lite.kernels.jit import kernel
+
+@kernel
+def quadruple(x):
+    return 4 * x
+
+print("begun", flush=True)
+sys.stdin.readline()
+assert quadruple(2) == 8
+print(sum(quadruple.stats.cache_misses.values()))
+"""
+
+
+def test_a_kernel_is_compiled_once_by_programs_that_begin_together(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(jit.ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    script = tmp_path / "at_once.py"
+    script.write_text(AT_ONCE)
+    options = {"env": environment, "stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    programs = [subprocess.Popen([sys.executable, str(script)], **options) for _ in range(2)]
+    assert [program.stdout.readline() for program in programs] == ["begun\n"] * 2
+    for program in programs:
+        program.stdin.write("go\n")
+        program.stdin.flush()
+    assert sum(int(program.communicate(timeout=300)[0]) for program in programs) == 1
+
+
 WITHOUT_LINKING = """
 import numba
 from scenic_lite.kernels import jit, rng
