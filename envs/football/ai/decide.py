@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from envs.football.ai.attack import meet_free_ball, play_ball
 from envs.football.ai.balance import remember
-from envs.football.ai.defence import lay_traps, must_move, tackle, tackles, wins_race
+from envs.football.ai.defence import lay_traps, must_move, race, tackle, tackles, wins_race
 from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts
 from envs.football.ai.keeper import choose_keeper_command
 from envs.football.ai.marking import choose_hunters, choose_markers, hunts
@@ -17,7 +17,7 @@ from envs.football.ai.run_speed import REACTION, reaction_time
 from envs.football.ai.support import choose_runners
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
 from envs.football.physics.possession import first_at_ball
-from envs.football.skills.steering import chase, go_for_ball
+from envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -80,7 +80,7 @@ def choose_command(match, i):
     elif goes_for_free_ball(match, i):
         meet_free_ball(match, i)
     elif wins_race(match, i):
-        chase(match, i, player.top_speed)
+        race(match, i)
     elif match.team_in_possession != player.team and tackles(match, player):
         tackle(match, i)
     elif match.carrier != NOBODY and hunts(match, i) and must_move(player, match.players[match.carrier]):

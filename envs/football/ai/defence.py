@@ -127,6 +127,15 @@ def wins_race(match, i):
 
 
 @kernel
+def race(match, i):
+    """Run to where the led ball will be when player i can play it, as his run takes him."""
+    player, ball = match.players[i], match.ball
+    speed = ball_speed(ball)
+    share = rolled(speed, time_to_led_ball(ball, player, speed)) / speed if speed > 0.0 else 0.0
+    go(player, ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y, player.top_speed)
+
+
+@kernel
 def time_to_led_ball(ball, player, speed):
     """Estimate in s how soon a player plays the ball, which rolls on at `speed` m/s meanwhile."""
     pace = RACE.pace * player.top_speed
