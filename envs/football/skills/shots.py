@@ -83,7 +83,8 @@ class Curl(NamedTuple):
     per_bend: float = -420.0  # rad/s per unit of bend: it curls back
     spread: float = 14.0  # rad/s
     taken: float = 0.7
-    spin: float = -1.65  # m/s, back spin
+    spin: float = -1.65  # m/s, back spin,
+    spin_kept: float = 0.3  # and share of the spin that the ball had: of who runs with it, top spin
     spin_spread: float = 0.3  # share of it that varies, always
     spin_bad: float = 0.7  # and with a bad shot
 
@@ -218,10 +219,10 @@ def bend(match, player):
 
 @kernel
 def spin_back(match, spread):
-    """Give a shot back spin that varies by this share in its direction and across."""
+    """Give a shot back spin that varies by this share in its direction and across, beside what it had."""
     ball = match.ball
     flat = length(ball.vx, ball.vy) + 1e-9
     back = CURL.spin * (1.0 + spread * (2.0 * uniform(match) - 1.0))
     across = CURL.spin * spread * (2.0 * uniform(match) - 1.0)
-    ball.spin_x = (back * ball.vx - across * ball.vy) / flat
-    ball.spin_y = (back * ball.vy + across * ball.vx) / flat
+    ball.spin_x = CURL.spin_kept * ball.spin_x + (back * ball.vx - across * ball.vy) / flat
+    ball.spin_y = CURL.spin_kept * ball.spin_y + (back * ball.vy + across * ball.vx) / flat
