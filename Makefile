@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
-.PHONY: setup demo results transfer publish grf test test-quick torture lint format benchmark clean
+.PHONY: setup demo results transfer publish grf docs test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -37,6 +37,10 @@ publish: $(READY)
 # Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
 grf:
 	sh envs/grf/install.sh
+
+# The documentation as a site that needs no network: build/site/index.html.
+docs: $(READY)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
 # Each worker has one core: threads of torch in every one of them would only wait for each other.
 test: lint

@@ -1,4 +1,4 @@
-"""What the README shows works as it stands there."""
+"""What the README and the pages behind it promise holds: tables, extras, commands, citation. Read next: `test_docs`."""
 
 import re
 import shutil
@@ -6,7 +6,6 @@ import subprocess
 import tomllib
 from importlib import import_module
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,22 +13,25 @@ import torch
 
 import envs.football.scenic.domain
 import scenic_lite
-from experiments.__main__ import COMMANDS, main
+from experiments.__main__ import COMMANDS
+from tests import pages
+from tests.pages import ROOT
 from ued.methods import METHODS
 
-ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
+HOWTO = ROOT / "docs" / "howto"
 STEPS = "200_000"  # of training, in the example; here fewer
 
 
-def blocks(language):
-    """The fenced blocks of a language, "" for those of none."""
-    return [text for name, text in re.findall(r"^```(\w*)\n(.*?)^```", README, re.M | re.S) if name == language]
+def blocks(text, *languages):
+    """The fenced blocks of a page in certain languages."""
+    return [block.text for block in pages.blocks(text) if block.language in languages]
 
 
 def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     torch.set_num_threads(1)
-    (example,) = [text for text in blocks("python") if "GymUPOMDP(" in text and "Paired(" in text]
+    python = blocks((HOWTO / "environment.md").read_text(), "python")
+    (example,) = [text for text in python if "GymUPOMDP(" in text and "Paired(" in text]
     assert example.count(STEPS) == 1
     names = {}
     exec(example.replace(STEPS, "6_000"), names)
@@ -44,7 +46,7 @@ def test_the_wrapper_on_an_environment_of_ones_own(capsys):
 
 
 def test_a_task_of_ones_own_can_be_made_tested_and_described():
-    (example,) = [text for text in blocks("python") if "ued.Task(" in text]
+    (example,) = [text for text in blocks((HOWTO / "environment.md").read_text(), "python") if "ued.Task(" in text]
     names = {}
     exec(example, names)
     upomdp = names["pendulum"].make(2)
@@ -56,7 +58,7 @@ def test_a_task_of_ones_own_can_be_made_tested_and_described():
 
 def test_the_curriculum_with_a_trainer_of_ones_own():
     """The student of this trainer solves levels whose first parameter is below a frontier, which moves as it learns."""
-    (example,) = [text for text in blocks("python") if "propose(" in text]
+    (example,) = [text for text in blocks((HOWTO / "trainer.md").read_text(), "python") if "propose(" in text]
     learned = []
 
     def play(theta, learn):
@@ -70,33 +72,29 @@ def test_the_curriculum_with_a_trainer_of_ones_own():
 
 
 def test_every_method_is_in_the_table():
-    (section,) = re.findall(r"^## The methods\n(.*?)^## ", README, re.M | re.S)
-    shown = re.findall(r"^\| `\w+` .*$", section, re.M)
+    shown = re.findall(r"^\| `\w+` .*$", (ROOT / "docs" / "methods.md").read_text(), re.M)
     assert shown == [f"| `{row.name}` | {row.paper} | {row.help} | {row.steps} |" for row in METHODS.values()]
 
 
 def test_the_scenario_has_the_free_parameters_that_are_promised():
-    (text,) = blocks("")
+    (text,) = blocks(README, "scenic")
     program = scenic_lite.load(text, envs.football.scenic.domain.FOOTBALL)
     assert f"here D = {program.dim}" in README
     assert program.sample(10, np.random.default_rng(0))[1].ok.all()
 
 
-COMMAND_LINES = re.findall(r"^regista (\w+) ?([^#\n]*)", "".join(blocks("sh")), re.M)
+def test_every_command_is_shown():
+    """With flags that it has: see `test_docs`."""
+    shown = re.findall(r"^regista (\w+)", (ROOT / "docs" / "commands.md").read_text(), re.M)
+    assert set(shown) == set(COMMANDS)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_is_shown_with_flags_that_it_has(command, capsys):
-    shown = [words for name, words in COMMAND_LINES if name == command]
-    assert shown
-    with pytest.raises(SystemExit):
-        main([command, "--help", "all"])
-    flags = set(re.findall(r"--[a-z.-]+", capsys.readouterr().out))
-    assert set(re.findall(r"--[a-z.-]+", " ".join(shown))) <= flags
+def test_the_first_screen_stays_short():
+    assert len(README.splitlines()) < 120
 
 
 def test_pip_takes_the_extras_that_are_named():
-    named = re.findall(r"^pip install .*\[([\w,]+)\]", "".join(blocks("console")), re.M)
+    named = re.findall(r"^pip install .*\[([\w,]+)\]", "".join(blocks(README, "console")), re.M)
     assert len(named) == 3
     extras = ",".join(named)
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -124,17 +122,6 @@ def test_what_the_changelog_says_is_new_is_there():
             assert find_spec(name) is not None, name
         for name in [other for other in others if "." not in other]:
             assert hasattr(import_module(first), name), f"{first}: {name}"
-
-
-def test_links_lead_somewhere():
-    targets = [target for target in re.findall(r"\]\(([^)]+)\)", README) if "://" not in target]
-    headings = {"#" + heading.lower().replace(" ", "-") for heading in re.findall(r"^#+ (.+)$", README, re.M)}
-    assert targets and [name for name in targets if name not in headings and not (ROOT / name).exists()] == []
-
-
-def test_make_can_do_what_is_shown():
-    shown = set(re.findall(r"^make ([\w-]+)", "".join(blocks("sh")), re.M))
-    assert shown and shown <= set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
 
 
 def test_make_clean_takes_all_that_running_and_testing_leave(tmp_path):

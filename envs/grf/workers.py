@@ -32,7 +32,7 @@ MOST_DEATHS = 3  # of one worker over one request
 MOST_ENGINES = 32  # that a worker keeps, of some 55 MB each, unless one request needs more
 LAST_WORDS = 1500  # characters of stderr that an error quotes
 
-HELP = "`make grf` installs it on Debian (README, The real engine); or name its Python by --grf-python or {variable}"
+HELP = "`make grf` installs it on Debian (docs/howto/real-engine.md); or name its Python by --grf-python or {variable}"
 VARIABLE, HOME = "REGISTA_GRF_PYTHON", "REGISTA_GRF_HOME"
 DEFAULT_HOME = Path("~/.local/share/regista/grf")
 

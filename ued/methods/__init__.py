@@ -1,6 +1,6 @@
 """The table of methods. A method is one file of this folder and one row here.
 
-The command line, the table of the README, the pictures and `from ued import ...` read this table, which needs no torch.
+The command line, `docs/methods.md`, the pictures and `from ued import ...` read this table, which needs no torch.
 Read next: `methods.dr`, then `methods.paired`.
 """
 

@@ -1,0 +1,182 @@
+"""The documentation is true: every block runs, every link leads somewhere, every picture names its command.
+
+Trainings are cut to a few steps. The pages on adding something are carried out by `test_contributing`.
+"""
+
+import io
+import os
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+from contextlib import redirect_stdout, suppress
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import scenic_lite
+from envs.football.scenic.domain import FOOTBALL
+from experiments.__main__ import COMMANDS, main
+from experiments.commands import compare, train
+from tests.pages import ROOT, blocks, commands, dead_links, pictures, write
+from tests.test_contributing import PAGES as CARRIED_OUT_ELSEWHERE
+
+DOCS = ROOT / "docs"
+PAGES = {path.relative_to(DOCS).as_posix(): path for path in sorted(DOCS.rglob("*.md"))} | {
+    "README": ROOT / "README.md"
+}
+ALL = {path.relative_to(ROOT).as_posix(): path for path in [*sorted(ROOT.glob("*.md")), *PAGES.values()]} | {
+    name: ROOT / name for name in ("ued/README.md", "envs/football/README.md", "envs/grf/README.md")
+}
+RUN = [name for name in PAGES if name.removeprefix("howto/").removesuffix(".md") not in CARRIED_OUT_ELSEWHERE]
+
+# What is typed after a command of a page, so that it ends soon. Of other commands only the flags are looked at.
+BRIEF = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--eval-every", "0"]
+QUICK = {
+    "train": BRIEF,
+    "compare": [*BRIEF, "--no-record", "--seeds", "1", "--episodes", "2", "--levels", "0"],
+    "evaluate": ["--episodes", "2", "--levels", "0"],
+    "inspect": [],
+    "list": [],
+    "play": ["--steps", "5"],
+    "replay": [],
+    "demonstrate": ["--episodes", "2"],
+    "clone": ["--epochs", "1"],
+}
+SHORTER = ((r"(env_steps(?:=| < ))[\d_]+", r"\g<1>512"), (r"episodes=\d+", "episodes=2, level_episodes=2"))
+LANGUAGES = {"python", "sh", "console", "scenic"}
+
+
+@cache
+def flags(command):
+    """Return the flags that a command has."""
+    shown = io.StringIO()
+    with redirect_stdout(shown), suppress(SystemExit):
+        main([*command.split(), "--help", "all"])
+    return set(re.findall(r"(?<![\w-])--?[a-z][\w.-]*", shown.getvalue()))
+
+
+def has_its_flags(words):
+    """Raise unless `regista WORDS` has the flags that are shown."""
+    assert words[0] in COMMANDS or words[0].startswith("-"), words
+    command = " ".join(words[:2]) if words[0] == "study" else words[0]
+    typed = {word for word in words if re.match(r"--?[a-z]", word)} - {"--help", "--version"}
+    assert typed <= flags(command), f"{words}: no {typed - flags(command)}"
+
+
+class Reader:
+    """Somebody who does what a page says, in an empty folder.
+
+    Attributes:
+        names: what the Python of the page has made.
+        records: whether trainings write recordings: the page opens one.
+    """
+
+    def __init__(self, text):
+        self.names, self.records = {"__name__": "page"}, "\nrerun " in text
+
+    def read(self, block):
+        """Do what a block shows."""
+        assert block.language in LANGUAGES | {"text", ""}, block
+        if block.where:
+            write(Path(block.names[0]), block.text)
+        elif block.language == "python":
+            text = block.text
+            for long, short in SHORTER:
+                text = re.sub(long, short, text)
+            exec(compile(text, "page", "exec"), self.names)
+        elif block.language == "scenic":
+            scenic_lite.load(block.text, FOOTBALL)
+        for line in commands(block) if block.language in ("sh", "console") and not block.where else ():
+            words = shlex.split(line)
+            if words[0] == "regista":
+                self.regista(words[1:], block.language == "sh")
+            elif words[0] == "make":
+                assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), re.M), line
+            elif block.language == "sh":
+                self.other(words)
+
+    def regista(self, words, run):
+        has_its_flags(words)
+        if not run or words[0] not in QUICK or "--help" in words or "grf" in words:
+            return
+        extra = QUICK[words[0]]
+        if words[0] == "train":
+            extra = extra[:2] if "--resume" in words else extra + ["--no-record"] * (not self.records)
+        if words[0] == "evaluate" and "--episodes" in words:
+            extra = [*extra, "--level-episodes", "2"]
+        assert main([*words, *extra]) == 0, words
+
+    def other(self, words):
+        if words[0] == "rerun":
+            assert all(os.path.getsize(name) for name in words[1:]), words
+        else:
+            assert words[0] == "python", f"nobody knows how to run {words}"
+            runpy.run_path(words[1], run_name="__main__")
+
+
+def train_here(runs, processes, stop):
+    for run in runs:
+        with run.locked():
+            train.train(run, stop)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RUN)
+def test_every_block_of_a_page_runs(name, tmp_path, monkeypatch, capsys):
+    text = PAGES[name].read_text()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(compare, "train_all", train_here)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    for path in ("minigames", "examples"):  # pages begin in a checkout, or in a folder of the reader's
+        (tmp_path / path).symlink_to(ROOT / path)
+    reader, known = Reader(text), set(sys.modules)
+    try:
+        for block in blocks(text):
+            reader.read(block)
+    finally:
+        for module in set(sys.modules) - known:  # files of the page, which another page may have, too
+            if str(tmp_path) in str(getattr(sys.modules[module], "__file__", "")):
+                del sys.modules[module]
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_links_lead_somewhere(name):
+    assert dead_links(ALL[name]) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_picture_names_the_command_that_makes_it(name):
+    text = PAGES[name].read_text()
+    for path in pictures(PAGES[name]):
+        assert path.is_file()
+        after = text[text.index(f"{path.name})") :].partition("\n\n")[2].partition("\n\n")[0]
+        assert re.match(r"\*[^*]*`(regista|make|rerun) [^`]+`[^*]*\*", after), f"{path.name}: {after}"
+
+
+def test_the_site_is_built_without_a_complaint(tmp_path):
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
+    offline = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9", "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, cwd=ROOT, env=os.environ | offline, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    fetched = r'<(?:script|link|img|iframe)[^>]*(?:src|href)="(?:https?:)?//[^"]*"'
+    for page in (tmp_path / "site").rglob("*.html"):
+        assert re.findall(fetched, page.read_text()) == [], page.name
+
+
+def test_every_page_is_in_the_contents():
+    contents = (ROOT / "mkdocs.yml").read_text().partition("\nnav:")[2]
+    assert [name for name in PAGES if name != "README" and name not in contents] == []
+
+
+def test_python_has_every_name_that_is_offered():
+    import ued
+
+    page = (DOCS / "api.md").read_text()
+    shown = set(re.findall(r"[\w.]+", page))
+    homes = ued._homes()
+    whole = {"ued.config", *(row.module for row in ued.METHODS.values())}  # all that is in these is shown
+    missing = [name for name, home in homes.items() if home not in shown or (name not in shown and home not in whole)]
+    assert missing == []
