@@ -37,7 +37,7 @@ BRIEF = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--
 QUICK = {
     "train": BRIEF,
     "compare": [*BRIEF, "--no-record", "--seeds", "1", "--episodes", "2", "--levels", "0"],
-    "evaluate": ["--episodes", "2", "--levels", "0"],
+    "evaluate": ["--episodes", "2", "--levels", "0", "--no-baselines"],
     "inspect": [],
     "list": [],
     "play": ["--steps", "5"],
