@@ -128,7 +128,7 @@ class Method:
         self.last = LevelBatch(levels, [learner.name for learner in self.learners])
         self.updates += 1
         counters = {"env_steps": float(self.env_steps), "updates": float(self.updates)}
-        programs = program_metrics(levels, getattr(self.upomdp, "names", ()))
+        programs = program_metrics(levels, self.upomdp.program_names)
         return counters | metrics | level_metrics(levels, self._columns) | programs | seconds
 
     # ------------------------------------------------------------ what others ask

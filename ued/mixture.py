@@ -31,15 +31,12 @@ class Mixture(UPOMDP):
     padded with zeros to the longest, and a one-hot of the program behind, for each agent. Where `only` is the index of
     a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
 
-    Attributes:
-        program_dims: the programs' numbers of columns; an adversary has a head for each.
-
     Raises `ValueError` for members that do not go together.
     """
 
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
         _check(members, names)
-        self.members, self.names, self.only = tuple(members), tuple(names), only
+        self.members, self.program_names, self.only = tuple(members), tuple(names), only
         self.program_dims = tuple(member.theta_dim for member in members)
         first = members[0]
         self.num_agents = first.num_agents
@@ -51,7 +48,6 @@ class Mixture(UPOMDP):
         seen = (self.width + len(members),)
         space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
-        self.num_programs = len(members)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
         for k, member in enumerate(self.members):
             member.upcoming = partial(self._upcoming_of, k)
@@ -84,7 +80,7 @@ class Mixture(UPOMDP):
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         theta = check_theta(theta, self.theta_dim)
         return [
-            {"program": self.names[k]} | self.members[k].describe(row[1 : 1 + self.members[k].theta_dim])[0]
+            {"program": self.program_names[k]} | self.members[k].describe(row[1 : 1 + self.members[k].theta_dim])[0]
             for row, k in zip(theta, self.program_of(theta), strict=True)
         ]
 
@@ -170,10 +166,10 @@ class Mixture(UPOMDP):
     def resized(self, num_envs: int) -> Mixture:
         """Return a mixture of the same programs, not yet reset, with so many environments; members must be able to."""
         members: list[Any] = list(self.members)
-        return Mixture([member.resized(num_envs) for member in members], self.names, self.only)
+        return Mixture([member.resized(num_envs) for member in members], self.program_names, self.only)
 
     def copy(self) -> Mixture:
-        twin = Mixture([member.copy() for member in self.members], self.names, self.only)
+        twin = Mixture([member.copy() for member in self.members], self.program_names, self.only)
         twin.set_state(self.get_state())
         return twin
 

@@ -166,7 +166,9 @@ class UPOMDP(VectorEnv):
             longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
-        num_programs: how many programs its levels may be of; see `mixture`.
+        program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
+            where there is one only; see `mixture`.
+        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
             of several, observations and actions are `[N, A, ...]`, alike for all.
         paid_apart: they are opponents, each of whom learns from a reward of its own, `info["agent_rewards"]` `[N, A]`;
@@ -175,7 +177,8 @@ class UPOMDP(VectorEnv):
 
     num_agents = 1
     autoreset_mode = AutoresetMode.SAME_STEP
-    num_programs = 1
+    program_names: tuple[str, ...] = ()
+    program_dims: tuple[int, ...] = ()
     paid_apart = False
     family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
@@ -308,9 +311,10 @@ class UPOMDP(VectorEnv):
         if levels.shape != chosen.shape:
             raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)
-        unknown = levels["program"][(levels["program"] < 0) | (levels["program"] >= self.num_programs)]
+        num_programs = len(self.program_names) or 1
+        unknown = levels["program"][(levels["program"] < 0) | (levels["program"] >= num_programs)]
         if unknown.size:
-            known = "0 is the only program" if self.num_programs == 1 else f"programs are 0 to {self.num_programs - 1}"
+            known = "0 is the only program" if num_programs == 1 else f"programs are 0 to {num_programs - 1}"
             raise ValueError(f"a level is of program {unknown[0]}; {known}")
         levels = levels.copy()
         replaced = ~self._playable(levels)

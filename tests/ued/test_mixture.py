@@ -132,7 +132,7 @@ def test_methods_train_on_it_and_resume(make):
 
 def test_a_program_alone_is_seen_as_in_the_mixture():
     whole = mixture(3)
-    alone = Mixture(whole.members, whole.names, only=1)
+    alone = Mixture(whole.members, whole.program_names, only=1)
     assert alone.observation_space == whole.observation_space
     assert set(alone.sample_levels(50)["program"].tolist()) == {1}
     seen, _ = alone.reset(seed=0, options={"theta": [[-1.0, 0.3, -0.4]] * 3})

@@ -39,8 +39,8 @@ class Teacher(Resumable):
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
         if space.theta_dim:  # else the adversary says that there is nothing to choose
             need_vector(space)
-        cells, programs = categories_of(space.draws), getattr(space, "program_dims", ())
-        self.adversary = Adversary(cells, config.adversary, torch_generator(seeds.next()), size, programs)
+        cells = categories_of(space.draws)
+        self.adversary = Adversary(cells, config.adversary, torch_generator(seeds.next()), size, space.program_dims)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
