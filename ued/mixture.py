@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, flatdim
 
-from ued.parameters import Choice, Column, Range, snap
+from ued.parameters import Choice, Column, Range, index_in, snap
 from ued.upomdp import UPOMDP, check_theta, level_dtype, set_stream
 
 
@@ -180,7 +180,7 @@ class Mixture(UPOMDP):
 
 def chosen_program(theta: np.ndarray, programs: int) -> np.ndarray:
     """Return which of so many programs each row of θ `[n, D]` chooses: `[n]`."""
-    return np.minimum((theta[:, 0] + 1) / 2 * programs, programs - 1).astype(np.int32)
+    return index_in(theta[:, 0], programs).astype(np.int32)
 
 
 def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:

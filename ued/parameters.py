@@ -42,8 +42,7 @@ class Range:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high)):
             raise ValueError(f"the ends of a range must be two finite numbers, got {self.low} and {self.high}")
-        if self.low > self.high:
-            raise ValueError(f"a range goes from its lower end to its upper one, got {self.low} and {self.high}")
+        _check_order(self.low, self.high)
 
     def value(self, x: float) -> float:
         """Return what x in [-1, 1] stands for."""
@@ -65,8 +64,7 @@ class LogRange:
     def __post_init__(self) -> None:
         if not (0 < self.low < math.inf and 0 < self.high < math.inf):
             raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low} and {self.high}")
-        if self.low > self.high:
-            raise ValueError(f"a range goes from its lower end to its upper one, got {self.low} and {self.high}")
+        _check_order(self.low, self.high)
 
     def value(self, x: float) -> float:
         """Return what x in [-1, 1] stands for."""
@@ -75,6 +73,11 @@ class LogRange:
     def place(self, value: float) -> float:
         """Return the x in [-1, 1] that stands for a value."""
         return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
+
+
+def _check_order(low: float, high: float) -> None:
+    if low > high:
+        raise ValueError(f"a range goes from its lower end to its upper one, got {low} and {high}")
 
 
 @dataclass(frozen=True)
@@ -94,11 +97,11 @@ class Integer:
 
     def value(self, x: float) -> int:
         """Return what x in [-1, 1] stands for."""
-        return int(self.low) + min(int((x + 1) / 2 * self.cells), self.cells - 1)
+        return int(self.low) + int(index_in(x, self.cells))
 
     def place(self, value: float) -> float:
         """Return the x in [-1, 1] in the middle of those that stand for a value."""
-        return (2 * (value - self.low) + 1) / self.cells - 1
+        return middle_of(value - self.low, self.cells)
 
 
 class Choice:
@@ -126,11 +129,11 @@ class Choice:
 
     def value(self, x: float) -> Any:
         """Return what x in [-1, 1] stands for."""
-        return self.values[min(int((x + 1) / 2 * self.cells), self.cells - 1)]
+        return self.values[int(index_in(x, self.cells))]
 
     def place(self, value: Any) -> float:
         """Return the x in [-1, 1] in the middle of those that stand for a value."""
-        return (2 * self.values.index(value) + 1) / self.cells - 1
+        return middle_of(self.values.index(value), self.cells)
 
 
 Kind = Range | LogRange | Integer | Choice
@@ -149,14 +152,6 @@ class Column(NamedTuple):
     @property
     def high(self) -> float:
         return float(self.kind.high)
-
-    @property
-    def cells(self) -> int:
-        return self.kind.cells
-
-    @property
-    def unordered(self) -> bool:
-        return isinstance(self.kind, Choice)
 
 
 @runtime_checkable
@@ -283,7 +278,7 @@ class Axis(NamedTuple):
 
 def axis_of(draw: Parameter) -> Axis:
     """Return the axis of a column: logarithms of a `LogRange`, numbers of the values of a `Choice`."""
-    kind = getattr(draw, "kind", None)
+    kind = draw.kind if isinstance(draw, Column) else None
     if isinstance(kind, LogRange):
         return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
     if isinstance(kind, Integer):
@@ -299,23 +294,27 @@ def axis_of(draw: Parameter) -> Axis:
 
 def cells_of(draws: Sequence[Parameter]) -> np.ndarray:
     """Return how many values each column has: int `[D]`, 0 for a real number."""
-    return np.array([getattr(draw, "cells", 0) for draw in draws], np.int64)
+    return np.array([draw.kind.cells if isinstance(draw, Column) else 0 for draw in draws], np.int64)
+
+
+def unordered(draws: Sequence[Parameter]) -> np.ndarray:
+    """Return which columns are choices, whose values have no order: bool `[D]`."""
+    return np.array([isinstance(draw, Column) and isinstance(draw.kind, Choice) for draw in draws], bool)
 
 
 def categories_of(draws: Sequence[Parameter]) -> np.ndarray:
     """Return the same `[D]`, 0 for an `Integer` of so many values that they are not told apart one by one."""
     cells = cells_of(draws)
-    ordered = np.array([not getattr(draw, "unordered", False) for draw in draws], bool)
-    return np.where(ordered & (cells > MOST_CATEGORIES), 0, cells)
+    return np.where(~unordered(draws) & (cells > MOST_CATEGORIES), 0, cells)
 
 
-def index_in(theta: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def index_in(theta: np.ndarray | float, cells: np.ndarray | int) -> np.ndarray:
     """Return which value each entry of θ `[..., D]` stands for, of columns with these many (none 0): int `[..., D]`."""
-    return np.minimum(((theta + 1) / 2 * cells).astype(np.int64), cells - 1)
+    return np.minimum(np.asarray((theta + 1) / 2 * cells).astype(np.int64), cells - 1)
 
 
-def middle_of(index: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Return the middle of the cells with these indices `[..., D]`: the θ of a value."""
+def middle_of(index: Any, cells: Any) -> Any:
+    """Return the middle of the cells with these indices, numbers, arrays or tensors `[..., D]`: the θ of a value."""
     return (2 * index + 1) / cells - 1
 
 
@@ -338,8 +337,7 @@ def edit(
     A real number moves by up to `edit_size`, within [-1, 1]; an integer by at least one and at most that share of its
     values; a choice to any other value.
     """
-    edited, cells = theta.copy(), cells_of(draws)
-    unordered = np.array([getattr(draw, "unordered", False) for draw in draws], bool)
+    edited, cells, choices = theta.copy(), cells_of(draws), unordered(draws)
     rows = np.arange(len(theta))
     for _ in range(num_edits):
         columns = rng.integers(0, theta.shape[1], len(theta))
@@ -348,13 +346,13 @@ def edit(
         edited[rows, columns] += np.where(counted, 0.0, moves)
         for row in np.flatnonzero(counted & (cells[columns] > 1)):
             column = columns[row]
-            share = 1.0 if unordered[column] else edit_size / 2
+            share = 1.0 if choices[column] else edit_size / 2
             edited[row, column] = _other_value(edited[row, column], int(cells[column]), share, rng)
     return np.clip(edited, -1.0, 1.0)
 
 
 def _other_value(x: float, cells: int, share: float, rng: np.random.Generator) -> float:
     """Return the θ of another of so many values, at most this share of them away."""
-    index, reach = int(index_in(np.array(x), np.array(cells))), max(1, round(share * cells))
+    index, reach = int(index_in(x, cells)), max(1, round(share * cells))
     other = int(rng.integers(max(0, index - reach), min(cells - 1, index + reach)))
-    return float(middle_of(np.array(other + (other >= index)), np.array(cells)))
+    return middle_of(other + (other >= index), cells)

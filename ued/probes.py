@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.parameters import Column, Range
+from ued.parameters import Column, Range, middle_of
 from ued.upomdp import UPOMDP, check_theta, set_stream
 
 ACTIONS = 4
@@ -68,7 +68,7 @@ class Frontier(UPOMDP):
     def test_levels(self) -> np.ndarray:
         """Return one open level of each length: `[longest]` records."""
         theta = np.zeros((self.longest, self.theta_dim))
-        theta[:, :-1] = ((2 * np.arange(1, self.longest + 1) - 1) / self.longest - 1)[:, None]
+        theta[:, :-1] = middle_of(np.arange(self.longest), self.longest)[:, None]
         return self.make_levels(theta)
 
     def _look(self) -> np.ndarray:

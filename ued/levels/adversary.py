@@ -20,7 +20,7 @@ from torch.nn.functional import softplus
 
 from ued.config import AdversaryConfig
 from ued.learning.networks import Gaussian, MultiCategorical, linear, mlp
-from ued.parameters import middle_of
+from ued.parameters import index_in, middle_of
 from ued.resumable import Resumable
 
 # tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
@@ -140,14 +140,14 @@ class Composed:
     def sample(self, generator: torch.Generator) -> Tensor:
         program = torch.multinomial(self.log_share.exp(), 1, generator=generator)  # [B, 1]
         raw = torch.zeros(len(program), self.width)
-        raw[:, :1] = (2 * program + 1) / len(self.parts) - 1
+        raw[:, :1] = middle_of(program, len(self.parts))
         for k, part in enumerate(self.parts):
             own = part.sample(generator)  # [B, D_k]
             raw[:, 1 : 1 + own.shape[1]] = torch.where(program == k, own, raw[:, 1 : 1 + own.shape[1]])
         return raw
 
     def log_prob(self, raw: Tensor) -> Tensor:
-        program = ((raw[:, :1] + 1) / 2 * len(self.parts)).long()  # [B, 1]
+        program = torch.as_tensor(index_in(raw[:, :1].numpy(), len(self.parts)))  # [B, 1]
         own = [part.log_prob(raw[:, 1 : 1 + part.dim]) for part in self.parts]
         return (self.log_share + torch.stack(own, 1)).gather(1, program)[:, 0]
 
