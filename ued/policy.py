@@ -27,7 +27,9 @@ class LoadedPolicy:
 
     Args:
         student: what plays.
-        observation_space: of one environment; None: its observations are what the student reads, arrays.
+        shape: of one observation as the student reads it: `(size,)` or that of an image; of a team `(A, ...)`.
+        observation_space: of one environment, whose observations are flattened to `(size,)` where they are no arrays;
+            None: they are what the student reads.
         seed: of the actions drawn.
     """
 
@@ -36,9 +38,10 @@ class LoadedPolicy:
         self.generator = torch_generator(seed)
 
     def act(self, observation: Any, greedy: bool = False) -> Any:
-        """Return an action for an observation, or actions `[N, ...]` for observations `[N, ...]`.
+        """Return an action for an observation, or actions `[N, ...]` for observations `[N, *shape]`.
 
-        It is drawn from the policy, or its most likely one if `greedy`. Raises `ValueError` for another shape.
+        Of a team it is an action for each agent, `[A, ...]`. It is drawn from the policy, or its most likely one if
+        `greedy`. Raises `ValueError` for another shape.
         """
         if self.observation_space is not None and not isinstance(observation, np.ndarray):
             observation = flatten(self.observation_space, observation)

@@ -20,6 +20,8 @@ from ued.learning.student import Student
 from ued.resumable import Resumable
 from ued.upomdp import UPOMDP, successes
 
+# Called with the environments `[k]` whose episodes have just ended, their returns `[k]` and success `[k]` (1 or 0);
+# returns the environments `[c]` that change their level and the level records `[c]` they get. The others play on.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
