@@ -98,8 +98,8 @@ MINIGAMES: dict[str, Minigame] = {
     )
 }
 
-# Games of which hardly any random level can be learned from at first: broad programs, paid for goals alone.
-NEEDY: dict[str, Minigame] = {
+# Games of sparse reward: broad programs paid for goals alone, of which students hardly score on a random level at first.
+SPARSE_REWARD: dict[str, Minigame] = {
     game.name: game
     for game in (
         Minigame(
@@ -321,6 +321,6 @@ MIXTURES: dict[str, tuple[str, ...]] = {
     ),
 }
 
-ALL = MINIGAMES | NEEDY | BENCHMARK | ACADEMY
+ALL = MINIGAMES | SPARSE_REWARD | BENCHMARK | ACADEMY
 # Whatever can stand where a program is asked for: games, and each of their test scenes as `<game>/<test>`.
 NAMED = ALL | {test.name: test for game in ALL.values() for test in game.test_games()}

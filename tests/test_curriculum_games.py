@@ -6,7 +6,7 @@ import pytest
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import NEEDY
+from minigames.suites import SPARSE_REWARD
 from scenic_lite import load
 
 DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Buildup": 15, "CrossingWide": 12}
@@ -25,9 +25,9 @@ def corners(program):
     return places.min(0), places.max(0)
 
 
-@pytest.mark.parametrize("name", NEEDY)
+@pytest.mark.parametrize("name", SPARSE_REWARD)
 def test_all_scenes_of_a_game_are_the_same_match(name):
-    game = NEEDY[name]
+    game = SPARSE_REWARD[name]
     train = Lineup(program_of(game.program))
     assert train.program.dim == DIMENSIONS[name]
     theta = np.random.default_rng(0).uniform(-1, 1, (1000, train.program.dim))
@@ -41,7 +41,7 @@ def test_all_scenes_of_a_game_are_the_same_match(name):
 
 @pytest.mark.parametrize("name", HELD_OUT)
 def test_tests_and_held_out_scenes_lie_within_the_game(name):
-    game = NEEDY[name]
+    game = SPARSE_REWARD[name]
     low, high = corners(program_of(game.program))
     for label, path in (*game.tests, *game.held_out):
         program = program_of(path)
@@ -52,7 +52,7 @@ def test_tests_and_held_out_scenes_lie_within_the_game(name):
 
 def courses(name, columns, steps=30):
     """Places of the right players `[steps, N, players, 2]` while the carrier stands; `columns` are set to a number."""
-    env = FootballVectorEnv(NEEDY[name].program, 32)
+    env = FootballVectorEnv(SPARSE_REWARD[name].program, 32)
     env.reset(seed=0)
     theta = env.sample_levels(32)["theta"]
     for column, value in columns.items():
