@@ -115,11 +115,17 @@ def suits(player, wanted_x, wanted_y, dx, dy):
     distance = length(dx, dy) + 1e-9
     pace = min(AWAIT.urgency, AWAIT.fastest / distance)
     like = 1.0 - min(length(wanted_x - pace * dx, wanted_y - pace * dy) / AWAIT.fastest, 1.0)
-    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
-    if player.direction == 0:
-        ux, uy = player.facing_x, player.facing_y
+    ux, uy = keys_direction(player)
     angle = math.acos(min(max((ux * dx + uy * dy) / distance, -1.0), 1.0))
     return AWAIT.pace * like + AWAIT.way * (1.0 - min(angle / (0.5 * math.pi), 1.0))
+
+
+@kernel
+def keys_direction(player):
+    """Return the unit vector of a player's keys, or of where he looks if they have no direction."""
+    if player.direction == 0:
+        return player.facing_x, player.facing_y
+    return DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
 
 
 @kernel
@@ -145,9 +151,7 @@ def pull(match, i):
     in_time = in_time_by(match, player, time)
     if in_time <= PULL.too_late:
         return 0.0
-    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
-    if player.direction == 0:
-        ux, uy = player.facing_x, player.facing_y
+    ux, uy = keys_direction(player)
     to_x, to_y = toward(player.desired_vx, player.desired_vy)
     alike = 1.0 - 0.5 * math.acos(min(max(ux * to_x + uy * to_y, -1.0), 1.0)) / math.pi
     forwards = 0.5 * (1.0 + forward(player.team) * ux)
