@@ -156,7 +156,7 @@ class FootballVectorEnv(UPOMDP):
         last = self._observer.read(final, self._batch.matches)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
         info["success"] = out.success.astype(float)
-        if self.behaviors.pays and not self._settings.defending:
+        if self.behaviors.sets_reward and not self._settings.defending:
             info["success"][:] = np.nan  # what its program pays for is its success
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:

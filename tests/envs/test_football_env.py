@@ -425,3 +425,8 @@ def test_where_a_program_pays_its_pay_is_the_success():
     )
     total, success = endings(open_goal(True, False, f"RightGK at 99 @ 41\n{monitor}"), 0)
     assert (total > 0).all() and np.isnan(success).all()
+
+
+def test_a_program_that_only_reads_its_pay_sets_none():
+    monitor = "monitor Look():\n    while simulation().scenic_reward > 1:\n        wait\nrequire monitor Look()"
+    assert not open_goal(True, False, f"RightGK at 99 @ 41\n{monitor}").behaviors.sets_reward

@@ -15,7 +15,7 @@ from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.dynamics.machine.bytecode import COMPLETE, FAULT, FAULT_ROW, REJECTED, REWARD, TERMINATED
+from scenic_lite.dynamics.machine.bytecode import COMPLETE, FAULT, FAULT_ROW, REJECTED, TERMINATED
 from scenic_lite.dynamics.machine.compiled import recorded
 from scenic_lite.dynamics.machine.verify import slots
 
@@ -28,7 +28,7 @@ class CompiledBehaviors:
         is_live: whether there is anything to run.
         num_registers: R, the numbers that they remember in each match.
         has_records: whether the program has `record` statements.
-        pays: whether it sets `scenic_reward`.
+        sets_reward: whether it assigns `simulation().scenic_reward`.
 
     Raises ScenicError for a behavior that cannot be compiled.
     """
@@ -39,7 +39,7 @@ class CompiledBehaviors:
         self.is_live = not does_nothing(self.code.rows)
         self.num_registers = self.code.register_count
         self.has_records = bool(self.compiled.records)
-        self.pays = bool((self.code.rows[:, 1] == REWARD).any())  # the first operand: what a row writes to
+        self.sets_reward = self.compiled.sets_reward
 
     @cached_property
     def limits(self) -> Limits:

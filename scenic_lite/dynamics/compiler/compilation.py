@@ -226,6 +226,7 @@ class Output:
     rejections: list[str] = field(default_factory=list)  # requirements that reject a match
     records: list[Record] = field(default_factory=list)
     drivers: list[tuple[int, int, bool]] = field(default_factory=list)  # as in `Compiled`
+    sets_reward: bool = False
     starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
     titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
     counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors

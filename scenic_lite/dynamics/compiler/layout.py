@@ -48,6 +48,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         code.texts,
         tuple(each._replace(taken=layout(each.taken)) for each in c.output.records),
         tuple((number, layout(register), at_first) for number, register, at_first in c.output.drivers),
+        c.output.sets_reward,
     )
 
 

@@ -118,6 +118,7 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
         if kind_of(value) not in ("number", "truth"):
             raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
         register_of(c.code, value, REWARD)
+        c.output.sets_reward = True
     elif isinstance(owner, Instance) and owner.label:
         c.refuse_live(owner, name)
         value = checked(name, value, c.program.dialect) if name in owner.properties else value

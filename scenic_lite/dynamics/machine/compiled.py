@@ -56,6 +56,7 @@ class Compiled:
         commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
         doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         records: what `record` statements put into registers.
+        sets_reward: whether a statement assigns `simulation().scenic_reward`.
         reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
     """
 
@@ -74,6 +75,7 @@ class Compiled:
     texts: dict[str, int]
     records: tuple[Record, ...]
     drivers: tuple[tuple[int, int, bool], ...]  # objects that are given behaviors: number, register, has one at first
+    sets_reward: bool
 
     @property
     def world_base(self) -> int:
