@@ -98,7 +98,7 @@ MINIGAMES: dict[str, Minigame] = {
     )
 }
 
-# Games of sparse reward: broad programs paid for goals alone, of which students hardly score on a random level at first.
+# Games of sparse reward: broad programs, paid for goals alone, which hardly ever come on a random level at first.
 SPARSE_REWARD: dict[str, Minigame] = {
     game.name: game
     for game in (
