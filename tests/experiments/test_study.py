@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from experiments.__main__ import main
-from experiments.commands import study
+from experiments.commands.study_benchmark import BenchmarkStudy, BenchmarkStudyConfig, places_of, starting_point
+from experiments.commands.study_transfer import TransferStudyConfig, prepare
 from experiments.commands.train import train
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.results import mean_return
 from experiments.run.signals import StopRequest
-from experiments.studies import page, rows
+from experiments.studies import page, rows, runs
 from experiments.studies.measuring import measure_random
 from minigames.suites import BENCHMARK
 from tests.envs.grf.fixtures import fake_python
@@ -30,7 +31,7 @@ def words(monkeypatch, tmp_path):
         for run in runs:
             train(RunFolder.open(run.path), stop)
 
-    monkeypatch.setattr(study, "train_all", train_all)
+    monkeypatch.setattr(runs, "train_all", train_all)
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     few = ["--seeds", "1", "--representations", "features"]
     return ["study", "transfer", "--games", *GAMES, *few, *SHORT, *SPREAD, "--out", str(tmp_path / "out")]
@@ -56,14 +57,14 @@ def test_a_study_trains_plays_and_tabulates_and_keeps_what_is_there(words, capsy
 
 
 def test_games_have_budgets_of_their_own_unless_one_is_given(tmp_path):
-    config = study.TransferStudyConfig(
+    config = TransferStudyConfig(
         games=("academy/run_to_score", "1v1Free"), representations=("smm",), out=tmp_path, seeds=2
     )
-    runs = study.prepare(config, {})
+    runs = prepare(config, {})
     assert [run.config.total_env_steps for run in runs] == [500_000, 1_000_000] * 2
     assert [run.config.seed for run in runs] == [0, 0, 1, 1]
     assert {run.config.env.representation for run in runs} == {"smm"}
-    longer = study.prepare(config, {"total_env_steps": 2_000_000})
+    longer = prepare(config, {"total_env_steps": 2_000_000})
     assert {RunFolder.open(run.path).config.total_env_steps for run in longer} == {2_000_000}
 
 
@@ -91,7 +92,7 @@ def single(monkeypatch, tmp_path):
             begun.append(run.path.name)
             train(RunFolder.open(run.path), stop)
 
-    monkeypatch.setattr(study, "train_all", train_all)
+    monkeypatch.setattr(runs, "train_all", train_all)
     words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
     return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
@@ -172,18 +173,18 @@ def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
 
 
 def test_the_thesis_has_fifteen_rows_of_teams():
-    games = study.games_of("multi", study.BenchmarkStudyConfig(), {})
+    games = BenchmarkStudy("multi", BenchmarkStudyConfig(), {}).games()
     assert len(games) == 15 and ("offense/11_vs_gk", "2") in games and ("defense/2vs2", "all") in games
-    assert study.games_of("single", study.BenchmarkStudyConfig(games=("defense/2vs2",)), {}) == [
+    assert BenchmarkStudy("single", BenchmarkStudyConfig(games=("defense/2vs2",)), {}).games() == [
         ("defense/2vs2", "closest1")
     ]
-    pairs = study.games_of("demonstrations", study.BenchmarkStudyConfig(), {})
+    pairs = BenchmarkStudy("demonstrations", BenchmarkStudyConfig(), {}).games()
     assert len(pairs) == 9 and ("grf/run_to_score_with_keeper", "closest1") in pairs
     with pytest.raises(UsageError, match="no semi-expert program is known for defense/2vs2"):
-        study.games_of("demonstrations", study.BenchmarkStudyConfig(games=("defense/2vs2",)), {})
+        BenchmarkStudy("demonstrations", BenchmarkStudyConfig(games=("defense/2vs2",)), {}).games()
     with pytest.raises(UsageError, match="no team is known for 1v1Free; say whom"):
-        study.games_of("multi", study.BenchmarkStudyConfig(games=("1v1Free",)), {})
-    assert study.games_of("multi", study.BenchmarkStudyConfig(games=("1v1Free",)), {"env.control": "all"}) == [
+        BenchmarkStudy("multi", BenchmarkStudyConfig(games=("1v1Free",)), {}).games()
+    assert BenchmarkStudy("multi", BenchmarkStudyConfig(games=("1v1Free",)), {"env.control": "all"}).games() == [
         ("1v1Free", "all")
     ]
 
@@ -192,12 +193,12 @@ def test_the_thesis_has_fifteen_rows_of_teams():
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)
-    monkeypatch.setattr(study.time, "monotonic", lambda: next(clock, 1e9))
+    monkeypatch.setattr(runs.time, "monotonic", lambda: next(clock, 1e9))
     assert main([*words, "--hours", "1"]) == 0
     assert len(begun) < 2
     monkeypatch.undo()
     monkeypatch.setattr(
-        study, "train_all", lambda runs, *_: [train(RunFolder.open(run.path), StopRequest()) for run in runs]
+        runs, "train_all", lambda begun, *_: [train(RunFolder.open(run.path), StopRequest()) for run in begun]
     )
     assert main(words) == 0
     assert len(rows.load(tmp_path / "results" / "fast.csv")) == 9
@@ -221,9 +222,9 @@ def test_studies_are_named_and_kept_apart(single, capsys):
 
 
 def test_presets_are_those_of_training(tmp_path):
-    thesis = study.starting_point(study.BenchmarkStudyConfig(preset="thesis"))
+    thesis = starting_point(BenchmarkStudyConfig(preset="thesis"))
     assert thesis.env.representation == "smm_stacked" and thesis.total_env_steps == 5_000_000 and thesis.num_envs == 16
-    fast = study.starting_point(study.BenchmarkStudyConfig())
+    fast = starting_point(BenchmarkStudyConfig())
     assert fast.env.representation == "features" and fast.ppo.hidden_size == 64
     assert len(page.FIGURE_2_7) == 13 and len(page.TABLE_4_1) == 6
     assert [game for game, _ in page.PAIRS["generalisation"]] == list(BENCHMARK) and len(BENCHMARK) == 22
@@ -257,15 +258,15 @@ def test_ranks_tell_who_is_out_of_place():
 
 
 def test_uniform_keys_are_played_on_all_scenes(tmp_path):
-    config = study.open_run(tmp_path, "grf/empty_goal_close", 0, study.training(), {}).config
+    config = runs.StudyRuns(tmp_path, runs.training(), {}).open("grf/empty_goal_close", 0).config
     found = measure_random(config, 4)
     assert [(row.agent, row.scene, row.env_steps) for row in found] == [("random", "train", 0), ("random", "test", 0)]
 
 
 def test_a_study_writes_into_the_checkout_only_when_it_is_told_to(tmp_path):
-    config = study.BenchmarkStudyConfig()
-    assert all(str(place).startswith("runs/benchmark/") for place in study.places_of(config))
-    published = study.places_of(study.BenchmarkStudyConfig(publish=True))
+    config = BenchmarkStudyConfig()
+    assert all(str(place).startswith("runs/benchmark/") for place in places_of(config))
+    published = places_of(BenchmarkStudyConfig(publish=True))
     assert published.page.is_file() and (published.results / "fast.csv").is_file() and published.pictures.is_dir()
 
 

@@ -1,0 +1,231 @@
+"""The studies of the thesis's benchmark: train games over seeds, play them on all scenes, write tables and the page.
+
+Read next: `studies.runs`; `studies.measuring`, which plays; `studies.page`, what is made of the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from experiments.commands import clone, demonstrate
+from experiments.run import arguments, build, origin
+from experiments.run.arguments import group
+from experiments.run.config import TrainConfig, presets
+from experiments.run.errors import UsageError
+from experiments.run.folder import RunFolder
+from experiments.run.signals import StopRequest
+from experiments.studies import measuring
+from experiments.studies.rows import Row
+from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, train_unfinished, training
+from ued.config import FineTuningConfig, setting
+
+HERE = Path(__file__).parent.parent
+BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
+
+
+@dataclass(frozen=True)
+class BenchmarkStudyConfig(StudyConfig):
+    """What is typed after `regista study single`, `generalisation`, `multi` or `demonstrations`."""
+
+    preset: Literal["fast", "thesis"] = setting(
+        "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
+    )
+    out: Path = setting(Path("runs/benchmark"), "folder of the runs, the tables, the page and its pictures")
+    publish: bool = setting(False, "keep tables, page and pictures in the repository: BENCHMARK.md")
+    episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
+    demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
+    train: TrainConfig = group(training, "each run", without=CHOSEN)
+    fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
+
+
+class Places(NamedTuple):
+    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
+
+    results: Path
+    page: Path
+    pictures: Path
+
+
+class PlannedRun(NamedTuple):
+    """A run that is to be measured; `agent` is as in the tables."""
+
+    game: str
+    agent: str
+    control: str
+    seed: int
+
+    @property
+    def kind(self) -> str:
+        """What its folder is called behind its game: nothing of a run that begins anew."""
+        return "pretrained-" if self.agent.endswith("pretrained") else ""
+
+
+class BenchmarkStudy:
+    """One of the studies.
+
+    Args:
+        name: single, generalisation, multi or demonstrations.
+        config: what was typed after it.
+        typed: settings of training that were typed, by dotted path.
+    """
+
+    def __init__(self, name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]) -> None:
+        self.name, self.config, self.typed = name, config, typed
+        self.runs = StudyRuns(config.out / config.preset, starting_point(config), typed)
+        self.places = places_of(config)
+
+    def run(self) -> int:
+        """Train, play and write, a few runs after the others: what is done is in the files when it stops.
+
+        Returns the exit code.
+        """
+        from experiments.studies import page
+        from experiments.studies.rows import add, load, trained
+
+        self.check_published()
+        steps = arguments.replace_paths(self.runs.base, self.typed).total_env_steps
+        table = self.places.results / page.FILES.format(preset=self.config.preset)
+        table.parent.mkdir(parents=True, exist_ok=True)
+        rows, planned = load(table), list(self.planned())
+        missing = [each for each in planned if trained(rows, *each) < steps]
+        self.check_same(planned)
+        print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", flush=True)
+        processes = self.config.count_processes(self.runs.base.threads)
+        with Deadline(self.config.hours) as stop:
+            for first in range(0, len(missing), processes):
+                clones, runs = self.open(missing[first:][:processes], stop)
+                if not stop:
+                    train_unfinished(runs, self.config, stop)
+                if stop:
+                    break
+                rows = add(table, measure([*clones, *runs], rows, self.config.episodes))
+                page.write_page(*self.places)
+        page.write_page(*self.places)
+        print(f"{self.places.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
+        return stop.exit_code
+
+    # ------------------------------------------------------------ which runs
+
+    def planned(self) -> Iterator[PlannedRun]:
+        """Yield the runs of the study, one seed of everything after the other."""
+        agents = ("ppo", "pretrained") if self.name == "demonstrations" else ("ppo",)
+        for seed in range(self.config.seeds):
+            for game, control in self.games():
+                team = "" if control == build.find_minigame(game).control else measuring.TEAM
+                yield from (PlannedRun(game, team + agent, control, seed) for agent in agents)
+
+    def games(self) -> list[tuple[str, str]]:
+        """Return the games, each with whom its agents move: a team of each kind, or one agent."""
+        from experiments.studies.page import PAIRS
+
+        known = PAIRS[self.name]
+        games = [build.find_minigame(game) for game in self.config.games or dict.fromkeys(game for game, _ in known)]
+        pairs = []
+        for game in games:
+            controls = [control for other, control in known if other == game.name]
+            if "env.control" in self.typed:
+                controls = [self.typed["env.control"]]
+            elif self.name == "multi":
+                controls = controls or [*game.team_control]
+            elif self.name != "demonstrations":
+                controls = [game.control]
+            if not controls:
+                what = "team" if self.name == "multi" else "semi-expert program"
+                raise UsageError(f"no {what} is known for {game.name}; say whom its agents move with --control")
+            pairs += [(game.name, control) for control in controls]
+        return pairs
+
+    # ------------------------------------------------------------ their folders
+
+    def open(self, planned: Sequence[PlannedRun], stop: StopRequest) -> tuple[list[RunFolder], list[RunFolder]]:
+        """Create the folders of runs or open them; clones, with which some of them begin, are made first."""
+        clones: list[RunFolder] = []
+        runs: list[RunFolder] = []
+        for each in planned:
+            made = self.make_clone(each, stop) if each.kind else None
+            if each.kind and made is None:
+                break
+            runs.append(self.runs.open(each.game, each.seed, {"env.control": each.control}, each.kind))
+            if made is not None:
+                clones.append(RunFolder.open(made))
+                if not runs[-1].begun():
+                    origin.keep(runs[-1], origin.load(made), self.config.fine_tuning)
+        return clones, runs
+
+    def make_clone(self, planned: PlannedRun, stop: StopRequest) -> Path | None:
+        """Let the semi-expert program play, and clone it; return the clone's folder, None if somebody asked to stop."""
+        config = self.config
+        seen = arguments.replace_paths(self.runs.base, self.typed).env.representation
+        name = f"{planned.game.replace('/', '_')}-{planned.control}-{seen}"
+        demos, out = config.out / "demonstrations" / name, self.runs.folder / f"{name}-clone-{planned.seed}"
+        if (out / "checkpoint.pt").exists():
+            return out
+        game = [planned.game, "--representation", seen, "--control", planned.control]
+        played = [*game, "--episodes", str(config.demonstrations), "--out", str(demos)]
+        cloned = [str(demos), "--preset", config.preset, "--seed", str(planned.seed), "--out", str(out)]
+        student = {path: value for path, value in self.typed.items() if path.startswith("ppo.")}
+        cloned += [word for path, value in student.items() for word in (arguments.flag_name(path), str(value))]
+        for command, words in ((demonstrate, played), (clone, cloned)):
+            code = command.main(words)
+            if code:
+                stop.signal = code - 128  # which the command has caught
+                return None
+        return out
+
+    # ------------------------------------------------------------ what is refused
+
+    def check_published(self) -> None:
+        """Refuse to mix runs of other settings than a preset's with those that the repository holds of it."""
+        others = sorted(self.typed.keys() - BOOKKEEPING)
+        others += [] if self.config.fine_tuning == FineTuningConfig() else ["kl_to_clone"]
+        if others and self.config.publish:
+            flags = ", ".join(arguments.flag_name(path.rpartition(".")[2]) for path in others)
+            raise UsageError(f"with {flags} it is no run of preset {self.config.preset}; leave out --publish")
+
+    def check_same(self, planned: Sequence[PlannedRun]) -> None:
+        """Refuse to go on with runs of other settings: those that are measured are not opened any more.
+
+        Raises `ConfigError` that names the run, the setting and both values.
+        """
+        for each in planned:
+            path, config = self.runs.plan(each.game, each.seed, {"env.control": each.control}, each.kind)
+            if (path / "config.json").exists():
+                RunFolder.open(path).extend(config)
+
+
+def run_benchmark(name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]) -> int:
+    """Run a study of the benchmark; return the exit code."""
+    return BenchmarkStudy(name, config, typed).run()
+
+
+def places_of(config: BenchmarkStudyConfig) -> Places:
+    """Return where a study writes: beneath its folder, or in the repository if it is told to."""
+    if config.publish:
+        return Places(HERE / "studies" / "results", HERE.parent / "BENCHMARK.md", HERE / "gallery")
+    return Places(config.out / "results", config.out / "BENCHMARK.md", config.out / "pictures")
+
+
+def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
+    """Return what runs of a preset begin with: of `fast` the budget is a study's, of `thesis` its own."""
+    if config.preset == "fast":
+        return config.train
+    chosen = presets()[config.preset]
+    env = replace(config.train.env, representation="smm_stacked")
+    return replace(config.train, env=env, ppo=chosen.ppo, num_envs=chosen.num_envs, total_env_steps=5_000_000)
+
+
+def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:
+    """Play runs on all scenes of their games, and what needs no training where that is not known yet."""
+    rows: list[Row] = []
+    for run in runs:
+        game = run.config.minigame
+        print(f"playing {game}, seed {run.config.seed}", flush=True)
+        rows += measuring.measure_run(run, episodes)
+        about = (game, "random", run.config.env.control)
+        if not any(row[:3] == about for row in [*known, *rows]):
+            rows += measuring.measure_random(run.config, episodes)
+            rows += measuring.measure_experts(build.find_minigame(game), episodes)
+    return rows

@@ -1,0 +1,99 @@
+"""The runs of a study: their folders and settings, how many are trained at a time, and for how long.
+
+Read next: `run.workers`, which trains; `studies.measuring`, which plays; `commands.study`.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from envs.football.config import FootballConfig
+from experiments.run import arguments, build
+from experiments.run.config import TrainConfig
+from experiments.run.folder import RunFolder
+from experiments.run.signals import StopRequest
+from experiments.run.workers import train_all
+from ued.config import Checked, setting
+
+STEPS = 1_000_000  # of a run, where a study knows of no better budget
+CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
+LONGEST = 24 * 365.0  # hours, where nobody says how many
+
+
+def training(rewards: str = "scoring") -> TrainConfig:
+    """Return what runs of a study begin with: nothing but training."""
+    env = FootballConfig(rewards=rewards)
+    return TrainConfig(method="dr", total_env_steps=STEPS, eval_every=0, record=False, env=env)
+
+
+@dataclass(frozen=True)
+class StudyConfig(Checked):
+    """What is typed after the name of any study."""
+
+    games: tuple[str, ...] = setting((), "minigames instead of the study's own")
+    seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1")
+    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
+    hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0")
+
+    def count_processes(self, threads: int) -> int:
+        """Return how many runs are trained at a time."""
+        return self.processes or max(1, (os.cpu_count() or 1) // threads)
+
+
+@dataclass(frozen=True)
+class StudyRuns:
+    """Where the runs of a study are kept, and what their settings are.
+
+    Attributes:
+        folder: above all of them.
+        base: what they begin with.
+        typed: settings that were typed, by dotted path.
+    """
+
+    folder: Path
+    base: TrainConfig
+    typed: dict[str, Any]
+
+    def plan(
+        self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = ""
+    ) -> tuple[Path, TrainConfig]:
+        """Return a run's folder and settings: the base with what the minigame says, what was typed, what is chosen.
+
+        `kind` is what the folder is called behind the game. Raises `UsageError` for an unknown game.
+        """
+        minigame = build.find_minigame(game)
+        base = replace(self.base, env=replace(self.base.env, control=minigame.control))
+        settings = {**self.typed, **(chosen or {})}
+        config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
+        team = "" if config.env.control == minigame.control else f"{config.env.control}-"
+        name = f"{minigame.name.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
+        return self.folder / name, config
+
+    def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:
+        """Create the folder of a run or open it, if it was made with the same settings; see `plan`."""
+        return RunFolder.create_or_extend(*self.plan(game, seed, chosen, kind))
+
+
+def train_unfinished(runs: Sequence[RunFolder], config: StudyConfig, stop: StopRequest) -> None:
+    """Train the runs that are not finished, several at a time."""
+    unfinished = [run for run in runs if not run.finished()]
+    if unfinished:
+        processes = min(config.count_processes(unfinished[0].config.threads), len(unfinished))
+        print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {processes} at a time", flush=True)
+        train_all(unfinished, processes, stop)
+
+
+class Deadline(StopRequest):
+    """A request to stop that comes by itself after so many hours: nobody has asked then, and the exit code is 0."""
+
+    def __init__(self, hours: float) -> None:
+        super().__init__()
+        self._end = time.monotonic() + 3600 * hours
+
+    def __bool__(self) -> bool:
+        return super().__bool__() or time.monotonic() >= self._end
