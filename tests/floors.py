@@ -27,6 +27,7 @@ FLOORS = {
         "dynamics",
     ),
     "envs": (
+        "toy_world",  # the smallest, for programs of nothing that is known
         "football.constants",
         "football.config",
         "football.limits",  # what fields may hold

@@ -238,8 +238,8 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 def render_code(program: Program, football: bool) -> str:
     """Return the rows that the behaviors, monitors and conditions of a program become, below their lines."""
     from envs.football.scenic.world import FOOTBALL_WORLD
+    from envs.toy_world import toy_world
     from scenic_lite.dynamics.compiler.compile import compile_program
-    from tests.scenic_lite.dynamics.toy_world import toy_world
 
     compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
     for warning in compiled.warnings:

@@ -1,8 +1,7 @@
 """Dynamic programs: play episodes in the toy simulator and count what happens in them.
 
 Fields as the oracle has them: `sims`, `steps`, `rejected`, `endings`, `lengths`; `traces`, the actions of every agent
-at every step with how often they occurred; `records`, `per_step`. Read next:
-`tests/scenic_lite/dynamics/toy_world.py`.
+at every step with how often they occurred; `records`, `per_step`. Read next: `envs/toy_world.py`.
 """
 
 import collections
@@ -12,11 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from envs.toy_world import properties, toy_world
 from scenic_lite import Domain, Program, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.values.geometry import Vector
-from tests.scenic_lite.dynamics.toy_world import Trace, first_table, properties, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 

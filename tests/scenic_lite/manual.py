@@ -16,11 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from envs.toy_world import toy_world
 from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.controller import CompiledController
-from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run
 
 MANUAL = Path(__file__).parents[2] / "scenic_lite" / "README.md"
 STEPS, DRIFT = 6, 1.0  # of an episode in the toy world

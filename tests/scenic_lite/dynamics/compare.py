@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.compiler.compile import compile_program
@@ -14,7 +15,7 @@ from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.values.geometry import Vector
 from tests.scenic_lite.dynamics.controller import CompiledController
-from tests.scenic_lite.dynamics.toy_world import Controller, first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import Controller, first_table, run
 
 MINUS_ZERO = re.compile(r"-0(?![\d.])")
 CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions

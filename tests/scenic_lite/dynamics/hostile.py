@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from envs.toy_world import FACTS, FIELDS, toy_world
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.bytecode import Code
@@ -20,7 +21,6 @@ from scenic_lite.dynamics.machine.vm import run_behaviors, run_watchers
 from tests.scenic_lite.dynamics import feature_programs
 from tests.scenic_lite.dynamics.controller import RNG_DTYPE
 from tests.scenic_lite.dynamics.generated import program as generated
-from tests.scenic_lite.dynamics.toy_world import FACTS, FIELDS, toy_world
 
 MARGIN, CANARY = 4096, 7.25  # registers before and after those of the program, and what stands there
 STEPS = 4

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from envs.toy_world import toy_world
 from scenic_lite import load
 from scenic_lite.dynamics.reference.interpreter import Reference
-from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 
 def played(text, steps=6, drift=1.0, dialect=3, seed=0, theta=None, timestep=1.0):

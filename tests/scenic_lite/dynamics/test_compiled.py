@@ -10,6 +10,7 @@ import pytest
 
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.compile import compile_program
@@ -21,7 +22,6 @@ from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.generated import program as generated
 from tests.scenic_lite.dynamics.generated_scenarios import program as generated_scenarios
-from tests.scenic_lite.dynamics.toy_world import toy_world
 
 BASE = FOOTBALL_WORLD.actions or 0
 REPOSITORY = Path(__file__).resolve().parents[3]

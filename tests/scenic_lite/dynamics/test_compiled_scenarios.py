@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import vm
@@ -14,7 +15,7 @@ from scenic_lite.dynamics.machine.compiled import recorded
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.scenario_programs import BODIES, PARTS, RECORDS, TOP, main, program
-from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 
 @pytest.mark.parametrize("name", sorted(BODIES))

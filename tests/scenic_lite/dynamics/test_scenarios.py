@@ -6,13 +6,14 @@ What it does well is in the golden oracle.
 import numpy as np
 import pytest
 
+from envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.playing import actions, played
-from tests.scenic_lite.dynamics.toy_world import first_table, run, toy_world
+from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 PARTS = """
 behavior Loop(w):

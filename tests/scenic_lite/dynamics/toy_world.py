@@ -1,25 +1,18 @@
-"""The smallest world: every object drifts up the y axis by the same distance in each step, and actions change nothing.
+"""One episode in the toy world, in which every object drifts up the y axis by the same distance in each step.
 
-It is the simulator in which Scenic's authors test behaviors, and in which ours are compared with theirs. An action is
-any value. `run` plays one episode with any controller that has `act` and `watch`. Read next:
+`run` plays it with any controller that has `act` and `watch`. Read next: `envs.toy_world`;
 `dynamics.reference.interpreter`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from scenic_lite.core.types import Instance, Namespace
-from scenic_lite.core.world import Commands, Verdict, World
+from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.scene.program import Program
-from scenic_lite.values.geometry import Vector
-from scenic_lite.values.graph import Value
-
-FIELDS = ("x", "y", "heading")
-FACTS = ("time",)
 
 
 class Controller(Protocol):
@@ -43,25 +36,6 @@ class Trace(NamedTuple):
     rewards: tuple[float, ...]
     ending: str
     rejected: str | None
-
-
-def toy_world(timestep: float = 1.0) -> World:
-    """The toy simulator's side of the seam, with so many seconds to a step."""
-
-    def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
-        names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}
-        names["agents"] = [each for each in objects if each.properties["behavior"] is not None]
-        return Namespace("simulation()", names)
-
-    return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action)
-
-
-def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
-    """Where an object is; it has no speed of its own. Its x is what the program wrote, since nothing moves it."""
-    x = instance.properties["position"].x
-    at = Vector(x if isinstance(x, int) else fields["x"], fields["y"])
-    still: dict[str, Any] = {"velocity": Vector(0, 0), "speed": 0.0, "angularSpeed": 0.0}
-    return {"position": at, "heading": fields["heading"]} | still
 
 
 def first_table(program: Program, theta: np.ndarray) -> np.ndarray:
