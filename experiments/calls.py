@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from experiments.run import build, own
-from experiments.run.config import OwnTrainConfig
+from experiments.run import build, tasks
+from experiments.run.config import TaskTrainConfig
 from experiments.run.errors import UsageError, nearest
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
@@ -34,9 +34,9 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
     from experiments.commands.train import train as train_run
     from experiments.run.signals import StopRequest
 
-    name = build.canonical_name(task if isinstance(task, str) else own.name_of(task))
+    name = build.canonical_name(task if isinstance(task, str) else tasks.name_of(task))
     config = build.starting_point("fast", name)
-    unknown = [key for key in settings if not hasattr(config, key)]
+    unknown = [key for key in settings if key not in vars(config)]
     if unknown:
         raise UsageError(f"there is no setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
     config = replace(config, minigame=name, method=build.find_method(method), seed=seed, **settings)
@@ -57,6 +57,6 @@ def evaluate(
     """
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = [RunFolder.open(Path(path)) for path in paths]
-    config: OwnTrainConfig = folders[0].config
+    config: TaskTrainConfig = folders[0].config
     scenes = EvalScenes(config, build.load_scenes(config), episodes)
     return Evaluator(scenes, levels, level_episodes).report(folders)

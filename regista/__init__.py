@@ -16,7 +16,7 @@ from typing import Any
 
 import minigames  # noqa: F401
 
-_OWN = {"train": "experiments.calls", "evaluate": "experiments.calls"}
+_CALLS = {"train": "experiments.calls", "evaluate": "experiments.calls"}
 
 
 def __getattr__(name: str) -> Any:
@@ -26,8 +26,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("regista")
-    return getattr(import_module(_OWN.get(name, "ued")), name)
+    return getattr(import_module(_CALLS.get(name, "ued")), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*_OWN, "__version__", *dir(import_module("ued"))})
+    return sorted({*_CALLS, "__version__", *dir(import_module("ued"))})

@@ -66,7 +66,7 @@ class Mixture(UPOMDP):
         theta = check_theta(theta, self.theta_dim)
         if self.only is not None:
             return np.full(len(theta), self.only, np.int32)
-        return chosen_program(theta, len(self.members))
+        return index_in(theta[:, 0], len(self.members)).astype(np.int32)
 
     def valid(self, theta: Any) -> np.ndarray:
         theta = check_theta(theta, self.theta_dim)
@@ -176,11 +176,6 @@ class Mixture(UPOMDP):
     def close_extras(self, **kwargs: Any) -> None:
         for member in self.members:
             member.close()
-
-
-def chosen_program(theta: np.ndarray, programs: int) -> np.ndarray:
-    """Return which of so many programs each row of θ `[n, D]` chooses: `[n]`."""
-    return index_in(theta[:, 0], programs).astype(np.int32)
 
 
 def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:

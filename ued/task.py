@@ -4,7 +4,7 @@
 
     regista train examples/hopper.py:hopper --method plr
 
-A function `make(num_envs)` alone is a task without tests. Read next: `experiments/run/own.py`, which reads them.
+A function `make(num_envs)` alone is a task without tests. Read next: `experiments/run/tasks.py`, which reads them.
 """
 
 from __future__ import annotations

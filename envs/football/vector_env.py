@@ -81,7 +81,7 @@ class FootballVectorEnv(UPOMDP):
         super().__init__(num_envs, self._observer.space, actions, self.program.draws)
         self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
-            bool(self.lineup.config.defending),
+            self.defending,
             bool(self.lineup.config.deterministic),
             self._engine.restarts and self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
@@ -109,6 +109,11 @@ class FootballVectorEnv(UPOMDP):
     def paid_apart(self) -> bool:  # type: ignore[override]
         """Whether both teams have agents: they are opponents, and learn by self-play."""
         return all(self.lineup.num_agents)
+
+    @property
+    def defending(self) -> bool:
+        """Whether an episode succeeds where no goal is conceded, not by goals."""
+        return bool(self.lineup.config.defending)
 
     @property
     def observation_unit(self) -> np.ndarray | None:
@@ -156,7 +161,7 @@ class FootballVectorEnv(UPOMDP):
         last = self._observer.read(final, self._batch.matches)
         info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
         info["success"] = out.success.astype(float)
-        if self.behaviors.sets_reward and not self._settings.defending:
+        if self.behaviors.sets_reward and not self.defending:
             info["success"][:] = np.nan  # what its program pays for is its success
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:

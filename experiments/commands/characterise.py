@@ -28,7 +28,7 @@ from ued.config import Checked, setting
 DESCRIPTION = "Tell how many random levels of a game are solved by uniform keys, and by students as they learn."
 SEED = 30_000  # of the levels and of how they are played
 ENVIRONMENTS = 64
-OWN = ("minigame",)  # settings of a run that are not typed as flags of training
+CHOSEN = ("minigame",)  # settings of a run that are not typed as flags of training
 HEAD = ["game", "D", "who", "env_steps", "solved", "levels never", "sometimes", "always"]
 
 
@@ -41,7 +41,7 @@ class CharacteriseConfig(Checked):
     episodes: int = setting(4, "whole episodes on each of them", ">=1")
     tests: int = setting(4, "how often a student is tested, evenly over its training", ">=1")
     csv: Path | None = setting(None, "also write the rows to this CSV file")
-    train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=OWN)
+    train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=CHOSEN)
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def measure(config: CharacteriseConfig, train: TrainConfig) -> Iterator[Row]:
         shares = solved_shares(policy, test, levels, config.episodes)
         return Row(build.short_name(train.minigame), test.theta_dim, who, env_steps, *shares)
 
-    yield play(make_baselines(test)["random"], "uniform keys", 0)
+    yield play(make_baselines(test, program)["random"], "uniform keys", 0)
     upomdp = build.make_upomdp(program, train.num_envs, train.env, train.seed, train.threads)
     method, tested = build.make_method(train, upomdp), 0
     while method.env_steps < train.total_env_steps:

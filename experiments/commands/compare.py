@@ -33,7 +33,7 @@ DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
     "write a table and pictures. Can be stopped at any time; called again, it continues."
 )
-OWN = ("minigame", "method", "seed")  # settings of a run that the comparison chooses
+CHOSEN = ("minigame", "method", "seed")  # settings of a run that the comparison chooses
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class CompareConfig(Checked):
     processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
-    train: Any = group(TrainConfig, "each run", without=OWN)
+    train: Any = group(TrainConfig, "each run", without=CHOSEN)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -108,7 +108,7 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) 
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     name = build.short_name(runs[0].config.minigame)
-    draw(Comparison(name, by_method, report.results, painter), folder)
+    draw(Comparison(name, by_method, report.results, painter, report.word), folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
@@ -119,9 +119,16 @@ def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], fold
     """Write what a page of results shows of the comparison."""
     name = build.short_name(runs[0].config.minigame)
     trained = unique([run.config.method for run in runs])
-    pictures = {f"Learning curves on {name}": "learning_curves.png", f"Goals and levels on {name}": "overview.png"}
+    pictures = {
+        f"Learning curves on {name}": "learning_curves.png",
+        f"{report.word.capitalize()} and levels on {name}": "overview.png",
+    }
     if not build.is_football(runs[0].config):
-        pictures = {f"Learning curves on {name}": "learning_curves.png", f"Levels on {name}": "levels.png"}
+        pictures = {f"Learning curves on {name}": "learning_curves.png"}
+    if build.is_football(runs[0].config):
+        pictures[f"{report.word.capitalize()} and levels on {name}"] = "overview.png"
+    else:
+        pictures[f"Levels on {name}"] = "levels.png"
     heading = f"{name}: {plots.listed(trained)}"
     results_page.write_page(folder, heading, command, report.markdown(), pictures)
 

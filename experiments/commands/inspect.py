@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from experiments.run import arguments, build, own
+from experiments.run import arguments, build, tasks
 from experiments.run.arguments import group, positional
 from experiments.run.config import ProgramConfig
 from experiments.run.errors import UsageError
@@ -57,7 +57,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
-    if own.is_own(config.program):
+    if tasks.is_task(config.program):
         return inspect_task(config)
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
@@ -91,8 +91,8 @@ def inspect_task(config: InspectConfig) -> int:
     from experiments.pictures.task_view import describe_task, draw_task
     from ued.upomdp import check_theta
 
-    scene = own.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
-    upomdp = own.make_upomdp(scene, 1 if config.theta else config.n, config.seed)
+    scene = tasks.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
+    upomdp = tasks.make_upomdp(scene, 1 if config.theta else config.n, config.seed)
     theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
     print(describe_task(config.program, upomdp, theta))
     if config.png is not None:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ued.statistics import Interval
 
 DESCRIPTION = "Compare methods on a probe where levels at the frontier of a student's skill are rare."
-OWN = (
+CHOSEN = (
     *("minigame", "method", "seed", "threads", "checkpoint_seconds", "env"),
     *("record", "record_rollouts", "record_limit"),
 )
@@ -73,7 +73,7 @@ class ProbeConfig(Checked):
     dim: int = setting(4, "columns of theta; the more, the rarer short paths are")
     processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path = setting(Path("runs/probe"), "folder of the table, the curves and the picture")
-    train: TrainConfig = group(probe_run, "each run", without=OWN)
+    train: TrainConfig = group(probe_run, "each run", without=CHOSEN)
 
     def __post_init__(self) -> None:
         super().__post_init__()

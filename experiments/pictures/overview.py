@@ -29,12 +29,13 @@ HEADING_LENGTH = 105  # characters in a line of the heading
 
 @dataclass(frozen=True)
 class Comparison:
-    """What a comparison has brought: run folders by method, all results, and how to draw levels."""
+    """What a comparison has brought: run folders by method, all results, how to draw levels, what successes are."""
 
     minigame: str
     runs: Mapping[str, Sequence[Path]]
     results: Sequence[Result]
     painter: Any
+    word: str = "goals"
 
 
 def overview(comparison: Comparison, path: Path) -> None:
@@ -103,7 +104,7 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
-    """Draw the goal rate of every method on every scene, with its interval."""
+    """Draw the share of episodes that succeed, of every method on every scene, with its interval."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
     reach = 0.8
@@ -123,4 +124,5 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
-    axes.set_title("Goals scored after training (% of episodes)")
+    what = "Goals scored" if comparison.word == "goals" else "Success"
+    axes.set_title(f"{what} after training (% of episodes)")

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from envs.football.constants import DIRECTION_RIGHT, SHOT
+from experiments.run.mixed import MixedProgram
+from experiments.run.tasks import TaskScene
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space
@@ -56,9 +58,11 @@ class ShootPolicy:
         return np.full((len(observation), *self.agents), SHOT if self.shot else DIRECTION_RIGHT)
 
 
-def make_baselines(upomdp: UPOMDP) -> dict[str, Any]:
-    """Return the baselines for the agents of this environment, by name; shooting is football's."""
-    if not hasattr(upomdp, "program"):
+def make_baselines(upomdp: UPOMDP, program: Any) -> dict[str, Any]:
+    """Return the baselines for the agents of the environments of a program, by name; shooting is for one of football,
+    not for a mixture or a task.
+    """
+    if isinstance(program, TaskScene | MixedProgram):
         return {"random": SampledPolicy(upomdp.single_action_space)}
     agents = () if upomdp.num_agents == 1 else (upomdp.num_agents,)
     space: Any = upomdp.agent_action_space

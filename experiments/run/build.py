@@ -14,9 +14,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from experiments.run import own
+from experiments.run import tasks
 from experiments.run.errors import UsageError, nearest
-from experiments.run.own import OwnScene
+from experiments.run.tasks import TaskScene
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ def short_name(name: str) -> str:
     """Return what a minigame, or a mixture, is called in the names of folders and on pictures."""
     from minigames.suites import MIXTURES
 
-    if own.is_own(name):
-        return own.short(name)
+    if tasks.is_task(name):
+        return tasks.short(name)
     return name if name in MIXTURES else "+".join(find_minigame(part).name for part in parts_of(name))
 
 
@@ -75,8 +75,8 @@ def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
     from minigames.suites import MIXTURES, NAMED
 
-    if own.is_own(name):
-        return own.canonical(name)
+    if tasks.is_task(name):
+        return tasks.canonical(name)
     if name in MIXTURES or name in NAMED:
         return name
     if len(parts_of(name)) > 1:
@@ -87,21 +87,21 @@ def canonical_name(name: str) -> str:
 def starting_point(preset: str, minigame: str) -> Any:
     """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
 
-    Of a mixture, those of its first minigame; of a task of one's own, those of `OwnTrainConfig`.
+    Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
     """
-    from experiments.run.config import own_presets, presets
+    from experiments.run.config import presets, task_presets
 
-    if own.is_own(minigame):
-        return own_presets()[preset]
+    if tasks.is_task(minigame):
+        return task_presets()[preset]
     config, game = presets()[preset], find_minigame(parts_of(minigame)[0])
     return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
 
 
 def settings_for(argv: Sequence[str]) -> Any:
     """Return the settings that can be typed in this command line: of football, or of a task if one is named."""
-    from experiments.run.config import OwnTrainConfig, TrainConfig
+    from experiments.run.config import TaskTrainConfig, TrainConfig
 
-    return OwnTrainConfig() if any(map(own.is_own, argv)) else TrainConfig()
+    return TaskTrainConfig() if any(map(tasks.is_task, argv)) else TrainConfig()
 
 
 def find_method(name: str) -> str:
@@ -117,10 +117,10 @@ def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     `held_out`: its held-out scenes instead of its tests. Raises `UsageError` where it has none.
 
     The settings of `config.program` are the training program's; the test scenes stay as they are. A mixture is tested
-    on all of its programs, and on their test scenes. Of a task of one's own the scenes are `OwnScene`.
+    on all of its programs, and on their test scenes. Of a task of one's own the scenes are `TaskScene`.
     """
     if not is_football(config):
-        return dict(own.load_scenes(config.minigame, TRAINING_SCENE))
+        return dict(tasks.load_scenes(config.minigame, TRAINING_SCENE))
     games, dialect = [find_minigame(part) for part in parts_of(config.minigame)], config.env.dialect
     programs = [load_program(game.program, dialect, config.program) for game in games]
     tests = [{label: load_program(path, dialect) for label, path in tests_of(game, held_out)} for game in games]
@@ -213,8 +213,8 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
 
     `config` and `threads`, which step them, are football's. Raises `UsageError` for programs that do not go together.
     """
-    if isinstance(program, OwnScene):
-        return own.make_upomdp(program, num_envs, seed)
+    if isinstance(program, TaskScene):
+        return tasks.make_upomdp(program, num_envs, seed)
     assert config is not None
     import numba
 
@@ -265,8 +265,10 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
 
 
 def is_football(config: Any) -> bool:
-    """Return whether the settings of a run are of football; those of a task of one's own have no environment."""
-    return hasattr(config, "env")
+    """Return whether the settings of a run are of football, not of a task of one's own."""
+    from experiments.run.config import FootballRunConfig
+
+    return isinstance(config, FootballRunConfig)
 
 
 def make_painter(program: Program | MixedProgram, lineup: Lineup | None = None) -> Any:

@@ -17,6 +17,7 @@ from typing import Any, Literal, TypeVar
 from envs.football.config import FootballConfig
 from experiments.run.arguments import group, option, positional
 from experiments.run.errors import CommandError, nearest
+from experiments.run.tasks import is_task
 from ued.config import Checked, PairedConfig, PPOConfig, setting
 from ued.methods import METHODS
 
@@ -139,14 +140,14 @@ def _with_methods(base: type) -> Any:
 
 
 FootballSettings: Any = _with_methods(FootballRunConfig)
-OwnSettings: Any = _with_methods(RunConfig)
+TaskSettings: Any = _with_methods(RunConfig)
 
 
 class TrainConfig(FootballSettings):
     """One training run. Two runs with equal configurations on one machine give equal numbers."""
 
 
-class OwnTrainConfig(OwnSettings):
+class TaskTrainConfig(TaskSettings):
     """One training run on a task of one's own: the same without football; `minigame` is the task's name."""
 
 
@@ -157,9 +158,9 @@ ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000}
 
 
 def run_class(data: Any) -> type:
-    """Return of which class the settings of a run are that `to_dict` gave: those of a task of one's own have no env."""
-    own = isinstance(data, dict) and "env" not in data and ":" in str(data.get("minigame"))
-    return OwnTrainConfig if own else TrainConfig
+    """Return of which class the settings of a run are that `to_dict` gave: those of a task have no `env`."""
+    task = isinstance(data, dict) and "env" not in data and is_task(str(data.get("minigame")))
+    return TaskTrainConfig if task else TrainConfig
 
 
 def to_dict(config: Any) -> dict[str, Any]:
@@ -259,9 +260,9 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
 # ---------------------------------------------------------------- presets
 
 
-def own_presets() -> dict[str, OwnTrainConfig]:
+def task_presets() -> dict[str, TaskTrainConfig]:
     """Return the same for tasks of one's own, of which little is known: few environments, a middling budget."""
-    fast = OwnTrainConfig(total_env_steps=500_000, num_envs=16, eval_every=50_000, eval_episodes=32)
+    fast = TaskTrainConfig(total_env_steps=500_000, num_envs=16, eval_every=50_000, eval_episodes=32)
     thesis = dataclasses.replace(fast, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis())
     return {"fast": fast, "thesis": thesis}
 

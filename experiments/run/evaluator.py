@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 from experiments.run import build
 from experiments.run.baselines import make_baselines
 from experiments.run.errors import DAMAGE, CommandError, refused
-from experiments.run.own import OwnScene
+from experiments.run.mixed import MixedProgram
 from experiments.run.report import Report
 from experiments.run.results import LevelResult, Result, summarise, summarise_levels
+from experiments.run.tasks import TaskScene
 
 if TYPE_CHECKING:
     from experiments.run.config import TrainConfig
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
-OWN_ENVIRONMENTS = 16  # the same of a task of one's own
+TASK_ENVIRONMENTS = 16  # the same of a task of one's own
 
 
 class EvalScenes:
@@ -36,8 +37,8 @@ class EvalScenes:
         self.every = config.eval_every
         self.programs = programs
         self.scenes = {label: self._make(program, config) for label, program in programs.items()}
-        own = {label: program for label, program in programs.items() if isinstance(program, OwnScene)}
-        self.theta = {label: scene.theta(self.scenes[label]) for label, scene in own.items()}  # of certain levels
+        tasks = {label: program for label, program in programs.items() if isinstance(program, TaskScene)}
+        self.theta = {label: scene.theta(self.scenes[label]) for label, scene in tasks.items()}  # of certain levels
         self._check_sizes(config)
 
     def play(self, policy: Any) -> dict[str, Evaluation]:
@@ -74,8 +75,8 @@ class EvalScenes:
         return bool(self.every) and (before == 0 or last or before // self.every < after // self.every)
 
     def _make(self, program: Any, config: Any) -> Any:
-        if isinstance(program, OwnScene):
-            return build.make_upomdp(program, min(OWN_ENVIRONMENTS, self.episodes), None, SEED, config.threads)
+        if isinstance(program, TaskScene):
+            return build.make_upomdp(program, min(TASK_ENVIRONMENTS, self.episodes), None, SEED, config.threads)
         env = replace(config.env, rewards="scoring")
         return build.make_upomdp(program, min(ENVIRONMENTS[env.engine], self.episodes), env, SEED, config.threads)
 
@@ -108,11 +109,10 @@ class Evaluator:
         for run in runs:
             student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
             self._play(student, run.label, run.config.seed, trained, results, levels)
-        scene = self.scenes.scenes[build.TRAINING_SCENE]
-        for name, policy in make_baselines(scene).items() if baselines else ():
+        program, upomdp = (each[build.TRAINING_SCENE] for each in (self.scenes.programs, self.scenes.scenes))
+        for name, policy in make_baselines(upomdp, program).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)
-        own = isinstance(self.scenes.programs[build.TRAINING_SCENE], OwnScene)
-        return Report(results, levels, "success" if own else "goals")
+        return Report(results, levels, "goals" if succeeds_by_goals(upomdp, program) else "success")
 
     def _play(
         self,
@@ -128,6 +128,14 @@ class Evaluator:
         if self.levels:
             played = self.scenes.play_random_levels(policy, self.levels, self.episodes)
             levels.append(summarise_levels(played, method, seed))
+
+
+def succeeds_by_goals(upomdp: Any, program: Any) -> bool:
+    """Return whether success means goals in the environments of a program: not in a defence, nor in a task."""
+    if isinstance(program, TaskScene):
+        return False
+    members = upomdp.members if isinstance(program, MixedProgram) else [upomdp]
+    return not any(member.defending for member in members)
 
 
 def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:

@@ -27,6 +27,7 @@ from experiments.run import config as configs
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.table import Table, cannot_write, read_columns
+from experiments.run.tasks import is_task
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ class RunFolder:
 
     def __init__(self, path: Path, config: TrainConfig) -> None:
         self.path = path
-        self.config: Any = config  # an `OwnTrainConfig` where the task is one's own
+        self.config: Any = config  # a `TaskTrainConfig` where the task is one's own
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
         self.saved_update = 0
@@ -104,14 +105,14 @@ class RunFolder:
 
         A task of one's own is code, and may change; it is kept as it was.
         """
-        own = ":" in self.config.minigame
-        kept, text = self.path / ("task.py" if own else "program.scenic"), program.source
+        task = is_task(self.config.minigame)
+        kept, text = self.path / ("task.py" if task else "program.scenic"), program.source
         if not kept.exists() or not self.begun():
             try:
                 kept.write_text(text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
-        elif kept.read_text(errors="replace") != text and not own:
+        elif kept.read_text(errors="replace") != text and not task:
             raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
 
     # ------------------------------------------------------------ the checkpoint

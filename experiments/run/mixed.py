@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ued.mixture import chosen_program
+from ued.parameters import index_in
 
 if TYPE_CHECKING:
     from envs.football.view.render import FootballPainter
@@ -66,7 +66,7 @@ class MixedPainter:
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the places in the scenes of θ `[L, 1 + max D]`: `[L, K, 2]` m."""
-        program = chosen_program(theta, len(self.painters))
+        program = index_in(theta[:, 0], len(self.painters))
         places = np.full((len(theta), len(self.classes), 2), np.nan)
         for k, painter in enumerate(self.painters):
             mine = np.flatnonzero(program == k)

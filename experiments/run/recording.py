@@ -14,8 +14,9 @@ import numpy as np
 from experiments.run import build
 from experiments.run import config as configs
 from experiments.run.folder import RunFolder
-from experiments.run.own import OwnScene
+from experiments.run.mixed import MixedProgram
 from experiments.run.table import read_columns
+from experiments.run.tasks import TaskScene
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episode
 
@@ -60,11 +61,12 @@ class RunRecorder:
 
     def _open(self, program: Any, upomdp: Any, updates: int) -> None:
         config = self.run.config
-        if isinstance(program, OwnScene):
+        if isinstance(program, TaskScene):
             self.painter: Any = program.task.painter(upomdp) if program.task.painter else None
             self.env = build.make_upomdp(program, 1, None, config.seed, config.threads)
         else:
-            self.painter = build.make_painter(program, getattr(upomdp, "lineup", None))
+            lineup = None if isinstance(program, MixedProgram) else upomdp.lineup
+            self.painter = build.make_painter(program, lineup)
             self.env = upomdp.resized(1)
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}

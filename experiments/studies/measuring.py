@@ -46,8 +46,9 @@ def agent_of(run: RunFolder) -> str:
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
     """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
-    scenes = EvalScenes(config, build.load_scenes(config), episodes)
-    policy = make_baselines(scenes.scenes[build.TRAINING_SCENE])["random"]
+    programs = build.load_scenes(config)
+    scenes = EvalScenes(config, programs, episodes)
+    policy = make_baselines(scenes.scenes[build.TRAINING_SCENE], programs[build.TRAINING_SCENE])["random"]
     return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
 
 

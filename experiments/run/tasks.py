@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from ued.task import Make, Task
     from ued.upomdp import UPOMDP
 
-NAME = re.compile(r"[\w./\\~-]+:[A-Za-z_]\w*")  # what a task is called; no minigame has a colon
+NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # what a task is called; no minigame has a colon
 
 
 @dataclass(frozen=True)
-class OwnScene:
+class TaskScene:
     """Environments of a task: those to train on, or a test of it, which may be of certain levels.
 
     Attributes:
@@ -62,7 +62,7 @@ class OwnScene:
             ) from error
 
 
-def is_own(name: str) -> bool:
+def is_task(name: str) -> bool:
     """Return whether a word is the name of a task, not of a minigame."""
     return NAME.fullmatch(name) is not None
 
@@ -136,16 +136,16 @@ def _import(place: str) -> ModuleType:
     return module
 
 
-def load_scenes(name: str, training: str) -> dict[str, OwnScene]:
+def load_scenes(name: str, training: str) -> dict[str, TaskScene]:
     """Return the scenes of a task by label: what is trained on, labelled `training`, then its tests."""
     task, source = load_task(name)
-    scenes = {training: OwnScene(task, task.make, None, source)}
+    scenes = {training: TaskScene(task, task.make, None, source)}
     for label, test in task.tests.items():
-        scenes[label] = OwnScene(task, test) if callable(test) else OwnScene(task, task.make, test)
+        scenes[label] = TaskScene(task, test) if callable(test) else TaskScene(task, task.make, test)
     return scenes
 
 
-def make_upomdp(scene: OwnScene, num_envs: int, seed: int) -> UPOMDP:
+def make_upomdp(scene: TaskScene, num_envs: int, seed: int) -> UPOMDP:
     """Make `num_envs` environments of a scene, with seeded streams. Raises `CommandError` for what is no UPOMDP."""
     from ued.upomdp import UPOMDP
 
