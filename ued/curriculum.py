@@ -11,14 +11,14 @@ self-regret and PAIRED's teacher all are curricula. Read next: `method`, our tra
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Protocol
 
 import numpy as np
 
-from ued.parameters import LevelFamily, Parameter, Theta, ThetaMap, snap
+from ued.parameters import Theta, ThetaMap
 from ued.resumable import Resumable
-from ued.upomdp import check_theta, edit_theta, level_dtype, new_levels, sample_valid_theta
+from ued.upomdp import LevelSpace, check_theta, level_dtype
 
 
 class Curriculum(Protocol):
@@ -47,25 +47,6 @@ class Curriculum(Protocol):
         """Take back what `state_dict` returned."""
 
 
-class LevelSpace(Protocol):
-    """What a curriculum needs to know of levels: see `ThetaSpace`, which is one; so is every `UPOMDP`."""
-
-    @property
-    def theta_dim(self) -> int: ...
-    @property
-    def draws(self) -> Sequence[Parameter]: ...
-    @property
-    def family(self) -> LevelFamily | None: ...
-    @property
-    def program_dims(self) -> tuple[int, ...]: ...
-    def valid(self, theta: Any) -> np.ndarray: ...
-    def make_levels(self, theta: Any) -> np.ndarray: ...
-    def sample_levels(self, count: int) -> np.ndarray: ...
-    def edit_theta(
-        self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator
-    ) -> np.ndarray: ...
-
-
 def need_vector(space: LevelSpace) -> None:
     """Raise `ValueError` for a space of levels among which no θ can be chosen: none at all, or levels of a family."""
     if not space.theta_dim:
@@ -77,7 +58,7 @@ def need_vector(space: LevelSpace) -> None:
         )
 
 
-class ThetaSpace(Resumable):
+class ThetaSpace(LevelSpace, Resumable):
     """Levels θ in [-1, 1]^D for a trainer of one's own, which needs no `UPOMDP`.
 
     Args:
@@ -87,33 +68,21 @@ class ThetaSpace(Resumable):
     """
 
     state_fields = ("stream",)
-    program_dims: tuple[int, ...] = ()  # its levels are of one program
 
     def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_map = ThetaMap(dim)
         self.draws, self.family = self.theta_map.draws, self.theta_map.family
-        self.theta_dim, self._valid, self.stream = len(self.draws), valid, np.random.default_rng(seed)
+        self._valid, self.stream = valid or self.theta_map.valid, np.random.default_rng(seed)
+
+    @property
+    def _stream(self) -> np.random.Generator:
+        return self.stream
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return each row of θ `[n, D]` as values by name."""
         return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def valid(self, theta: Any) -> np.ndarray:
-        """Return for each row of θ `[n, D]` whether it describes a level that can be played: bool `[n]`."""
-        theta = check_theta(theta, self.theta_dim)
-        return self.theta_map.valid(theta) if self._valid is None else np.asarray(self._valid(theta), bool)
-
-    def make_levels(self, theta: Any) -> np.ndarray:
-        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-        return new_levels(snap(check_theta(theta, self.theta_dim), self.draws), self.theta_dim, self.stream)
-
-    def sample_levels(self, count: int) -> np.ndarray:
-        """Draw valid levels uniformly. Raises `ThetaError` where hardly any is valid."""
-        return self.make_levels(sample_valid_theta(self.stream, count, self.theta_dim, self.valid, self.family))
-
-    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
-        """Return edited copies of θ `[k, D]`, valid or not, each column as its kind is."""
-        return edit_theta(theta, self, num_edits, edit_size, rng)
+        return np.asarray(self._valid(check_theta(theta, self.theta_dim)), bool)
 
 
 class RandomLevelPool(Resumable):

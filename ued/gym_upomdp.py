@@ -18,7 +18,7 @@ from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
 from ued.parameters import Theta, ThetaMap
-from ued.upomdp import UPOMDP, check_count, check_theta, sample_valid_theta, set_stream
+from ued.upomdp import UPOMDP, LevelSpace, check_count, check_theta, set_stream
 
 # Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
 Apply = Callable[[gymnasium.Env, Any], object]
@@ -72,7 +72,7 @@ class _Levelled(gymnasium.Wrapper):
             ) from error
 
 
-class UPOMDPWrapper(_Levelled, gymnasium.utils.RecordConstructorArgs):
+class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs):
     """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
 
     `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset, and a dict
@@ -86,8 +86,18 @@ class UPOMDPWrapper(_Levelled, gymnasium.utils.RecordConstructorArgs):
         gymnasium.utils.RecordConstructorArgs.__init__(self, apply=apply, theta=theta, valid=valid)
         _Levelled.__init__(self, env, apply, ThetaMap(theta, valid))
         self.draws, self.family = self.theta_map.draws, self.theta_map.family
-        self.theta_space = Box(-1.0, 1.0, (len(self.draws),), np.float64)
+        self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self._streams = np.random.default_rng()
+
+    @property
+    def _stream(self) -> np.random.Generator:
+        return self._streams
+
+    def valid(self, theta: Any) -> np.ndarray:
+        return self.theta_map.valid(check_theta(theta, self.theta_dim))
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on `options["theta"]` `[D]`, or on a random θ. `info["theta"]` says which.
@@ -99,11 +109,11 @@ class UPOMDPWrapper(_Levelled, gymnasium.utils.RecordConstructorArgs):
             self._streams = np.random.default_rng(seed)
         options = dict(options or {})
         if "theta" in options:
-            theta = check_theta(options.pop("theta"), len(self.draws), rows=1)
-            if not self.theta_map.valid(theta)[0]:
+            theta = check_theta(options.pop("theta"), self.theta_dim, rows=1)
+            if not self.valid(theta)[0]:
                 raise ValueError(f"theta {theta[0].tolist()} describes no valid level")
         else:
-            theta = sample_valid_theta(self._streams, 1, len(self.draws), self.theta_map.valid, self.family)
+            theta = self.sample_theta(1)
         return self._restart(theta[0], seed, options)
 
     def reset_random(self) -> Any:

@@ -85,15 +85,6 @@ def check_count(num_envs: Any) -> int:
     return int(num_envs)
 
 
-def new_levels(theta: Any, dim: int, rng: np.random.Generator) -> np.ndarray:
-    """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`."""
-    theta = check_theta(theta, dim)
-    levels = np.zeros(len(theta), level_dtype(dim))
-    levels["theta"] = theta
-    levels["seed"] = rng.integers(0, 2**63, len(theta), dtype=np.uint64)
-    return levels
-
-
 def set_stream(generator: np.random.Generator, state: Any) -> None:
     """Put a stream back into a state that it has had. Raises ValueError for what is no such state."""
     try:
@@ -102,50 +93,100 @@ def set_stream(generator: np.random.Generator, state: Any) -> None:
         raise ValueError(f"np_random is no state of a {type(generator.bit_generator).__name__}") from error
 
 
-def sample_valid_theta(
-    rng: np.random.Generator,
-    count: int,
-    dim: int,
-    valid: Callable[[np.ndarray], np.ndarray],
-    family: LevelFamily | None = None,
-) -> np.ndarray:
-    """Draw θ `[count, D]` uniformly, or codes of levels of a family, among those that `valid` accepts, by rejection.
+class LevelSpace:
+    """The levels that there are: all that a curriculum needs to know of environments. Every `UPOMDP` is one.
 
-    Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
+    Subclasses set `draws` and give `_stream`, and where they can `valid` and `describe`.
+
+    Attributes:
+        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
+        family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
+        program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
+            where there is one only; see `mixture`.
+        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
     """
 
-    def draw(rows: int) -> np.ndarray:
-        if family is None:
-            return rng.uniform(-1.0, 1.0, (rows, dim))
-        return check_theta([family.encode(family.sample(rng)) for _ in range(rows)], dim)
+    draws: tuple[Parameter, ...]
+    family: LevelFamily | None = None
+    program_names: tuple[str, ...] = ()
+    program_dims: tuple[int, ...] = ()
 
-    theta = draw(count) if count else np.zeros((0, dim))
-    wrong = np.flatnonzero(~valid(theta)) if count else np.empty(0, int)
-    for _ in range(MAX_TRIES):
-        if not len(wrong):
-            return theta
-        theta[wrong] = draw(len(wrong))
-        wrong = wrong[~valid(theta[wrong])]
-    raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
+    @property
+    def theta_dim(self) -> int:
+        """D, the number of columns of θ."""
+        return len(self.draws)
+
+    @property
+    def _stream(self) -> np.random.Generator:
+        """The stream from which levels and their seeds are drawn."""
+        raise NotImplementedError(f"{type(self).__name__} has no stream")
+
+    def valid(self, theta: Any) -> np.ndarray:
+        """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
+        return np.ones(len(check_theta(theta, self.theta_dim)), bool)
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
+        rows = check_theta(theta, self.theta_dim)
+        low = np.array([parameter.low for parameter in self.draws])  # [D]
+        high = np.array([parameter.high for parameter in self.draws])  # [D]
+        values = low + (rows + 1) / 2 * (high - low)  # [N, D]
+        names = [parameter.name for parameter in self.draws]
+        return [dict(zip(names, map(float, row), strict=True)) for row in values]
+
+    def make_levels(self, theta: Any) -> np.ndarray:
+        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`.
+
+        Where a column has finitely many values, θ becomes the middle of its cell: equal levels are equal.
+        """
+        theta = parameters.snap(check_theta(theta, self.theta_dim), self.draws)
+        levels = np.zeros(len(theta), level_dtype(self.theta_dim))
+        levels["theta"] = theta
+        levels["seed"] = self._stream.integers(0, 2**63, len(theta), dtype=np.uint64)
+        return levels
+
+    def sample_levels(self, count: int) -> np.ndarray:
+        """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
+        return self.make_levels(self.sample_theta(count))
+
+    def sample_theta(self, count: int) -> np.ndarray:
+        """Draw valid θ uniformly, by rejection: `[count, D]`; of a family, codes of its levels.
+
+        Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
+        """
+        theta = self._draw(count) if count else np.zeros((0, self.theta_dim))
+        wrong = np.flatnonzero(~self.valid(theta)) if count else np.empty(0, int)
+        for _ in range(MAX_TRIES):
+            if not len(wrong):
+                return theta
+            theta[wrong] = self._draw(len(wrong))
+            wrong = wrong[~self.valid(theta[wrong])]
+        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
+
+    def _draw(self, count: int) -> np.ndarray:
+        """Draw θ `[count, D]`, valid or not."""
+        if self.family is None:
+            return self._stream.uniform(-1.0, 1.0, (count, self.theta_dim))
+        levels = (self.family.sample(self._stream) for _ in range(count))
+        return check_theta([self.family.encode(level) for level in levels], self.theta_dim)
+
+    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+        """Return edited copies of θ `[k, D]`, valid or not: see `parameters.edit`.
+
+        A level of a family is mutated `num_edits` times; `edit_size` means nothing to it.
+        """
+        if self.family is None:
+            return parameters.edit(theta, self.draws, num_edits, edit_size, rng)
+        edited = theta.copy()
+        for row, code in enumerate(theta):
+            level = self.family.decode(code)
+            for _ in range(num_edits):
+                level = self.family.mutate(level, rng)
+            edited[row] = self.family.encode(level)
+        return check_theta(edited, theta.shape[1])
 
 
-def edit_theta(theta: np.ndarray, space: Any, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
-    """Return edited copies of θ `[k, D]` of a space with `draws` and a `family`, valid or not.
-
-    A level of a family is mutated `num_edits` times; `edit_size` means nothing to it.
-    """
-    if space.family is None:
-        return parameters.edit(theta, space.draws, num_edits, edit_size, rng)
-    edited = theta.copy()
-    for row, code in enumerate(theta):
-        level = space.family.decode(code)
-        for _ in range(num_edits):
-            level = space.family.mutate(level, rng)
-        edited[row] = space.family.encode(level)
-    return check_theta(edited, theta.shape[1])
-
-
-class UPOMDP(VectorEnv):
+class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
     Subclasses call `__init__` and give `_start`, `_step`, and where they can `valid`, `describe`, `get_state`,
@@ -156,8 +197,6 @@ class UPOMDP(VectorEnv):
     does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
 
     Attributes:
-        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
-        family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
         theta_space: `Box(-1, 1, (D,))`.
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
@@ -166,9 +205,6 @@ class UPOMDP(VectorEnv):
             longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
-        program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
-            where there is one only; see `mixture`.
-        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
             of several, observations and actions are `[N, A, ...]`, alike for all.
         paid_apart: they are opponents, each of whom learns from a reward of its own, `info["agent_rewards"]` `[N, A]`;
@@ -177,10 +213,7 @@ class UPOMDP(VectorEnv):
 
     num_agents = 1
     autoreset_mode = AutoresetMode.SAME_STEP
-    program_names: tuple[str, ...] = ()
-    program_dims: tuple[int, ...] = ()
     paid_apart = False
-    family: LevelFamily | None = None
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -197,12 +230,15 @@ class UPOMDP(VectorEnv):
         self.observation_space = gymnasium.vector.utils.batch_space(observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(action_space, num_envs)
         self.draws = tuple(draws)
-        self.theta_dim = len(self.draws)
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.next_levels: Callable[[int], np.ndarray] | None = None
         self.upcoming: Callable[[], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
+
+    @property
+    def _stream(self) -> np.random.Generator:
+        return self.np_random
 
     @property
     def gives_state(self) -> bool:
@@ -238,22 +274,9 @@ class UPOMDP(VectorEnv):
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Step all, restart ended ones on their own level; return obs, reward, terminated, truncated `[N]`, info."""
 
-    def valid(self, theta: Any) -> np.ndarray:
-        """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
-        return np.ones(len(check_theta(theta, self.theta_dim)), bool)
-
     def _playable(self, levels: np.ndarray) -> np.ndarray:
         """Return which levels `[k]` can be started: bool `[k]`."""
         return self.valid(levels["theta"])
-
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
-        rows = check_theta(theta, self.theta_dim)
-        low = np.array([parameter.low for parameter in self.draws])  # [D]
-        high = np.array([parameter.high for parameter in self.draws])  # [D]
-        values = low + (rows + 1) / 2 * (high - low)  # [N, D]
-        names = [parameter.name for parameter in self.draws]
-        return [dict(zip(names, map(float, row), strict=True)) for row in values]
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that changes, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
@@ -272,30 +295,6 @@ class UPOMDP(VectorEnv):
         raise NotImplementedError(f"{type(self).__name__} has no script that could play the learner's part")
 
     # ------------------------------------------------------------ levels
-
-    def make_levels(self, theta: Any) -> np.ndarray:
-        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`.
-
-        Where a column has finitely many values, θ becomes the middle of its cell: equal levels are equal.
-        """
-        return new_levels(
-            parameters.snap(check_theta(theta, self.theta_dim), self.draws), self.theta_dim, self.np_random
-        )
-
-    def sample_levels(self, count: int) -> np.ndarray:
-        """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
-        return self.make_levels(self.sample_theta(count))
-
-    def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ uniformly: `[count, D]`; of a family, codes of its levels.
-
-        Raises `ThetaError` where hardly any is valid.
-        """
-        return sample_valid_theta(self.np_random, count, self.theta_dim, self.valid, self.family)
-
-    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
-        """Return edited copies of θ `[k, D]`, valid or not: see `parameters.edit`; of a family, mutants."""
-        return edit_theta(theta, self, num_edits, edit_size, rng)
 
     def reset_to_levels(self, levels: np.ndarray, where: np.ndarray | None = None) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.

@@ -27,7 +27,7 @@ from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.rows import Row, by_distance, by_factor
 from experiments.run.table import cannot_write
 from scenic_lite import load
-from ued.upomdp import new_levels
+from ued.upomdp import level_dtype
 
 TITLE = "drawn scenes: ours to GRF's, and GRF's among themselves"
 REQUIRED = 1.0
@@ -114,7 +114,8 @@ def play_scenes(
 
 def _play(program: str, keys: np.ndarray, config: FootballConfig, count: int, seed: int) -> Episodes:
     with closing(FootballVectorEnv(program, count, config=config)) as env:
-        levels = new_levels(np.zeros((count, env.theta_dim)), env.theta_dim, np.random.default_rng(seed))
+        levels = np.zeros(count, level_dtype(env.theta_dim))
+        levels["seed"] = np.random.default_rng(seed).integers(0, 2**63, count, dtype=np.uint64)
         return play_keys(env, keys, levels)
 
 
