@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from gymnasium.spaces import Discrete
 from torch import Tensor, nn
 
 from ued.config import CloningConfig
@@ -68,14 +69,16 @@ class Agreement:
     @property
     def recall(self) -> np.ndarray:
         """The same for each action `[n]`; nan of those that were never done."""
-        done = self.counts.sum(1)
-        return np.divide(np.diag(self.counts), done, out=np.full(len(done), np.nan), where=done > 0)
+        return self._agreed(self.counts.sum(1))
 
     @property
     def precision(self) -> np.ndarray:
         """Share of the steps in which the student would do an action where it was done `[n]`; nan if it never would."""
-        meant = self.counts.sum(0)
-        return np.divide(np.diag(self.counts), meant, out=np.full(len(meant), np.nan), where=meant > 0)
+        return self._agreed(self.counts.sum(0))
+
+    def _agreed(self, steps: np.ndarray) -> np.ndarray:
+        """Return in which share of the steps of each action `[n]` both were it; nan of no step."""
+        return np.divide(np.diag(self.counts), steps, out=np.full(len(steps), np.nan), where=steps > 0)
 
     @property
     def balanced_accuracy(self) -> float:
@@ -174,8 +177,8 @@ def value_error(value: Tensor, returns: Tensor) -> Tensor:
 
 def num_actions(student: Student) -> int:
     """Return how many actions each agent of a student chooses among. Raises ValueError where they are no choice."""
-    space: Any = student.action_space
-    if not hasattr(space, "n"):
+    space = student.action_space
+    if not isinstance(space, Discrete):
         raise ValueError(f"cloning needs actions that are a choice, got {space}")
     return int(space.n)
 

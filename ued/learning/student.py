@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from gymnasium.spaces import Box, Discrete, Space
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
@@ -197,7 +197,7 @@ class Student(nn.Module):
         assert space.shape is not None
         array = array.reshape(*array.shape[:-1], *space.shape)
         if not isinstance(space, Box):
-            return (array + getattr(space, "start", 0)).astype(space.dtype)
+            return (array + (space.start if isinstance(space, MultiDiscrete) else 0)).astype(space.dtype)
         low, high = space.low, space.high
         bounded = np.isfinite(low) & np.isfinite(high)
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)

@@ -10,9 +10,11 @@ Read next: `methods.plr`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ued.config import BufferConfig
+from ued.config import BufferConfig, PLRConfig, RepairedConfig
 from ued.levels.record import NONE, Origin, make_records
 from ued.resumable import Resumable
 
@@ -120,6 +122,21 @@ class LevelBuffer(Resumable):
         records["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
         records["slot"] = slots["id"]
         return records
+
+    def replay_or_new(
+        self,
+        dtype: np.dtype,
+        count: int,
+        config: PLRConfig | RepairedConfig,
+        rng: np.random.Generator,
+        new: Callable[[int], np.ndarray],
+    ) -> np.ndarray:
+        """Return `count` level records: each replayed with probability `replay_prob` once `min_fill` is reached, else
+        one of those that `new` gives, in any order.
+        """
+        ready = len(self) > 0 and self.fill_ratio >= config.min_fill
+        replays = rng.binomial(count, config.replay_prob) if ready else 0
+        return np.concatenate([self.replay(dtype, replays, rng), new(count - replays)])[rng.permutation(count)]
 
     # ------------------------------------------------------------ what is kept
 

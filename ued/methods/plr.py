@@ -73,12 +73,13 @@ class PLRLevels(Resumable):
 
     def propose(self, count: int) -> np.ndarray:
         """Return levels of the buffer with probability `replay_prob` each, new ones otherwise."""
-        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.config.min_fill
-        replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        replayed = self.buffer.replay(self.dtype, replays, self.rng)
-        new = make_records(self.dtype, self.pool.take(count - replays), Origin.RANDOM)
-        new["train"] = not self.robust
-        return np.concatenate([replayed, new])[self.rng.permutation(count)]
+        return self.buffer.replay_or_new(self.dtype, count, self.config, self.rng, self._new)
+
+    def _new(self, count: int) -> np.ndarray:
+        """Return random levels."""
+        records = make_records(self.dtype, self.pool.take(count), Origin.RANDOM)
+        records["train"] = not self.robust
+        return records
 
     def score(self, records: np.ndarray) -> np.ndarray:
         """Return the scores `[L]` of level records by the rule of the settings; see `levels.scores`."""

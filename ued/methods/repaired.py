@@ -60,12 +60,13 @@ class RepairedLevels(PairedLevels):
 
     def propose(self, count: int) -> np.ndarray:
         """Return levels of the buffer with probability `replay_prob` each, the adversary's otherwise."""
-        ready = len(self.buffer) > 0 and self.buffer.fill_ratio >= self.config.min_fill
-        replays = self.rng.binomial(count, self.config.replay_prob) if ready else 0
-        replayed = self.buffer.replay(self.dtype, replays, self.rng)
-        new = super().propose(count - replays)
-        new["train"] = False
-        return np.concatenate([replayed, new])[self.rng.permutation(count)]
+        return self.buffer.replay_or_new(self.dtype, count, self.config, self.rng, self._new)
+
+    def _new(self, count: int) -> np.ndarray:
+        """Return levels of the adversary."""
+        records = super().propose(count)
+        records["train"] = False
+        return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Pay the adversary for its own levels; store all of them with their regret."""
