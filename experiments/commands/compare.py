@@ -9,7 +9,6 @@ draws.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,7 +25,7 @@ from experiments.run.folder import RunFolder
 from experiments.run.report import Report
 from experiments.run.results import unique
 from experiments.run.signals import StopRequest
-from experiments.run.workers import train_all
+from experiments.run.workers import train_unfinished
 from ued.config import Checked, setting
 
 DESCRIPTION = (
@@ -68,18 +67,10 @@ def main(argv: Sequence[str]) -> int:
     folder = config.out or Path("runs") / f"compare-{build.short_name(config.minigame)}"
     runs = prepare(config, folder)
     programs = build.load_scenes(runs[0].config, config.held_out)
-    scenes = EvalScenes(
-        runs[0].config, programs, config.episodes
-    )  # compiles the kernels before there are several processes
-    unfinished = [run for run in runs if not run.finished()]
-    cores = os.cpu_count() or 1
+    # Before there are several processes: this compiles the kernels
+    scenes = EvalScenes(runs[0].config, programs, config.episodes)
     with StopRequest() as stop:
-        if unfinished:
-            processes = config.processes or max(1, cores // config.train.threads)
-            print(
-                f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {min(processes, len(unfinished))} at a time"
-            )
-            train_all(unfinished, processes, stop)
+        train_unfinished(runs, config.processes, stop)
     if stop:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code

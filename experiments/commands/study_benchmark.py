@@ -17,9 +17,10 @@ from experiments.run.config import TrainConfig, presets
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
+from experiments.run.workers import count_processes, train_unfinished
 from experiments.studies import measuring
 from experiments.studies.rows import Row
-from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, train_unfinished, training
+from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, training
 from ued.config import FineTuningConfig, setting
 
 HERE = Path(__file__).parent.parent
@@ -93,12 +94,12 @@ class BenchmarkStudy:
         missing = [each for each in planned if trained(rows, *each) < steps]
         self.check_same(planned)
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", flush=True)
-        processes = self.config.count_processes(self.runs.base.threads)
+        processes = count_processes(self.config.processes, self.runs.base.threads)
         with Deadline(self.config.hours) as stop:
             for first in range(0, len(missing), processes):
                 clones, runs = self.open(missing[first:][:processes], stop)
                 if not stop:
-                    train_unfinished(runs, self.config, stop)
+                    train_unfinished(runs, self.config.processes, stop)
                 if stop:
                     break
                 rows = add(table, measure([*clones, *runs], rows, self.config.episodes))

@@ -15,7 +15,8 @@ from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
-from experiments.studies.runs import CHOSEN, STEPS, Deadline, StudyConfig, StudyRuns, train_unfinished, training
+from experiments.run.workers import train_unfinished
+from experiments.studies.runs import CHOSEN, STEPS, Deadline, StudyConfig, StudyRuns, training
 from ued.config import setting
 
 BUDGETS = {  # steps after which returns hardly rise any more
@@ -56,7 +57,7 @@ def run_transfer(name: str, config: TransferStudyConfig, typed: dict[str, Any]) 
         raise UsageError("a study takes --representations, several of them")
     runs = prepare(config, typed)
     with Deadline(config.hours) as stop:
-        train_unfinished(runs, config, stop)
+        train_unfinished(runs, config.processes, stop)
     if stop:
         print("continue with the same command: finished runs are kept")
         return stop.exit_code

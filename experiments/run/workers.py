@@ -25,6 +25,20 @@ from experiments.run.signals import PARENT, StopRequest, end_with
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
 
+def count_processes(asked: int, threads: int) -> int:
+    """Return how many runs are trained at a time: as many as asked for, or as cores have room for, if that is 0."""
+    return asked or max(1, (os.cpu_count() or 1) // threads)
+
+
+def train_unfinished(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> None:
+    """Train those of these runs that are not finished, so many at a time (0: see `count_processes`), and say it."""
+    unfinished = [run for run in runs if not run.finished()]
+    if unfinished:
+        most = min(count_processes(processes, unfinished[0].config.threads), len(unfinished))
+        print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
+        train_all(unfinished, most, stop)
+
+
 def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> None:
     """Train these runs to their ends, `processes` at a time; return early if somebody asks to stop.
 

@@ -5,9 +5,8 @@ Read next: `run.workers`, which trains; `studies.measuring`, which plays; `comma
 
 from __future__ import annotations
 
-import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,6 @@ from experiments.run import arguments, build
 from experiments.run.config import TrainConfig
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
-from experiments.run.workers import train_all
 from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget
@@ -39,10 +37,6 @@ class StudyConfig(Checked):
     seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1")
     processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0")
-
-    def count_processes(self, threads: int) -> int:
-        """Return how many runs are trained at a time."""
-        return self.processes or max(1, (os.cpu_count() or 1) // threads)
 
 
 @dataclass(frozen=True)
@@ -77,15 +71,6 @@ class StudyRuns:
     def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:
         """Create the folder of a run or open it, if it was made with the same settings; see `plan`."""
         return RunFolder.create_or_extend(*self.plan(game, seed, chosen, kind))
-
-
-def train_unfinished(runs: Sequence[RunFolder], config: StudyConfig, stop: StopRequest) -> None:
-    """Train the runs that are not finished, several at a time."""
-    unfinished = [run for run in runs if not run.finished()]
-    if unfinished:
-        processes = min(config.count_processes(unfinished[0].config.threads), len(unfinished))
-        print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {processes} at a time", flush=True)
-        train_all(unfinished, processes, stop)
 
 
 class Deadline(StopRequest):

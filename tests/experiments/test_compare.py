@@ -19,7 +19,7 @@ from experiments.__main__ import main
 from experiments.commands import compare
 from experiments.commands.train import train
 from experiments.pictures import results_page
-from experiments.run import build
+from experiments.run import build, workers
 from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.evaluator import EvalScenes
@@ -57,7 +57,7 @@ def in_process(probe, monkeypatch):
         for run in runs:
             train(RunFolder.open(run.path), stop)
 
-    monkeypatch.setattr(compare, "train_all", train_all)
+    monkeypatch.setattr(workers, "train_all", train_all)
     monkeypatch.setattr(compare, "draw", lambda found, folder: None)
 
 

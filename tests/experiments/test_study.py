@@ -9,6 +9,7 @@ from experiments.__main__ import main
 from experiments.commands.study_benchmark import BenchmarkStudy, BenchmarkStudyConfig, places_of, starting_point
 from experiments.commands.study_transfer import TransferStudyConfig, prepare
 from experiments.commands.train import train
+from experiments.run import workers
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.results import mean_return
@@ -31,7 +32,7 @@ def words(monkeypatch, tmp_path):
         for run in runs:
             train(RunFolder.open(run.path), stop)
 
-    monkeypatch.setattr(runs, "train_all", train_all)
+    monkeypatch.setattr(workers, "train_all", train_all)
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     few = ["--seeds", "1", "--representations", "features"]
     return ["study", "transfer", "--games", *GAMES, *few, *SHORT, *SPREAD, "--out", str(tmp_path / "out")]
@@ -92,7 +93,7 @@ def single(monkeypatch, tmp_path):
             begun.append(run.path.name)
             train(RunFolder.open(run.path), stop)
 
-    monkeypatch.setattr(runs, "train_all", train_all)
+    monkeypatch.setattr(workers, "train_all", train_all)
     words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
     return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
@@ -198,7 +199,7 @@ def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypat
     assert len(begun) < 2
     monkeypatch.undo()
     monkeypatch.setattr(
-        runs, "train_all", lambda begun, *_: [train(RunFolder.open(run.path), StopRequest()) for run in begun]
+        workers, "train_all", lambda begun, *_: [train(RunFolder.open(run.path), StopRequest()) for run in begun]
     )
     assert main(words) == 0
     assert len(rows.load(tmp_path / "results" / "fast.csv")) == 9
