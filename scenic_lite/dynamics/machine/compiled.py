@@ -52,7 +52,6 @@ class Compiled:
         program: what it was compiled from.
         threads: of each thread the object that it moves, or -1.
         places: of each row its place in the program.
-        world_base: the first register of the world table [O, F]; the facts follow it.
         commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
         doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         records: what `record` statements put into registers.
@@ -76,10 +75,6 @@ class Compiled:
     records: tuple[Record, ...]
     drivers: tuple[tuple[int, int, bool], ...]  # objects that are given behaviors: number, register, has one at first
     sets_reward: bool
-
-    @property
-    def world_base(self) -> int:
-        return self.code.world_base
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
         """Return the registers at the start of matches with theta [N, D]: [N, R] float64."""

@@ -254,7 +254,7 @@ def test_other_matches_go_on():
     rows = compiled.registers(program.sample(2, np.random.default_rng(0))[0])
     commands, rng = np.zeros((2, 3)), np.zeros(1, dtype=[("random", "u8")]).view(np.recarray)[0]
     for match, y in enumerate((0.0, 2.0)):
-        rows[match, compiled.world_base + 1] = y
+        rows[match, compiled.code.world_base + 1] = y
         vm.run_behaviors(compiled.code, rows[match], commands[match], rng)
     assert compiled.fault(rows[0]) is not None
     assert compiled.fault(rows[1]) is None

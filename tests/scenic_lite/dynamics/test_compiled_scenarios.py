@@ -73,7 +73,7 @@ def test_many_matches_record_side_by_side():
     assert np.isnan(recorded(compiled, rows)["y"]).all()
     for match, row in enumerate(rows[:3]):
         table = first_table(loaded, theta[match])
-        row[compiled.world_base : compiled.world_base + table.size] = table.ravel()
+        row[compiled.code.world_base : compiled.code.world_base + table.size] = table.ravel()
         vm.run_watchers(compiled.code, row, rng)
     found = recorded(compiled, rows)
     y = [first_table(loaded, each)[0, 1] for each in theta[:3]]
