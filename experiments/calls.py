@@ -26,7 +26,7 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
         method: a name of `ued.METHODS`.
         seed: of every random stream.
         out: the run folder, by default runs/TASK-METHOD-SEED.
-        settings: what `regista train --help` lists, such as `total_env_steps`, `num_envs`, `ppo=PPOConfig(...)`, or a
+        settings: what `regista train --help all` lists: `total_env_steps`, `num_envs`, `ppo=PPOConfig(...)`, or a
             method's own, `accel=ACCELConfig(...)`.
 
     Ctrl-C saves and returns. Raises `UsageError` for unknown names, `CommandError` where a run of other settings is.
