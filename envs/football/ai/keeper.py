@@ -19,7 +19,7 @@ from envs.football.physics.ball import MEAN_DRAG
 from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import ball_speed, fall_time, man_on_ball, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.hands import HOLD_STEPS
+from envs.football.skills.hands import HOLD_STEPS, has_hands
 from envs.football.skills.saves import dive
 from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
@@ -55,7 +55,9 @@ class ComeOut(NamedTuple):
     off_ball: float = 0.4  # or will
     stops_short: float = 0.5  # m
     slide_lead: float = 0.2  # s by which he and the ball are led,
+    dive_lead: float = 0.35  # s, where he may use his hands,
     slide_near: float = 1.2  # m between them then: an opponent's ball to which he throws himself
+    dive_keeps: float = 0.9  # share of his speed, in a step of that, at least
     unshielded: float = 0.4  # cosine at its carrier between the ways to it and to him, at least
     given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
 
@@ -92,8 +94,10 @@ def choose_keeper_command(match, i):
         dive(match, player)
     elif match.carrier == i:
         kick_out(match, i)
-    elif goes_for_loose_ball(match, i) or throws_himself(match, player):
+    elif goes_for_loose_ball(match, i):
         chase(match, i, player.top_speed)
+    elif throws_himself(match, i):
+        throw(match, i)
     else:
         share = boldness(match, i)
         if share > 0.0:
@@ -180,18 +184,28 @@ def goes_for_loose_ball(match, i):
 
 
 @kernel
-def throws_himself(match, player):
-    """Return whether an opponent's ball is about to be within a keeper's reach, with nothing between them."""
-    ball = match.ball
+def throws_himself(match, i):
+    """Return whether an opponent's ball is about to be within keeper i's reach, with nothing between them."""
+    player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
         return False
     carrier = match.players[match.carrier]
-    lead = OUT.slide_lead
+    lead = OUT.dive_lead if has_hands(match, i) else OUT.slide_lead
     x, y = player.x + lead * player.vx, player.y + lead * player.vy
     near = length(ball.x + lead * ball.vx - x, ball.y + lead * ball.vy - y) < OUT.slide_near
     to_x, to_y = toward(x - carrier.x, y - carrier.y)
     ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
     return near and to_x * ball_x + to_y * ball_y > OUT.unshielded
+
+
+@kernel
+def throw(match, i):
+    """Run to where keeper i meets the ball; a dive to it does not stop before it."""
+    player = match.players[i]
+    chase(match, i, player.top_speed)
+    want, speed = length(player.desired_vx, player.desired_vy), OUT.dive_keeps * length(player.vx, player.vy)
+    if 0.0 < want < speed and has_hands(match, i):
+        player.desired_vx, player.desired_vy = speed / want * player.desired_vx, speed / want * player.desired_vy
 
 
 @kernel

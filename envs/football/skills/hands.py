@@ -25,6 +25,8 @@ class Hold(NamedTuple):
     top_speed: float = 40.0  # m/s, ease of holding falls to 0 by then
     age: float = 1.5  # s since the kick, by when all of the ease is there
     from_ease: float = 0.3  # product of both from which a ball is held
+    dribbled: float = 1.2  # s since a carrier's touch, by when all of the ease is there,
+    surprise: float = 0.6  # growing slowly at first: the power of what is left of that time
     height: float = 1.2  # m, of a ball that is held
     throw_height: float = 1.9  # m, of one that is about to be thrown
     spread: float = 6.0  # steps by which the time that he keeps it varies
@@ -39,6 +41,8 @@ class Parry(NamedTuple):
     most: float = 0.9
     carry: float = 0.25  # of the ball's own sideways course
     spread: float = 0.25  # how much that varies
+    blocked: float = 0.2  # s since the shot: sooner, it has hit him somewhere,
+    blocked_spread: float = 0.9  # and flies off anyhow
     tipped_chance: float = 0.2  # of saves at full stretch that go sideways
     tipped_aside: float = 0.8
     tipped_spread: float = 2.0
@@ -66,6 +70,13 @@ def has_hands(match, i):
 def can_hold(match, speed):
     """Return whether a ball of this speed in m/s sticks in the hands: not a fast one, nor one just kicked."""
     fresh = max(1.0 - match.kick_age / HOLD.age, 0.0)
+    return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh) >= HOLD.from_ease
+
+
+@kernel
+def sticks_off_feet(speed, age):
+    """Return whether a ball sticks in the hands that is this fast to them, in m/s, and was played `age` s ago."""
+    fresh = max(1.0 - age / HOLD.dribbled, 0.0) ** HOLD.surprise
     return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh) >= HOLD.from_ease
 
 
@@ -100,7 +111,8 @@ def parry(match, i, stretched):
     lose_ball(match)
     fast = length(ball.vx, ball.vy)
     out = -1.0 if own_goal_x(player.team) > 0.0 else 1.0
-    aside = PARRY.carry * ball.vy / max(abs(ball.vx), 1.0) + out * PARRY.spread * normal(match)  # turned with the pitch
+    spread = PARRY.blocked_spread if match.kick_age < PARRY.blocked else PARRY.spread
+    aside = PARRY.carry * ball.vy / max(abs(ball.vx), 1.0) + out * spread * normal(match)  # turned with the pitch
     if stretched and uniform(match) < PARRY.tipped_chance:
         side = ball.y - player.y
         aside = math.copysign(PARRY.tipped_aside + PARRY.tipped_spread * uniform(match), side if side != 0.0 else out)

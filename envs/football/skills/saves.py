@@ -40,6 +40,9 @@ class SaveOdds(NamedTuple):
     gap_wide: float = 0.4  # m further: he must
     body_gap: float = 0.4  # m: shot straight at him
     body_beaten: float = 0.35  # at most this chance of beating him then
+    sudden: float = 0.13  # s to him: sooner, he need not do anything to be hit
+    blocked_gap: float = 0.9  # m, by a shot that passes him at less than that,
+    blocked: float = 0.9  # as often
     foot_gap: float = 2.0  # m; outside his box, where he has his feet only, the chance falls to 0 by then
     foot_chance: float = 0.85  # straight at his feet
     measured_skill: float = 0.72  # `skill` of the measured keeper
@@ -98,9 +101,21 @@ def foresee(match, team):
             match.saver, match.save_gap = i, gap
             seen = time - DIVE.far_out * max(time - match.save_wait - DIVE.behind_him, 0.0)
             chance = save_chance(player, gap / match.engine.keeper_reach, seen)
-            match.save_succeeds = uniform(match) < chance and effort < DIVE.speed * match.engine.keeper_speed
+            within = effort < DIVE.speed * match.engine.keeper_speed
+            if strikes(match.ball, player, gap):
+                chance, within = max(chance, SAVE.blocked), True
+            match.save_succeeds = uniform(match) < chance and within
             player.turning = READY
         return
+
+
+@kernel
+def strikes(ball, player, gap):
+    """Return whether a shot that passes a keeper `gap` m away hits him before he can do anything."""
+    speed = ball_speed(ball)
+    to_x, to_y = player.x - ball.x, player.y - ball.y
+    near = to_x * to_x + to_y * to_y < (SAVE.sudden * speed) ** 2
+    return near and gap < SAVE.blocked_gap and to_x * ball.vx + to_y * ball.vy > 0.0
 
 
 @kernel
