@@ -92,10 +92,16 @@ class CompiledScope(Scope):
             self.locals[name] = variable.load()
 
     def check_set(self, name: str) -> None:
-        """Raise the error for a variable that some matches read before it has a value."""
-        if name in self.unset:
+        """Write the row that stops a match in which a variable has no value yet. Raises ScenicError if none can."""
+        c, variable = self.compilation, self.variables.get(name)
+        if variable is None or c.site.composing or (variable.mark is not None and variable.place is None):
             message = f"the match decides whether '{name}' has a value here"
             raise ScenicError("unsupported", message, hint=f"give it one before: {name} = None")
+        if variable.mark is None:
+            c.types.marked.add(variable.key)
+            c.types.outdated.add(variable.key)
+        else:
+            c.code.fault_unless(variable.mark, f"'{name}' has no value yet in this function")
 
     def pin(self, names: Iterable[str]) -> None:
         """From here on these variables stand in registers: what assigns them is decided during a match."""
@@ -109,6 +115,8 @@ class CompiledScope(Scope):
                 variable.store(self.locals[name])
             else:
                 self.unset.add(name)
+                if variable.mark is not None:
+                    c.code.row(op.COPY, variable.mark, c.code.constant(0))
             if variable.place is not None:
                 self.locals[name] = variable.load()
 

@@ -66,7 +66,7 @@ def compile_program(program: Program, world: World) -> Compiled:
     types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
     for _ in range(MOST_WALKS):
-        types.begin_walk()
+        types.read, types.outdated = set(), set()
         compilation = Compilation(program, world, Assembler(), types, simulation)
         compilation.mode = compile_mode(compilation)
         with live_objects(compilation):
@@ -119,11 +119,11 @@ def compile_mode(c: Compilation) -> Mode:
 
 
 def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Name) -> Value:
-    """Return what a name stands for. Raises ScenicError for a variable that only some matches have given a value."""
+    """Return what a name stands for; a match that has given it no value yet stops."""
     at: Environment | None = scope
     while at is not None and node.id not in at.locals and not (isinstance(at, CompiledScope) and node.id in at.unset):
         at = at.outer
-    if isinstance(at, CompiledScope):
+    if isinstance(at, CompiledScope) and node.id in at.unset:
         at.check_set(node.id)
     return dictionary(handler, scope, node)
 

@@ -182,10 +182,7 @@ class TypeTable:
     types: dict[tuple, Type] = field(default_factory=dict)
     read: set[tuple] = field(default_factory=set)  # in this walk
     outdated: set[tuple] = field(default_factory=set)  # rows of this walk have relied on a type that was not the last
-
-    def begin_walk(self) -> None:
-        self.read.clear()
-        self.outdated.clear()
+    marked: set[tuple] = field(default_factory=set)  # a register says whether the match has given it a value
 
     def declare(self, key: tuple, type: Type) -> bool:
         """Note that a variable can hold this; return whether its type is another one now."""
@@ -208,6 +205,7 @@ class Variable:
         self.area = code.fixed if shared else code.variables
         type = table.types.get(key)
         self.place = None if type is None else Place(code, type, self.area)
+        self.mark = self.area.take() if key in table.marked else None
 
     def load(self) -> Value:
         if self.place is None:
@@ -225,3 +223,5 @@ class Variable:
         place = self.declare(value)
         self.table.read.add(self.key)
         place.store(value)
+        if self.mark is not None:
+            self.code.row(op.COPY, self.mark, self.code.constant(1))

@@ -25,6 +25,68 @@ behavior Main():
             z = 2
         take z
 """,
+    "read where a branch may have set it": """
+behavior Main():
+    take 1
+    if self.position.y > 2:
+        z = 3
+    take 2
+    take z
+""",
+    "read before it is set in the text": """
+behavior Main():
+    while True:
+        if self.position.y > 3:
+            take z
+        z = 4
+        take 1
+""",
+    "set on one of three ways, begun again": """
+behavior Turn():
+    for i in range(3):
+        if self.position.y > 4:
+            turn = 5
+        elif self.position.y > 1:
+            turn = self.position.y
+        else:
+            other = 6
+        take turn
+behavior Main():
+    while True:
+        do Turn()
+        take 9
+""",
+    "read by a function that may come too early": """
+def late(y):
+    if y > 2:
+        z = 3
+    return z
+behavior Main():
+    take 1
+    take 2
+    take late(self.position.y)
+    take late(mate.position.y - 3)
+""",
+    "set by an interrupt": """
+behavior Main():
+    try:
+        for i in range(3):
+            take i
+    interrupt when self.position.y > 2:
+        z = self.position.y
+        take 7
+    take z
+""",
+    "asked for behind another condition": """
+behavior Main():
+    while True:
+        if self.position.y > 2:
+            z = self.position.y
+        if self.position.y > 2 and z > 3:
+            take z
+        else:
+            take 0
+""",
     "fixed keys": """
 behavior Main():
     while True:

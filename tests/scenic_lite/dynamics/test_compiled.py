@@ -332,12 +332,8 @@ REFUSED = {
         "behavior Main():\n    while True:\n        near = Uniform([1, 2], [3])\n        take len(near)\n",
         "one of several lists, of which the match decides which",
     ),
-    "a variable that a branch may have set": (
-        "behavior Main():\n    if self.position.y > 2:\n        z = 3\n    take z\n",
-        "whether 'z' has a value here",
-    ),
-    "a variable that an interrupt may set": (
-        "behavior Main():\n    try:\n        wait\n    interrupt when self.y > 2:\n        z = 3\n    take z\n",
+    "a variable that an interrupt asks for and its body sets": (
+        "behavior Main():\n    try:\n        z = self.y\n        wait\n    interrupt when z > 2:\n        take z\n",
         "whether 'z' has a value here",
     ),
 }
