@@ -10,6 +10,7 @@ import pytest
 from envs.football.scenic.domain import FOOTBALL, LIBRARY, MODULES
 from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
 from scenic_lite import load
+from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference
 
 HEAD = """
@@ -141,9 +142,21 @@ def test_possession_is_the_teams() -> None:
 def test_player_with_ball_may_ask_for_a_team() -> None:
     ask = "1 if player_with_ball(simulation().game_ds, ball, {team}) is {who} else 0"
     scene = EAST + "opponent = RightCB at 9 @ 9\n"
-    for team, who, expected in (("None", "opponent", 1), ('"right"', "opponent", 1), ('"left"', "None", 1)):
+    teams = {"None": "opponent", '"right"': "opponent", "1": "opponent", '"left"': "None", "0": "None"}
+    for team, who in teams.items():
         text = HEAD.format(question=ask.format(team=team, who=who), scene=scene)
-        assert Scene(text).set("opponent", owns_ball=1).step()["ego"] == expected
+        assert Scene(text).set("opponent", owns_ball=1).step()["ego"] == 1
+
+
+def test_the_owner_of_the_ball_is_an_index_of_his_team() -> None:
+    """In a match that is compiled, too: the compiler takes no index but one that it knows to be an integer."""
+    text = HEAD.format(
+        question="simulation().game_ds.my_players[ball.owned_player_idx].x if ball.owned_team == 0 else 9",
+        scene=EAST + "mate = LeftCB at 5 @ 5\n",
+    )
+    assert Scene(text).step()["ego"] == 9
+    assert Scene(text).set("ball", owned_team=0, owned_player_idx=1).step()["ego"] == 5
+    assert not compile_program(load(text, FOOTBALL), FOOTBALL_WORLD).doubts
 
 
 def test_a_direction_that_is_pressed_is_not_pressed_again() -> None:

@@ -12,7 +12,7 @@ from scenic_lite.core.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
-from scenic_lite.values.operations import EQUAL, NOT_EQUAL
+from scenic_lite.values.operations import EQUAL, INTEGER, NOT_EQUAL
 
 FIELDS = (
     "x",
@@ -43,7 +43,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
         "direction": fields["heading"],
     }
     if is_ball(instance):
-        return live | {name: fields[name] for name in ("owned_team", "owned_player_idx")}
+        return live | {name: apply(INTEGER, fields[name]) for name in ("owned_team", "owned_player_idx")}
     keys = [apply(EQUAL, fields["pressed"], float(key), kind="truth") for key in range(1, 9)]
     sprint, dribble, owns, controlled = (
         apply(NOT_EQUAL, fields[name], 0.0, kind="truth")

@@ -63,9 +63,12 @@ def BuiltinAIAction():
 # Helpers that Scenic4RL's programs find beside the actions.
 
 def player_with_ball(ds, ball, team=None):
-    """The player who owns the ball, of one team if it is given, or None; ds is simulation().game_ds."""
+    """The player who owns the ball, of one team ("left" or 0, "right" or 1) if it is given, or None.
+
+    ds is simulation().game_ds.
+    """
     for player in ds.players:
-        if player.owns_ball and (team is None or player.team == team):
+        if player.owns_ball and team in (None, player.team, 1 if player.team == "right" else 0):
             return player
     return None
 
