@@ -66,7 +66,8 @@ def prune(state: LoadState) -> None:
             base = base.region if isinstance(base, Filtered) else base  # whose test is a requirement of the point
             if not is_fixed_area(base):
                 continue
-            demand = Demand(container, right, up, inner_radius(instance))
+            radius = min(least(instance.properties[name]) / 2 for name in ("width", "length"))  # of the inner circle
+            demand = Demand(container, right, up, radius)
             known = parts.setdefault(demand, {})
             if base not in known:
                 known[base] = common_part(base, demand)
@@ -106,11 +107,6 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
         else:
             break
     return value, step
-
-
-def inner_radius(instance: Instance) -> float:
-    """Return a lower bound of the radius of an object's inner circle in every scene."""
-    return min(least(instance.properties[name]) / 2 for name in ("width", "length"))
 
 
 def least(value: Value) -> float:

@@ -343,11 +343,6 @@ class Compilation:
             hint = "players move by what they do: take an action"
             raise ScenicError("type", f"the {name} of {owner.title()} belongs to the world", hint=hint)
 
-    def show_shared(self) -> None:
-        """Let the attributes that a program is known to set be read from their registers."""
-        for key in [key for key in self.types.types if key[0] == "object"]:
-            self.table_of(key)[key[2]] = self.shared_variable(key).load()
-
     def scenarios_begun(self) -> int:
         """Return how many scenarios the present compose block has run in the text so far."""
         return len(self.site.part.parts) if self.site.part is not None and self.site.composing else 0

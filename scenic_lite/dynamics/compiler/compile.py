@@ -198,7 +198,8 @@ def walk(c: Compilation) -> list[Thread]:
     code = c.code
     code.row(op.END, code.fixed.take())  # row 0: where a thread stands that has ended
     show_world(c)
-    c.show_shared()
+    for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that the program is known to set
+        c.table_of(key)[key[2]] = c.shared_variable(key).load()
     main = main_part(c)
     agents = [Thread(f"{each.title()}: its behavior", 0, agent=each) for each in c.program.instances]
     for thread in agents:

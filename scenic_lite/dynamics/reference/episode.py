@@ -166,10 +166,6 @@ class Episode:
         else:
             update(self.simulation, seen, ("scenic_reward",))
 
-    def live_names(self, instance: Instance) -> set[str]:
-        """Return the properties that the simulator gives an object."""
-        return set(self.world.properties(instance, dict.fromkeys(self.world.fields, 0.0)))
-
     def in_steps(self, duration: Value, scope: Scope, node: ast.expr, unit: str | None) -> float:
         """Return how many steps a duration takes that is given in steps or in seconds."""
         if not is_number(duration):

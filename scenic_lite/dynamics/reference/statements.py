@@ -113,9 +113,10 @@ def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
     if not is_object(target):
         raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}
+    live = episode.world.properties(target, dict.fromkeys(episode.world.fields, 0.0))
     for specifier in node.specifiers:
         name, value = overridden_property(scope, specifier)
-        if name in episode.live_names(target):
+        if name in live:
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", specifier)
         if name not in target.properties:
             raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", specifier)
