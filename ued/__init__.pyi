@@ -24,9 +24,9 @@ from ued.gym_upomdp import UPOMDPWrapper as UPOMDPWrapper
 from ued.learning.ppo import PPO as PPO
 from ued.learning.student import Student as Student
 from ued.levels.adversary import Adversary as Adversary
+from ued.levels.batch import LevelBatch as LevelBatch
 from ued.levels.buffer import LevelBuffer as LevelBuffer
 from ued.levels.record import level_record_dtype as level_record_dtype
-from ued.method import LevelBatch as LevelBatch
 from ued.method import Method as Method
 from ued.methods import METHODS as METHODS
 from ued.methods.accel import ACCEL as ACCEL

@@ -10,8 +10,7 @@ Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -23,39 +22,11 @@ from ued.curriculum import Curriculum
 from ued.learning.learner import Learner
 from ued.learning.student import Student
 from ued.learning.worker import collect
+from ued.levels.batch import LevelBatch
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
-from ued.levels.record import mean_returns
 from ued.seeding import SeedStream
 from ued.upomdp import UPOMDP
-
-
-@dataclass(frozen=True)
-class LevelBatch:
-    """The L levels on which an update was based: level records `[L]`, and the students that have played them."""
-
-    records: np.ndarray
-    students: Sequence[str]
-
-    @property
-    def theta(self) -> np.ndarray:
-        """Where the levels lie: `[L, D]`."""
-        return self.records["level"]["theta"]
-
-    @property
-    def score(self) -> np.ndarray:
-        """What the teacher makes of each level (PAIRED: regret), `[L]`; nan where there is no teacher."""
-        return self.records["score"]
-
-    @property
-    def returns(self) -> dict[str, np.ndarray]:
-        """For each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none."""
-        return dict(zip(self.students, mean_returns(self.records).T, strict=True))
-
-    @property
-    def episodes(self) -> dict[str, np.ndarray]:
-        """For each student, number of these episodes `[L]`."""
-        return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
 
 class Method:

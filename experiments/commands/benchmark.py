@@ -18,7 +18,6 @@ import platform
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
@@ -34,6 +33,7 @@ from experiments.grf.report import FAMILIES, compare, draw, render_family
 from experiments.run import arguments, build
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
+from experiments.run.provenance import hardware, versions
 from experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -195,16 +195,7 @@ def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
 
 def machine() -> dict[str, Any]:
     """Return on what was measured."""
-    packages = {name: version(name) for name in ("numpy", "numba", "torch")}
-    return {"processor": _processor(), "cores": os.cpu_count(), "python": platform.python_version(), **packages}
-
-
-def _processor() -> str:
-    try:
-        with open("/proc/cpuinfo") as file:
-            return next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
+    return {**hardware(), "python": platform.python_version(), **versions(("numpy", "numba", "torch"))}
 
 
 def _machine_line() -> str:

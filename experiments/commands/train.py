@@ -14,6 +14,7 @@ import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,10 +24,10 @@ from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress, count, headline
+from experiments.run.progress import Progress, count
+from experiments.run.reporting import Console, Reporters
 from experiments.run.signals import StopRequest
 from ued.config import FineTuningConfig, setting
-from ued.recorder.shades import unique_names
 
 DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
 
@@ -39,29 +40,30 @@ class TrainFlags:
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    run = _open_run(argv)
+    run, connect = _open_run(argv)
     stop = StopRequest()
     with run.locked():
-        done = train(run, stop)
+        done = train(run, stop, connect)
     plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code
 
 
-def train(run: RunFolder, stop: StopRequest) -> int:
+def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     """Train until the budget is spent or somebody asks to stop; return the env_steps done.
 
+    `connect` is the address of a viewer that shows the recording as it is made.
     Until the first update begins there is nothing to save, and a signal ends everything.
     """
     from experiments.run.evaluator import EvalScenes
-    from experiments.run.recording import RunRecorder
 
     config, programs = run.config, build.load_scenes(run.config)
     program = programs[build.TRAINING_SCENE]
@@ -72,8 +74,8 @@ def train(run: RunFolder, stop: StopRequest) -> int:
     origin.begin_with(run, method)
     scenes = EvalScenes(config, programs, config.eval_episodes)
     elapsed = restore(run, method)
-    recorder = RunRecorder(run, program, upomdp, method.updates)
     progress = Progress(config.total_env_steps, method.env_steps)
+    reporters = open_reporters(run, program, method, progress, connect)
 
     with stop:
         while method.env_steps < config.total_env_steps and not stop:
@@ -82,17 +84,31 @@ def train(run: RunFolder, stop: StopRequest) -> int:
             if scenes.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
                 metrics |= scenes.metrics(method.student)
             elapsed += time.perf_counter() - began
-            run.add_update(method, metrics | {"time/elapsed": elapsed}, unique_names(upomdp.draws))
-            recorder.update(method, metrics)
-            progress.show(method.env_steps, headline(metrics))
+            reporters.report(method, metrics | {"time/elapsed": elapsed})
             if run.checkpoint_due():
                 save(run, method, elapsed)
-                recorder.flush()
+                reporters.flush()
         if method.updates > run.saved_update:
             save(run, method, elapsed)
-    recorder.close()
+    reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
     return method.env_steps
+
+
+def open_reporters(
+    run: RunFolder, program: Any, method: Any, progress: Progress, connect: str | None = None
+) -> Reporters:
+    """Return all who are told of the updates of a run: its tables, the terminal, its recording, and trackers."""
+    from experiments.run.recording import RunRecorder
+    from experiments.run.trackers import make_tracker
+
+    reporters = Reporters(run, method.upomdp)
+    reporters.add("shown", lambda: Console(progress))
+    if run.config.record:
+        reporters.add("recorded", lambda: RunRecorder(run, program, method.upomdp, method.updates, connect))
+    for name in run.config.report:
+        reporters.add(f"told to {name}", partial(make_tracker, name, run, method.env_steps))
+    return reporters
 
 
 def restore(run: RunFolder, method: Any) -> float:
@@ -125,10 +141,14 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 
 
-def _open_run(argv: Sequence[str]) -> RunFolder:
+def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
+    """Return the run that is wanted, and the address of a viewer, if there is one."""
     typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION)
-    if "resume" in typed:
-        return _resume(typed)
+    connect = typed.pop("connect", None)
+    return _resume(typed) if "resume" in typed else _begin(typed), connect
+
+
+def _begin(typed: dict[str, Any]) -> RunFolder:
     source = origin.load(typed["from_"]) if "from_" in typed else None
     minigame: str = typed.get("config.minigame") or (source.config.minigame if source else TrainConfig().minigame)
     start = build.starting_point(typed.get("preset", "fast"), minigame)

@@ -153,8 +153,11 @@ def _options(hint: Any, repeated: bool) -> dict[str, Any]:
     if typing.get_origin(hint) is Literal:
         return {"choices": typing.get_args(hint)}
     if typing.get_origin(hint) is tuple:
-        convert, name = _converter(typing.get_args(hint)[0])
+        part = typing.get_args(hint)[0]
+        convert, name = _converter(part)
         several = {"action": _Append} if repeated else {"nargs": "+", "action": _Collect}
+        if typing.get_origin(part) is Literal:
+            return {"choices": typing.get_args(part), **several}
         return {"type": convert, "metavar": name, **several}
     convert, name = _converter(hint)
     return {"type": convert, "metavar": name}

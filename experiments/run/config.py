@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import typing
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
@@ -98,6 +99,9 @@ class RunConfig(Checked):
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
     record_limit: int = setting(2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1")
+    report: tuple[Literal["tensorboard", "wandb"], ...] = setting(
+        (), "who else is told of every update: tensorboard, wandb"
+    )
     ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics=("ppo",))
 
 
@@ -153,8 +157,10 @@ class TaskTrainConfig(TaskSettings):
 
 # ---------------------------------------------------------------- JSON
 
+ABOUT = "about"  # key of config.json that is no setting
+
 # Settings that older runs know nothing of, and what they did: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": []}
 
 
 def run_class(data: Any) -> type:
@@ -176,9 +182,18 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
     return _read(kind, data, where, path="")
 
 
-def save(config: Any, path: Path) -> None:
-    """Write a configuration as JSON."""
-    path.write_text(json.dumps(to_dict(config), indent=2) + "\n")
+def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
+    """Write a configuration as JSON, and beside it what `provenance.about` tells of a run."""
+    told = {ABOUT: about} if about else {}
+    path.write_text(json.dumps(to_dict(config) | told, indent=2) + "\n")
+
+
+def about(path: Path) -> dict[str, Any]:
+    """Return what `save` was told about a run, nothing of an older one. Raises `ConfigError` for what is no object."""
+    found = _json(path).get(ABOUT, {})
+    if not isinstance(found, dict):
+        raise ConfigError(f"{path}: '{ABOUT}' must be an object, got {json.dumps(found)}")
+    return found
 
 
 def load(kind: type[Config] | None, path: Path) -> Config:
@@ -186,11 +201,17 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
     Raises `ConfigError` as `from_dict`, and for text that is not JSON.
     """
+    data = _json(path)
+    if isinstance(data, dict):
+        data.pop(ABOUT, None)
+    return from_dict(kind or run_class(data), data, str(path))
+
+
+def _json(path: Path) -> Any:
     try:
-        data = json.loads(path.read_text(), parse_constant=_no_number)
+        return json.loads(path.read_text(), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
         raise ConfigError(f"{path} is not JSON: {error}") from error
-    return from_dict(kind or run_class(data), data, str(path))
 
 
 def _no_number(word: str) -> float:

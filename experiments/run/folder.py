@@ -1,14 +1,17 @@
 """The run folder: what a training run leaves behind, and how it continues after a kill.
 
-    config.json       the TrainConfig; enough to start the run over
+    config.json       the TrainConfig, enough to start the run over; `about`: id, command, commit, versions, machine
     program.scenic    the text of the program, as it was when the run began; task.py of a task of one's own
     metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
-    levels.csv        one row per level that was trained on: θ in [-1, 1], returns, score
+    levels.csv        one row per level that was played: where from, θ in [-1, 1], returns, score
+    events.csv        what somebody should know, if anything: see `run.events`
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
     origin.pt         the student that it began with and how close it stays, if it was begun with one
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
+    tensorboard/, wandb/   what `--report` tells these
     learning_curve.png
 
+docs/files.md has the columns of the tables.
 The tables may be ahead of the checkpoint when a run is killed; resuming cuts them back to it, so that a killed and
 resumed run ends with the table of one that was left alone. Wall-clock columns (`time/...`) differ, of course.
 Read next: `commands.train`.
@@ -18,12 +21,13 @@ from __future__ import annotations
 
 import fcntl
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from experiments.run import config as configs
+from experiments.run import provenance
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.table import Table, cannot_write, read_columns
@@ -37,18 +41,19 @@ if TYPE_CHECKING:
 class RunFolder:
     """One run on disk. `RunFolder.create` starts one, `RunFolder.open` continues one."""
 
-    def __init__(self, path: Path, config: TrainConfig) -> None:
-        self.path = path
+    def __init__(self, path: Path, config: TrainConfig, about: Mapping[str, Any] | None = None) -> None:
+        self.path, self.about = path, about or {}
         self.config: Any = config  # a `TaskTrainConfig` where the task is one's own
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
+        self.events = Table(path / "events.csv")
         self.saved_update = 0
         self._saved_at = time.monotonic()
 
     @classmethod
     def create(cls, path: Path, config: TrainConfig) -> RunFolder:
         """Make the folder and write its configuration. Raises `CommandError` if there is a run already."""
-        run = cls(path, config)
+        run = cls(path, config, provenance.about())
         if run.begun():
             raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
         foreign = any(entry.name not in UNTRAINED for entry in path.iterdir()) if path.is_dir() else path.exists()
@@ -58,7 +63,7 @@ class RunFolder:
             path.mkdir(parents=True, exist_ok=True)
             (path / "config.json").touch()
             with run.locked():
-                configs.save(config, path / "config.json")
+                configs.save(config, path / "config.json", run.about)
         except OSError as error:
             raise cannot_write(path, error) from error
         return run
@@ -77,7 +82,7 @@ class RunFolder:
         """Open an existing run. Raises `CommandError` for a folder that holds none."""
         if not (path / "config.json").exists():
             raise CommandError(f"{path} is no run folder: it has no config.json")
-        return cls(path, configs.load(None, path / "config.json"))
+        return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
@@ -87,7 +92,7 @@ class RunFolder:
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         if config != self.config:
-            configs.save(config, self.path / "config.json")
+            configs.save(config, self.path / "config.json", self.about)
         self.config = config
 
     @contextmanager
@@ -137,8 +142,8 @@ class RunFolder:
     def cut_back(self, update: int) -> None:
         """Cut the tables back to an update, that of the checkpoint from which the run goes on."""
         self.saved_update = update
-        self.metrics.keep_until(update)
-        self.levels.keep_until(update)
+        for table in (self.metrics, self.levels, self.events):
+            table.keep_until(update)
 
     def save(self, state: dict[str, Any]) -> None:
         """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
@@ -170,17 +175,6 @@ class RunFolder:
             raise checkpoint.CheckpointError(f"{self.checkpoint} is damaged: its env_steps is {done!r}")
         return done >= self.config.total_env_steps
 
-    def add_update(self, method: Any, metrics: Mapping[str, float], names: Sequence[str]) -> None:
-        """Add one row to metrics.csv and one per trained level to levels.csv; wall-clock columns come last.
-
-        `names` are those of the columns of θ.
-        """
-        row: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps}
-        rest = {name: value for name, value in metrics.items() if name not in ("updates", "env_steps")}
-        self.metrics.append([row | dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))])
-        if method.last is not None:
-            self.levels.append([_level_row(method, level, names) for level in range(len(method.last.theta))])
-
     def begun(self) -> bool:
         """Return whether anything was trained here: a run that failed before its first update leaves the name free."""
         return self.metrics.path.exists() or self.checkpoint.exists()
@@ -194,6 +188,11 @@ class RunFolder:
         """Return the parts of the recording that are there."""
         return list(self.path.glob("curriculum*.rrd"))
 
+    @property
+    def recording_id(self) -> str:
+        """What its recordings are called among those of others: a viewer merges those of one id."""
+        return f"regista-{self.about.get('id') or self.path.resolve()}"
+
     def next_recording(self) -> Path:
         """Return the path for the next part of the recording: curriculum.rrd, then curriculum.2.rrd ..."""
         first = self.path / "curriculum.rrd"
@@ -201,17 +200,8 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
-def _level_row(method: Any, level: int, names: Sequence[str]) -> dict[str, Any]:
-    """Return the row of levels.csv for one level of the method's last update."""
-    batch = method.last
-    row: dict[str, Any] = {"update": method.updates}
-    row |= {f"theta/{name}": round(float(value), 5) for name, value in zip(names, batch.theta[level], strict=True)}
-    row |= {f"return/{name}": round(float(values[level]), 5) for name, values in batch.returns.items()}
-    return row | {"score": round(float(batch.score[level]), 5)}
-
-
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd")
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
 LARGEST = 10**15  # of any of them
-MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit")
+MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report")

@@ -40,11 +40,14 @@ class Progress:
         self._shown = now
         self._write(self._line(steps, facts or {}, now))
 
-    def finish(self, text: str) -> None:
-        """Leave a last line."""
+    def say(self, text: str) -> None:
+        """Leave a line, above that of the progress."""
         if self.tty:
             self.stream.write("\r\x1b[K")
+        self._shown = -PLAIN_SECONDS if self.tty else self._shown
         print(text, file=self.stream, flush=True)
+
+    finish = say  # the last one
 
     def _line(self, steps: int, facts: dict[str, float], now: float) -> str:
         speed = 0.0 if self._start is None else (steps - self._begun) / max(now - self._start, 1e-9)
@@ -71,7 +74,7 @@ def headline(metrics: Mapping[str, float]) -> dict[str, float]:
     return {
         name.partition("/")[2] or name: value
         for name, value in metrics.items()
-        if name.startswith("return/") or name == "regret"
+        if name.startswith("return_100/") or name == "regret"
     }
 
 

@@ -16,6 +16,8 @@ import numpy as np
 
 from experiments.run.errors import CommandError
 
+WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers
+
 
 class Table:
     """Rows that belong to updates: the first column is `update`. Numbers are written so that they read back equal.
@@ -34,12 +36,26 @@ class Table:
         new = [name for row in rows for name in row if name not in self.columns]
         if new:
             self._widen(list(dict.fromkeys(new)))
-        text = "".join(self._line(row) for row in rows)
+        self._write("".join(self._line(row) for row in rows))
+
+    def _write(self, text: str) -> None:
         try:
             with open(self.path, "a", newline="") as file:
                 file.write(text)
         except OSError as error:
             raise cannot_write(self.path, error) from error
+
+    def append_columns(self, columns: Mapping[str, np.ndarray]) -> None:
+        """Add rows that are given by column, `[R]` each, and flush them; real numbers are cut to 5 decimals.
+
+        Raises `CommandError` if the disk refuses, or where the table has other columns.
+        """
+        if self.columns and self.columns != list(columns):
+            raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, and not {', '.join(columns)}")
+        if not self.columns:
+            self._widen(list(columns))
+        cells = [_spell_all(values) for values in columns.values()]
+        self._write("".join(",".join(row) + "\n" for row in zip(*cells, strict=True)))
 
     def keep_until(self, update: int) -> None:
         """Drop the rows of later updates, and a last one that was cut off in the middle."""
@@ -100,10 +116,10 @@ def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns as float64 arrays, NaN where a cell is empty."""
-    rows = read_rows(path)
+    """Return the columns as float64 arrays, NaN where a cell is empty; those of WORDS are left out."""
+    rows, names = read_rows(path), [name for name in read_header(path) if name not in WORDS]
     try:
-        return {name: np.array([_number(row[name]) for row in rows]) for name in read_header(path)}
+        return {name: np.array([_number(row[name]) for row in rows]) for name in names}
     except ValueError as error:
         raise CommandError(f"{path} is damaged: {error}") from error
 
@@ -121,6 +137,14 @@ def spell(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return repr(float(value)).removesuffix(".0")
     return str(value)
+
+
+def _spell_all(values: np.ndarray) -> list[str]:
+    """Write numbers or words `[R]` as cells: real numbers with 5 decimals at most, nothing for NaN."""
+    if values.dtype.kind != "f":
+        return [_quote(str(value)) for value in values.tolist()]
+    rounded = np.round(values.astype(np.float64), 5) + 0.0  # no negative zero
+    return ["" if value != value else repr(value).removesuffix(".0") for value in rounded.tolist()]
 
 
 def _number(text: str) -> float:

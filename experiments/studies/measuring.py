@@ -5,10 +5,7 @@ Goals count, whatever paid in training. All policies meet the same levels. Read 
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Mapping
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +15,7 @@ from experiments.run.baselines import make_baselines
 from experiments.run.config import TrainConfig
 from experiments.run.evaluator import EvalScenes, load_student
 from experiments.run.folder import RunFolder
+from experiments.run.provenance import commit
 from experiments.run.table import read_columns
 from experiments.studies.rows import TRAIN, Row
 
@@ -87,13 +85,3 @@ def _row(difference: np.ndarray, lengths: np.ndarray, control: str) -> dict[str,
         "mean_length": round(float(lengths.mean()), 3),
         "commit": commit(),
     }
-
-
-@cache
-def commit() -> str:
-    """Return the commit that is running, short; "" outside a checkout."""
-    words = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
-    try:
-        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return ""

@@ -5,13 +5,14 @@ A level is a point θ; the student guesses its first coordinate's side (action 0
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.upomdp import UPOMDP
+from ued.levels.batch import LevelBatch
+from ued.levels.record import level_record_dtype, make_records
+from ued.upomdp import UPOMDP, level_dtype
 
 
 class ThetaColumn(NamedTuple):
@@ -53,24 +54,20 @@ class ProbeUPOMDP(UPOMDP):
         return self.levels["theta"].astype(np.float32)
 
 
-@dataclass(frozen=True)
-class Batch:
-    theta: np.ndarray
-    returns: dict[str, np.ndarray]
-    episodes: dict[str, np.ndarray]
-    score: np.ndarray
-
-
-def batch(update: int, rng: np.random.Generator, levels: int = 32) -> Batch:
+def batch(update: int, rng: np.random.Generator, levels: int = 32) -> LevelBatch:
     """Return levels whose first column drifts from low to high within 100 updates, with a regret that falls."""
     middle = np.array([-0.7 + 1.4 * update / 100, 0.0, 0.5])
     theta = np.clip(rng.normal(middle, [0.15, 0.4, 0.2], (levels, 3)), -1, 1)
     skill = update / 100
     protagonist = np.clip(rng.normal(skill * 0.8, 0.1, levels), 0, 1)
     antagonist = np.clip(rng.normal(min(1.2 * skill, 0.9), 0.1, levels), 0, 1)
-    returns = {"protagonist": protagonist, "antagonist": antagonist}
-    episodes = {name: np.full(levels, 4) for name in returns}
-    return Batch(theta, returns, episodes, antagonist - protagonist)
+    made = np.zeros(levels, level_dtype(3))
+    made["theta"] = theta
+    records = make_records(level_record_dtype(made.dtype, 2, 1), made)
+    records["id"], records["num_played"] = levels * update + np.arange(levels), 1
+    records["returns"] = np.stack([protagonist, antagonist], 1)[..., None]
+    records["score"] = antagonist - protagonist
+    return LevelBatch(records, ["protagonist", "antagonist"])
 
 
 class ProbePainter:

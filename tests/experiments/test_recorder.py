@@ -35,7 +35,9 @@ def recorded(tmp_path_factory):
     rerun.set_strict_mode(True)
     path = tmp_path_factory.mktemp("rrd") / "curriculum.rrd"
     rng = np.random.default_rng(0)
-    recorder = CurriculumRecorder(Recording(path, "probe 0", UPDATES * 1000, {"seed": "0"}), ProbePainter(), DRAWS)
+    recorder = CurriculumRecorder(
+        Recording(path, "regista-1", "probe 0", UPDATES * 1000, {"seed": "0"}), ProbePainter(), DRAWS
+    )
     batches = [batch(update, rng) for update in range(1, UPDATES + 1)]
     for update, levels in enumerate(batches, start=1):
         metrics = {"regret": float(levels.score.mean()), "eval/a scene": 0.5, "nothing": float("nan")}

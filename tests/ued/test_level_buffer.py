@@ -5,7 +5,7 @@ import pytest
 
 from ued.config import BufferConfig
 from ued.levels.buffer import LevelBuffer
-from ued.levels.record import NONE
+from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.upomdp import level_dtype
 
 
@@ -19,9 +19,10 @@ def buffer(**settings):
     return LevelBuffer(level_dtype(1), BufferConfig(**{"capacity": 4, **settings}))
 
 
-def insert(to, values, scores, **more):
-    scores = np.array(scores, float)
-    return to.insert(levels(*values), scores, scores, **more)
+def insert(to, values, scores, parent=NONE):
+    records = make_records(level_record_dtype(level_dtype(1)), levels(*values))
+    records["score"], records["parent"] = scores, parent
+    return to.insert(records, np.array(scores))
 
 
 def test_rank_weights_by_hand():
@@ -86,8 +87,8 @@ def test_lineage():
     made = buffer()
     insert(made, [0.1], [1.0])
     mother = int(made.slots["id"][0])
-    insert(made, [0.2], [2.0], parents=np.array([mother]))
-    insert(made, [0.3], [3.0], parents=np.array([int(made.slots["id"][1])]))
+    insert(made, [0.2], [2.0], parent=mother)
+    insert(made, [0.3], [3.0], parent=made.slots["id"][1])
     assert made.slots["generation"].tolist() == [0, 1, 2]
     assert made.slots["parent"].tolist() == [NONE, mother, made.slots["id"][1]]
 

@@ -22,6 +22,8 @@ from ued.learning.worker import Episodes, OnEpisodeEnd, RolloutWorker
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP
 
+RECENT = 100  # episodes of a rolling return
+
 
 class Learner:
     """A student, the worker that plays it, and PPO, which improves it.
@@ -55,6 +57,7 @@ class Learner:
         self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
+        self.recent = np.zeros(0)  # returns of its last episodes, RECENT at most
         self.learn_seconds = 0.0
         self.origin: FadingKL | None = None  # what it began with, if it is to stay close to that at first
 
@@ -98,7 +101,9 @@ class Learner:
             advantages = self.advantages if rollout is None else None
             losses = self.ppo.learn(rollout or self.rollout, env_steps, advantages, regularizer)
         self.learn_seconds = perf_counter() - began
-        episodes = episode_metrics(self.name, self.worker.pop_episodes())
+        ended = self.worker.pop_episodes()
+        self.recent = np.append(self.recent, ended.returns)[-RECENT:]
+        episodes = episode_metrics(self.name, ended, self.recent)
         losses |= action_shares(self.rollout, self.upomdp)
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 
@@ -114,6 +119,7 @@ class Learner:
             "worker": self.worker.state_dict(episodes),
             "ppo": None if self.ppo is None else self.ppo.state_dict(),
             "values": self.values.state_dict(),
+            "recent": self.recent.copy(),
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
@@ -123,6 +129,7 @@ class Learner:
         if self.ppo is not None:
             self.ppo.load_state_dict(state["ppo"])
         self.values.load_state_dict(state["values"])
+        self.recent = np.array(state["recent"], np.float64)
         if state["worker"]["upomdp"] is None:  # its episodes have begun anew
             self.values.reset()
 
@@ -151,11 +158,15 @@ def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
     }
 
 
-def episode_metrics(name: str, episodes: Episodes) -> dict[str, float]:
-    """Return mean return, mean length and number of a student's episodes; the means of none are nan."""
+def episode_metrics(name: str, episodes: Episodes, recent: np.ndarray) -> dict[str, float]:
+    """Return mean return, mean length and number of a student's episodes, and the mean of its `recent` returns.
+
+    Means of none are nan.
+    """
     count = len(episodes.returns)
     return {
         f"return/{name}": float(episodes.returns.mean()) if count else float("nan"),
+        f"return_{RECENT}/{name}": float(recent.mean()) if len(recent) else float("nan"),
         f"length/{name}": float(episodes.lengths.mean()) if count else float("nan"),
         f"episodes/{name}": float(count),
     }

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ued.config import BufferConfig, PLRConfig, RepairedConfig
-from ued.levels.record import NONE, Origin, make_records
+from ued.levels.record import NONE, Origin, make_records, number
 from ued.resumable import Resumable
 
 EPSILON = 1e-8  # so that a power of 0 is no division by 0
@@ -24,9 +24,9 @@ EPSILON = 1e-8  # so that a power of 0 is no division by 0
 def slot_dtype(level: np.dtype) -> np.dtype:
     """Return the record of a level in the buffer.
 
-    id: unique in a run; level; score; best: the best return ever made on it; last_played: when it was, or was put in;
-    created: when it was put in; num_replays: how often it was replayed; parent: id of the level it was made from, or
-    NONE; generation: edits between it and a random level.
+    id: of the level, unique in a run; level; score; best: the best return ever made on it; last_played: when it was, or
+    was put in; created: when it was put in; num_replays: how often it was replayed; parent: id of the level it was made
+    from, or NONE; generation: edits between it and a random level.
     """
     return np.dtype(
         [
@@ -120,7 +120,7 @@ class LevelBuffer(Resumable):
         slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
         records = make_records(dtype, slots["level"], Origin.REPLAYED)
         records["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
-        records["slot"] = slots["id"]
+        records["id"] = slots["id"]
         return records
 
     def replay_or_new(
@@ -153,7 +153,7 @@ class LevelBuffer(Resumable):
         """Return the best return `[L]` that was ever made on the level of each of these records, by any student."""
         best = np.nanmax(records["returns"], (1, 2), initial=-np.inf)
         replayed = np.flatnonzero(records["origin"] == Origin.REPLAYED)
-        rows = self.find(records["slot"][replayed])
+        rows = self.find(records["id"][replayed])
         kept = rows != NONE  # one may have been displaced meanwhile
         best[replayed[kept]] = np.fmax(best[replayed[kept]], self.slots["best"][rows[kept]])
         return best
@@ -165,12 +165,10 @@ class LevelBuffer(Resumable):
         """
         best = self.best_returns(records)
         replayed = records["origin"] == Origin.REPLAYED
-        rows = self.find(records["slot"][replayed])
+        rows = self.find(records["id"][replayed])
         kept = rows != NONE
         self.update_scores(rows[kept], records["score"][replayed][kept], best[replayed][kept])
-        new = records[~replayed]
-        parents = np.where(new["origin"] == Origin.EDITED, new["slot"], NONE)
-        inserted = self.insert(new["level"], new["score"], best[~replayed], parents)
+        inserted = self.insert(records[~replayed], best[~replayed])
         metrics = {"buffer/fill_ratio": self.fill_ratio, "buffer/inserted": float(inserted)}
         if self._count:
             metrics["buffer/score"] = float(self.slots["score"].mean())
@@ -184,22 +182,26 @@ class LevelBuffer(Resumable):
         np.fmax.at(self.slots["best"], rows, best)
         self._score_weights = None
 
-    def insert(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray | None = None) -> int:
-        """Offer new levels `[k]` with scores, best returns, and ids of their parents; return how many are kept.
+    def insert(self, records: np.ndarray, best: np.ndarray) -> int:
+        """Offer scored records `[k]` of new levels, with the best returns `[k]` on them; return how many are kept.
 
         A full buffer gives up the levels that it would replay least, each for one with at least its score. A level that
-        it holds already keeps the better score. Of edits whose parent is gone the generation is counted anew.
+        it holds already keeps the better score. Of edits whose parent is gone the generation is counted anew. Levels
+        without an id, as some trainers number none, get one.
         """
-        rows = self._as_slots(levels, score, best, np.full(len(levels), NONE) if parents is None else parents)
-        self.now += len(levels)
+        self.next_id = number(records, self.next_id)
+        rows = self._as_slots(records, best)
+        self.now += len(rows)
         rows = rows[[not self._is_kept(row) for row in rows]]
         free = min(len(rows), self.config.capacity - self._count)
         return sum(self._put(self._count, row) for row in rows[:free]) + self._displace(rows[free:])
 
-    def _as_slots(self, levels: np.ndarray, score: np.ndarray, best: np.ndarray, parents: np.ndarray) -> np.ndarray:
-        rows: np.ndarray = np.zeros(len(levels), self._slots.dtype)
-        rows["level"], rows["score"], rows["best"], rows["parent"] = levels, score, best, parents
-        rows["last_played"] = rows["created"] = self.now + np.arange(len(levels))
+    def _as_slots(self, records: np.ndarray, best: np.ndarray) -> np.ndarray:
+        rows: np.ndarray = np.zeros(len(records), self._slots.dtype)
+        for name in ("id", "level", "score", "parent"):
+            rows[name] = records[name]
+        rows["best"], parents = best, rows["parent"]
+        rows["last_played"] = rows["created"] = self.now + np.arange(len(rows))
         mothers = self.find(parents)
         known = (parents != NONE) & (mothers != NONE)
         rows["generation"][parents != NONE] = 1
@@ -230,10 +232,8 @@ class LevelBuffer(Resumable):
         if place < self._count:
             self._rows.pop(_key(self._slots["level"][place]), None)
         self._slots[place] = row
-        self._slots["id"][place] = self.next_id
         self._rows[_key(row["level"])] = place
         self._count = max(self._count, place + 1)
-        self.next_id += 1
         self._score_weights = None
         return True
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ued.curriculum import Curriculum
-from ued.levels.record import NONE
+from ued.levels.record import NONE, number
 from ued.resumable import Resumable
 
 PROPOSAL_BATCH = 8  # levels that are proposed ahead where all of them are to be played
@@ -35,7 +35,7 @@ class LevelQueue(Resumable):
     Raises `ValueError` for a `max_lead` between 0 and N.
     """
 
-    state_fields = ("records", "taken", "playing")
+    state_fields = ("records", "taken", "playing", "next_id")
 
     def __init__(
         self,
@@ -56,6 +56,7 @@ class LevelQueue(Resumable):
         self.records = np.zeros(0, curriculum.dtype)  # in the order of play; finished ones leave in `pop_finished`
         self.taken = np.zeros(self.students, np.int64)  # [S] records that each student has begun: a prefix
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
+        self.next_id = 0  # of the levels of the run
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
         self._ended: list[list[np.ndarray]] = [[] for _ in range(self.students)]  # [k, 2] record, episode of each
 
@@ -110,6 +111,7 @@ class LevelQueue(Resumable):
         missing = start + len(envs) - len(self.records)
         if missing > 0:
             proposals = self.curriculum.propose(max(missing, self.proposal_batch))
+            self.next_id = number(proposals, self.next_id)
             self.records = np.concatenate([self.records, proposals])
         rows = np.arange(start, start + len(envs))
         self.playing[student, envs] = rows

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-NONE = -1  # no slot of a buffer, no record
+NONE = -1  # no level, no record
 
 
 class Origin(IntEnum):
@@ -35,8 +35,10 @@ def level_record_dtype(
     """Return the dtype of a level record with S students who play up to n whole episodes each.
 
     Chosen by the curriculum:
-        level: a record of `upomdp.level_dtype`; origin: an `Origin`; slot: id of the buffer's level that it is, or was
-        made from, or NONE; train: whether students learn from it; num_episodes: how many each student is to play.
+        level: a record of `upomdp.level_dtype`; origin: an `Origin`; id: the level's number, which it keeps when it is
+        replayed, NONE for a new one, which whoever has it played numbers (see `number`); parent: id of the level that
+        it is an edited copy of, or NONE; train: whether students learn from it; num_episodes: how many each student is
+        to play.
     Filled in by the trainer:
         num_played `[S]`: whole episodes so far; returns `[S, n]`: undiscounted, nan where not played; success `[S, n]`:
         1 or 0, nan where the trainer does not know (see `solved`); mean_value, positive_advantage, absolute_advantage
@@ -49,7 +51,8 @@ def level_record_dtype(
         [
             ("level", level),
             ("origin", np.int8),
-            ("slot", np.int64),
+            ("id", np.int64),
+            ("parent", np.int64),
             ("train", np.bool_),
             ("num_episodes", np.int32),
             ("num_played", np.int32, (students,)),
@@ -64,11 +67,18 @@ def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDO
     """Return records `[k]` of these levels that students learn from, with all results open."""
     records = np.zeros(len(levels), dtype)
     records["level"], records["origin"], records["train"] = levels, origin, True
-    records["slot"] = NONE
+    records["id"] = records["parent"] = NONE
     records["num_episodes"] = dtype["returns"].shape[1]
     for name in (*RESULTS, "score"):
         records[name] = np.nan
     return records
+
+
+def number(records: np.ndarray, next_id: int) -> int:
+    """Give those of these records that have no id the next ones; return the one after them."""
+    new = np.flatnonzero(records["id"] == NONE)
+    records["id"][new] = next_id + np.arange(len(new))
+    return next_id + len(new)
 
 
 def mean_returns(records: np.ndarray) -> np.ndarray:

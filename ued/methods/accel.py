@@ -83,7 +83,7 @@ class ACCELLevels(PLRLevels):
     def _edited(self, parents: np.ndarray) -> np.ndarray:
         """Return a child for each of these level records, but for those that no edit leaves valid."""
         children = make_records(self.dtype, parents["level"], Origin.EDITED)
-        children["slot"], children["train"] = parents["slot"], False
+        children["parent"], children["train"] = parents["id"], False
         open_ = np.arange(len(children))
         for _ in range(TRIES):
             config = self.config

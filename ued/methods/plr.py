@@ -66,7 +66,8 @@ class PLRLevels(Resumable):
     def __init__(self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True) -> None:
         self.space, self.config, self.robust = space, config, robust
         level = level_dtype(space.theta_dim)
-        self.dtype = level_record_dtype(level, episodes=config.episodes_per_level)
+        best = ("best", np.float64)  # the best return ever made on the level
+        self.dtype = level_record_dtype(level, episodes=config.episodes_per_level, extra=[best])
         self.buffer = LevelBuffer(level, config.buffer)
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
@@ -83,7 +84,8 @@ class PLRLevels(Resumable):
 
     def score(self, records: np.ndarray) -> np.ndarray:
         """Return the scores `[L]` of level records by the rule of the settings; see `levels.scores`."""
-        return scores.score(self.config.score, records, self.buffer.best_returns(records))
+        records["best"] = self.buffer.best_returns(records)
+        return scores.score(self.config.score, records, records["best"])
 
     def store(self, records: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Offer new levels to the buffer with their scores `[L]`; give replayed ones their new scores."""

@@ -18,13 +18,12 @@ from ued.config import SFLConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
-from ued.levels.record import NONE, Origin, level_record_dtype, make_records, mean_played, solved
+from ued.levels.record import Origin, level_record_dtype, make_records, mean_played, solved
 from ued.method import Method
 from ued.resumable import Resumable
 from ued.upomdp import level_dtype
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
-CANDIDATE = 0  # slot of a level that is a candidate
 
 
 class SFL(Method):
@@ -65,7 +64,7 @@ class SFLLevels(Resumable):
         self.waiting = 0  # candidates yet to be proposed
         self.looking = False  # whether there are candidates to be proposed or to be judged
         self.judged = np.zeros(0, self.dtype)
-        self.chosen = np.zeros(0, level_dtype(space.theta_dim))
+        self.chosen = np.zeros(0, self.dtype)  # as they were judged
         self.updates = 0
 
     def propose(self, count: int) -> np.ndarray:
@@ -73,33 +72,34 @@ class SFLLevels(Resumable):
         candidates = min(count, self.waiting)
         self.waiting -= candidates
         chosen = self.rng.binomial(count - candidates, self.config.chosen_share) if len(self.chosen) else 0
-        levels = self.pool.take(count - chosen)
+        new = make_records(self.dtype, self.pool.take(count - chosen))
         again = self.chosen[self.rng.integers(0, len(self.chosen), chosen)] if chosen else self.chosen[:0]
-        again["seed"] = self.rng.integers(0, 2**63, chosen, dtype=np.uint64)
-        records = make_records(self.dtype, np.concatenate([levels, again]))
-        records["origin"][len(levels) :] = Origin.REPLAYED
+        replayed = make_records(self.dtype, again["level"], Origin.REPLAYED)
+        replayed["level"]["seed"] = self.rng.integers(0, 2**63, chosen, dtype=np.uint64)
+        replayed["id"] = again["id"]
+        records = np.concatenate([new, replayed])
         records["num_episodes"][candidates:] = 1
-        records["slot"][:candidates], records["train"][:candidates] = CANDIDATE, False
+        records["train"][:candidates] = False  # they are only looked at
         return records[self.rng.permutation(count)]
 
     def learnability(self, records: np.ndarray) -> np.ndarray:
         """Return p (1 - p) `[L]` of the candidates among these level records, nan for the others."""
         learnability = np.full(len(records), np.nan)
-        candidates = records[records["slot"] != NONE]
+        looked_at = ~records["train"]
+        candidates = records[looked_at]
         rate = mean_played(solved(candidates)[:, 0])
-        learnability[records["slot"] != NONE] = scores.score("learnability", candidates) + TIE_BREAK * rate
+        learnability[looked_at] = scores.score("learnability", candidates) + TIE_BREAK * rate
         return learnability
 
     def choose(self, records: np.ndarray, learnability: np.ndarray) -> dict[str, float]:
         """Judge candidates; choose the most learnable when all are judged; ask for new ones when it is time."""
         records["score"] = learnability
-        candidates = records[records["slot"] != NONE]
+        candidates = records[~records["train"]]
         self.judged = np.concatenate([self.judged, candidates])
         metrics = {"sfl/candidates": float(len(candidates))}
         if len(self.judged) >= self.config.candidates:
-            best = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
-            self.chosen = best["level"]
-            metrics["sfl/chosen_score"] = float(best["score"].mean())
+            self.chosen = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
+            metrics["sfl/chosen_score"] = float(self.chosen["score"].mean())
             self.judged, self.looking = self.judged[:0], False
         if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may take it longer
             self.waiting, self.looking = self.config.candidates, True

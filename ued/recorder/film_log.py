@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import rerun
 
-from ued.method import LevelBatch
+from ued.levels.batch import LevelBatch
 from ued.recorder.scene_log import Episode
 
 MOST_FRAMES = 100  # of an episode; of longer ones every second, third ... is kept
@@ -34,7 +34,7 @@ class FilmLog:
         """Write how an episode began, and what came of it."""
         if len(episode.positions):
             self.stream.log(f"film/{student}", rerun.Image(episode.positions[0]).compress(QUALITY))
-        self.stream.log(f"film_outcome/{student}", rerun.TextDocument(f"{student}: {episode.outcome}"))
+        self.stream.log(f"film_outcome/{student}", rerun.TextDocument(episode.outcome))
 
     def record_movie(self, student: str, began: float, episode: Episode) -> None:
         """Write the frames of an episode on `movie` alone, from second `began`."""

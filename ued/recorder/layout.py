@@ -17,6 +17,7 @@ import rerun.blueprint as rrb
 
 from ued.recorder.shades import Colour
 
+PlayState = Literal["Paused", "Playing", "Following"]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
@@ -47,11 +48,11 @@ def layout(painter: ScenePainter | None, names: Sequence[str], students: Sequenc
     `mixed`: the levels are of several programs.
     """
     if painter is None:
-        return blueprint(rrb.Tabs(_plain(students), _theta(names), active_tab=0), "update", fps=10)
+        return blueprint(rrb.Tabs(_plain(students), _theta(names), active_tab=0), "update", 10, "Following")
     tabs = rrb.Tabs(
         _overview(painter, students, mixed), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
     )
-    return blueprint(tabs, "update", fps=10)
+    return blueprint(tabs, "update", 10, "Following")
 
 
 @contextmanager
@@ -81,13 +82,16 @@ def log_ground(stream: rerun.RecordingStream, root: str, painter: ScenePainter) 
     stream.log(f"{root}/ground", strips, static=True)
 
 
-def blueprint(views: Any, timeline: str, fps: float) -> Any:
-    """Return a blueprint of these views alone, with all panels folded and a timeline that waits to be played."""
+def blueprint(views: Any, timeline: str, fps: float, play: PlayState = "Paused") -> Any:
+    """Return a blueprint of these views alone, with all panels folded and a timeline that waits to be played.
+
+    `play` "Following" opens it at its end, and goes along with a recording that grows.
+    """
     return rrb.Blueprint(
         views,
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
-        rrb.TimePanel(state="collapsed", timeline=timeline, fps=fps, play_state="Paused"),
+        rrb.TimePanel(state="collapsed", timeline=timeline, fps=fps, play_state=play),
         auto_views=False,
         auto_layout=False,
     )

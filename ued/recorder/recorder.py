@@ -13,6 +13,8 @@ environments render (`/film/<student>`) in the place of `/scene`. What it writes
     /theta/<name>/...                quantiles and histogram of each column of θ
     /theta/over_time/...             update x bin densities of all columns, with a cursor
     /levels/card                     the level of the highest score, in words
+    /levels/all                      every level of this update as levels.csv has it, to be read by programs
+    /events                          what somebody should know, in words
 
 Timelines: `update`, `env_steps`, and `movie`, on which pressing play animates the recorded episodes too.
 A recording that is continued gets another file with the same recording id; the viewer shows the parts as one.
@@ -21,6 +23,7 @@ Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `reco
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +32,7 @@ from typing import Any
 import numpy as np
 import rerun
 
-from ued.method import LevelBatch
+from ued.levels.batch import LevelBatch
 from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import ScenePainter, layout
 from ued.recorder.scene_log import Episode, SceneLog, by_score
@@ -42,12 +45,14 @@ MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
 
 @dataclass(frozen=True)
 class Recording:
-    """What a recording is called and how long it will be. `name` is the recording's id; parts share it."""
+    """What a recording is called and how long it will be. Its parts share the `id`, by which a viewer merges them."""
 
     path: Path
+    id: str
     name: str
     total_env_steps: int
     properties: Mapping[str, Any]
+    connect: str | None = None  # HOST:PORT of a viewer that shows it as it is made
 
 
 class CurriculumRecorder:
@@ -57,9 +62,11 @@ class CurriculumRecorder:
         self.recording, self.painter = recording, painter
         self.stream = rerun.RecordingStream(
             "regista",
-            recording_id=recording.name,
+            recording_id=recording.id,
             # Big batches: with the default of 0.2 s every update would write a chunk per entity, six times the bytes.
-            batcher_config=rerun.ChunkBatcherConfig(flush_tick=60.0, flush_num_bytes=16 << 20),
+            batcher_config=rerun.ChunkBatcherConfig(
+                flush_tick=1.0 if recording.connect else 60.0, flush_num_bytes=16 << 20
+            ),
         )
         self.stream.set_log_time_enabled(False)
         self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
@@ -86,6 +93,8 @@ class CurriculumRecorder:
         self._bands(batch)
         self.scenes.record(batch)
         self.stream.log("levels/card", self._card(update, batch))
+        columns: Any = {name.replace("/", "_"): values for name, values in (batch.facts() | batch.outcomes()).items()}
+        self.stream.log("levels/all", rerun.DynamicArchetype("Level", components=columns))
         self.theta.record(update, batch.theta)
 
     def episode(self, student: str, update: int, env_steps: int, episode: Episode) -> None:
@@ -95,6 +104,11 @@ class CurriculumRecorder:
             self.scenes.record_path(student, episode)
             self.scenes.record_movie(student, update * MOVIE_SECONDS, episode)
             self._at(update, env_steps)
+
+    def event(self, kind: str, text: str) -> None:
+        """Write into the log what somebody should know, of the update that was recorded last."""
+        if self._opened:
+            self.stream.log("events", rerun.TextLog(f"{kind}: {text}", level=rerun.TextLogLevel.WARN))
 
     def flush(self) -> None:
         """Write out what is pending, so that a kill from here on loses nothing earlier."""
@@ -118,7 +132,11 @@ class CurriculumRecorder:
     def _open(self, students: list[str], mixed: bool) -> None:
         """Begin the file: the layout, what never changes, the looks of the curves."""
         views = layout(self.painter, self.theta.names, students, mixed)
-        self.stream.save(self.recording.path, default_blueprint=views)
+        sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
+        if self.recording.connect:
+            _expect_viewer(self.recording.connect)
+            sinks.append(rerun.GrpcSink(f"rerun+http://{self.recording.connect}/proxy"))
+        self.stream.set_sinks(*sinks, default_blueprint=views)
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
@@ -176,3 +194,12 @@ class CurriculumRecorder:
             f"| θ | value | batch, 10 % to 90 % |\n|---|---|---|\n{rows}\n"
         )
         return rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)
+
+
+def _expect_viewer(address: str) -> None:
+    """Raise OSError if nobody listens there: Rerun itself would wait, and say nothing."""
+    host, _, port = address.rpartition(":")
+    try:
+        socket.create_connection((host or "127.0.0.1", int(port)), timeout=2.0).close()
+    except (OSError, ValueError) as error:
+        raise OSError(f"there is no viewer at {address}; start one: rerun --bind 127.0.0.1 --port 9876") from error

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import rerun
 
-from ued.method import LevelBatch
+from ued.levels.batch import LevelBatch
+from ued.levels.record import NONE
 from ued.recorder.layout import TOP_LEVELS, ScenePainter, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
@@ -61,21 +62,21 @@ class SceneLog:
     def record(self, batch: LevelBatch) -> None:
         """Write where the levels of an update are, and those of the highest score."""
         places = self.painter.positions(batch.theta)  # [L, K, 2]
-        best = by_score(batch)
+        best, labels = by_score(batch), captions(batch)
         for slot in range(TOP_LEVELS):
             path = f"scene/levels/{slot}"
             if slot < len(best):
                 self.stream.log(f"{path}/points", self._points(places[best[slot]]))
-                self.stream.log(f"{path}/note", self._note_above(caption(batch, best[slot])))
+                self.stream.log(f"{path}/note", self._note_above(labels[best[slot]]))
             else:  # a smaller batch than before: nothing stale may stay in the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
-        share, count = unit(batch.score), len(batch.score)
+        share = unit(batch.score)
         known = np.isfinite(batch.score).any()
         dots = rerun.Points2D(
             places[:, self.painter.focus],
-            colors=ramp(share, CALM_TO_RED) if known else np.full((count, 3), 225, np.uint8),
+            colors=ramp(share, CALM_TO_RED) if known else np.full((len(share), 3), 225, np.uint8),
             radii=0.5 + 0.6 * share,
-            labels=[caption(batch, level) for level in range(count)],
+            labels=labels,
             show_labels=False,
         )
         self.stream.log("scene/batch", dots)
@@ -87,7 +88,7 @@ class SceneLog:
         paths = rerun.LineStrips2D(list(places.transpose(1, 0, 2)), colors=self._colours, radii=0.2)
         self.stream.log(f"{root}/lines", paths)
         self.stream.log(f"{root}/start", self._points(places[0]))
-        self.stream.log(f"{root}/outcome", self._note_above(f"{student}: {episode.outcome}"))
+        self.stream.log(f"{root}/outcome", self._note_above(episode.outcome))
 
     def record_movie(self, student: str, began: float, episode: Episode) -> None:
         """Write the moving points on `movie` alone, from second `began`: on `update` the last step would hide them."""
@@ -130,9 +131,22 @@ def by_score(batch: LevelBatch) -> np.ndarray:
     return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:TOP_LEVELS]
 
 
-def caption(batch: LevelBatch, level: int) -> str:
-    """Return the score of a level and the students' returns on it, in a line."""
-    parts = [f"{student} {returns[level]:+.2f}" for student, returns in batch.returns.items()]
-    if np.isfinite(batch.score[level]):
-        parts.insert(0, f"score {batch.score[level]:.2f}")
-    return "   ".join(parts)
+def captions(batch: LevelBatch) -> list[str]:
+    """Return of each level who it is, and the students' mean and best returns on it, in a line."""
+    best = batch.best
+    parts = [titles(batch)]
+    for student, returns in batch.returns.items():
+        pairs = zip(returns.tolist(), best[student].tolist(), strict=True)
+        parts.append([f"{student} {mean:+.2f}, best {most:+.2f}" for mean, most in pairs])
+    return ["   ".join(line) for line in zip(*parts, strict=True)]
+
+
+def titles(batch: LevelBatch) -> list[str]:
+    """Return of each level its number, where it comes from and its score, if it has one."""
+    columns = (batch.records["id"], batch.source, batch.records["parent"], batch.score)
+    return [_title(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+def _title(level: int, source: str, parent: int, score: float) -> str:
+    origin = source if parent == NONE else f"{source} from {parent}"
+    return f"level {level}, {origin}" + (f", score {score:.2f}" if score == score else "")

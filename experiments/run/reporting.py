@@ -1,0 +1,155 @@
+"""The seam between training and whoever wants to know of it: tables, terminal, recording, other people's trackers.
+
+The training loop says once what an update brought; every `Reporter` makes of it what it likes. All scalars have the
+names that they have in metrics.csv. Read next: `run.folder`, the tables; `run.recording`; `run.trackers`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from experiments.run import build
+from experiments.run.errors import CommandError
+from experiments.run.events import Event, Watch
+from experiments.run.folder import RunFolder
+from experiments.run.progress import Progress, headline
+from experiments.run.table import read_columns
+from ued.levels.batch import LevelBatch
+from ued.recorder.shades import unique_names
+
+
+@dataclass(frozen=True)
+class Update:
+    """What an update of a method brought: `metrics` is the row of metrics.csv, `update` and `env_steps` included."""
+
+    method: Any
+    metrics: Mapping[str, float]
+    events: Sequence[Event] = ()
+
+    @property
+    def number(self) -> int:
+        return self.method.updates
+
+    @property
+    def env_steps(self) -> int:
+        return self.method.env_steps
+
+    @property
+    def levels(self) -> LevelBatch | None:
+        """The levels on which it was based."""
+        return self.method.last
+
+
+class Reporter(Protocol):
+    """Somebody who is told of every update."""
+
+    def report(self, update: Update) -> None:
+        """Take note of an update."""
+
+    def flush(self) -> None:
+        """Bring what was noted to the disk: a checkpoint has been written."""
+
+    def close(self) -> None:
+        """End; nothing more will come."""
+
+
+class Reporters:
+    """Tells all of them. One that fails says so once and is told nothing more: no run ends for its diary's sake.
+
+    Args:
+        run: whose metrics.csv, levels.csv and events.csv come first; if these cannot be written, the run ends.
+        upomdp: the environments.
+    """
+
+    def __init__(self, run: RunFolder, upomdp: Any) -> None:
+        self.tables, self.watch = Tables(run, upomdp), Watch()
+        self.others: dict[str, Reporter] = {}
+        for row in _rows(read_columns(run.metrics.path)):
+            self.watch.look(row)
+
+    def add(self, name: str, make: Callable[[], Reporter]) -> None:
+        """Let one more be told, which `make` gives; where it fails, "nothing more is `name`"."""
+        with self._excused(name):
+            self.others[name] = make()
+
+    def report(self, method: Any, metrics: Mapping[str, float]) -> None:
+        """Tell what an update of the method brought; wall-clock metrics come last."""
+        row = {"update": method.updates, "env_steps": method.env_steps}
+        rest = {name: value for name, value in metrics.items() if name not in ("updates", "env_steps")}
+        row |= dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))
+        update = Update(method, row, self.watch.look(row))
+        self.tables.report(update)
+        self._all("report", update)
+
+    def flush(self) -> None:
+        """Let all bring to the disk what they noted."""
+        self._all("flush")
+
+    def close(self) -> None:
+        """Let all end."""
+        self._all("close")
+
+    def _all(self, action: str, *args: Any) -> None:
+        for name, reporter in list(self.others.items()):
+            with self._excused(name):
+                getattr(reporter, action)(*args)
+
+    @contextmanager
+    def _excused(self, name: str) -> Iterator[None]:
+        try:
+            yield
+        except CommandError:
+            raise
+        except Exception as error:
+            self.others.pop(name, None)
+            print(f"regista: nothing more is {name}: {type(error).__name__}: {error}", file=sys.stderr)
+
+
+def _rows(columns: Mapping[str, np.ndarray]) -> list[dict[str, float]]:
+    return [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+
+
+class Tables:
+    """metrics.csv, levels.csv and events.csv of a run folder."""
+
+    def __init__(self, run: RunFolder, upomdp: Any) -> None:
+        self.run, self.names = run, unique_names(upomdp.draws)
+        self.programs = np.array(getattr(upomdp, "names", None) or [build.short_name(run.config.minigame)])
+
+    def report(self, update: Update) -> None:
+        """Add a row to metrics.csv, one for each level to levels.csv, and one for each event to events.csv."""
+        self.run.metrics.append([update.metrics])
+        batch, place = update.levels, {"update": update.number, "env_steps": update.env_steps}
+        if batch is not None:
+            facts = batch.facts()
+            columns = {"update": np.full(len(batch.theta), update.number), **facts}
+            columns["program"] = self.programs[facts["program"]]
+            columns |= {f"theta/{name}": batch.theta[:, d] for d, name in enumerate(self.names)}
+            self.run.levels.append_columns(columns | batch.outcomes())
+        if update.events:
+            self.run.events.append([place | event._asdict() for event in update.events])
+
+
+class Console:
+    """The line of progress, and what somebody should know."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.progress = progress
+
+    def report(self, update: Update) -> None:
+        """Show how far the run is."""
+        for event in update.events:
+            self.progress.say(f"{event.event} (update {update.number}): {event.text}")
+        self.progress.show(update.env_steps, headline(update.metrics))
+
+    def flush(self) -> None:
+        """Do nothing: what was said was said."""
+
+    def close(self) -> None:
+        """Likewise; the last line is said by whoever knows why it is the last."""

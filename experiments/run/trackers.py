@@ -1,0 +1,96 @@
+"""TensorBoard and Weights & Biases as reporters: `--report tensorboard wandb`. Each needs its extra.
+
+Both keep what they have in the run folder; W&B stays offline unless WANDB_MODE says otherwise. Read next:
+`run.reporting`, the seam; `docs/files.md`, what the scalars are.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from importlib.util import find_spec
+from typing import Any
+
+from experiments.run import build
+from experiments.run import config as configs
+from experiments.run.errors import CommandError
+from experiments.run.folder import RunFolder
+from experiments.run.reporting import Reporter, Update
+
+
+class TensorBoard:
+    """Event files below `tensorboard/` of the run folder; `tensorboard --logdir runs` shows all runs."""
+
+    def __init__(self, run: RunFolder, env_steps: int) -> None:
+        from torch.utils.tensorboard import SummaryWriter
+
+        # What a killed run told after its checkpoint is taken back
+        purge = env_steps + 1 if env_steps else None
+        self.writer: Any = SummaryWriter(str(run.path / "tensorboard"), purge_step=purge)
+
+    def report(self, update: Update) -> None:
+        """Write all scalars at their env_steps, and events as text."""
+        for name, value in known(update.metrics).items():
+            self.writer.add_scalar(name, value, update.env_steps)
+        for event in update.events:
+            self.writer.add_text(f"events/{event.event}", event.text, update.env_steps)
+
+    def flush(self) -> None:
+        """Write out what is pending."""
+        self.writer.flush()
+
+    def close(self) -> None:
+        """End the file."""
+        self.writer.close()
+
+
+class WeightsAndBiases:
+    """A run of the project `regista`; a run that is continued goes on under its id. `wandb sync` sends what is offline.
+
+    W&B takes no step twice: of what a killed run told after its checkpoint, the first telling stays.
+    """
+
+    def __init__(self, run: RunFolder) -> None:
+        import wandb
+
+        config = run.config
+        self.run: Any = wandb.init(
+            project="regista",
+            id=run.about.get("id"),
+            name=f"{build.short_name(config.minigame)} {config.method} {config.seed}",
+            group=f"{build.short_name(config.minigame)} {config.method}",
+            config={**configs.to_dict(config), "about": run.about},
+            dir=str(run.path),
+            resume="allow",
+            mode=os.environ.get("WANDB_MODE", "offline"),
+            settings=wandb.Settings(silent=True),
+        )
+
+    def report(self, update: Update) -> None:
+        """Write all scalars at their env_steps; events as alerts."""
+        self.run.log(known(update.metrics), step=update.env_steps)
+        for event in update.events:
+            self.run.alert(event.event, event.text)
+
+    def flush(self) -> None:
+        """Do nothing: a process of its own writes."""
+
+    def close(self) -> None:
+        """End the run."""
+        self.run.finish()
+
+
+def make_tracker(name: str, run: RunFolder, env_steps: int) -> Reporter:
+    """Return a tracker by the name in the settings; so many env_steps have been told before.
+
+    Raises `CommandError` where it is not installed.
+    """
+    if find_spec(name) is None:
+        raise CommandError(f"--report {name} needs an extra: pip install 'regista[{name}]'")
+    return TensorBoard(run, env_steps) if name == "tensorboard" else WeightsAndBiases(run)
+
+
+def known(metrics: Mapping[str, float]) -> dict[str, float]:
+    """Return the metrics that are numbers."""
+    return {name: float(value) for name, value in metrics.items() if math.isfinite(value)}

@@ -1,0 +1,83 @@
+"""The levels on which an update was based, and all that is told of each: a row of levels.csv.
+
+Read next: `levels.record`, what a level record holds; `recorder.recorder`, which shows them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ued.levels.record import NONE, Origin, mean_played, mean_returns, solved
+
+SOURCES = np.array([origin.name.lower() for origin in Origin])
+VALUES = {"value": "mean_value", "positive_advantage": "positive_advantage", "absolute_advantage": "absolute_advantage"}
+
+
+@dataclass(frozen=True)
+class LevelBatch:
+    """The L levels on which an update was based: level records `[L]`, and the students that have played them."""
+
+    records: np.ndarray
+    students: Sequence[str]
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Where the levels lie: `[L, D]`."""
+        return self.records["level"]["theta"]
+
+    @property
+    def score(self) -> np.ndarray:
+        """What the teacher makes of each level (PAIRED: regret), `[L]`; nan where there is no teacher."""
+        return self.records["score"]
+
+    @property
+    def source(self) -> np.ndarray:
+        """Where each level comes from, in a word, `[L]`."""
+        return SOURCES[self.records["origin"]]
+
+    @property
+    def returns(self) -> dict[str, np.ndarray]:
+        """For each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none."""
+        return dict(zip(self.students, mean_returns(self.records).T, strict=True))
+
+    @property
+    def best(self) -> dict[str, np.ndarray]:
+        """For each student, the best of these returns `[L]`."""
+        best = np.fmax.reduce(self.records["returns"], 2)
+        return dict(zip(self.students, best.T, strict=True))
+
+    @property
+    def episodes(self) -> dict[str, np.ndarray]:
+        """For each student, number of these episodes `[L]`."""
+        return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
+
+    def facts(self) -> dict[str, np.ndarray]:
+        """Return who each level is, by name `[L]`: id, source, parent (nan: none), program, seed, episodes."""
+        level, parent = self.records["level"], self.records["parent"]
+        return {
+            "id": self.records["id"],
+            "source": self.source,
+            "parent": np.where(parent == NONE, np.nan, parent),
+            "program": level["program"],
+            "seed": level["seed"],
+            "episodes": self.records["num_played"].min(1, initial=np.iinfo(np.int32).max),
+        }
+
+    def outcomes(self) -> dict[str, np.ndarray]:
+        """Return what students made of each level, by name `[L]`, and the score that follows from it.
+
+        return, best, success: of each student, over its episodes. Where scores may be made of what a critic thought, as
+        in PLR, also best_ever, the best return that was ever made on the level, and the means over episodes of V,
+        max(A, 0) and |A|.
+        """
+        found = {f"return/{name}": values for name, values in self.returns.items()}
+        found |= {f"best/{name}": values for name, values in self.best.items()}
+        success = mean_played(solved(self.records))  # [L, S]
+        found |= {f"success/{name}": success[:, index] for index, name in enumerate(self.students)}
+        if "best" in (self.records.dtype.names or ()):
+            found["best_ever"] = self.records["best"]
+            found |= {name: mean_played(self.records[field][:, 0]) for name, field in VALUES.items()}
+        return found | {"score": self.score}
