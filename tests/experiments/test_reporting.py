@@ -1,0 +1,113 @@
+"""Whoever is told of a run: what somebody should know, who fails without ending it, other people's trackers."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from experiments.__main__ import main
+from experiments.run.config import TrainConfig
+from experiments.run.events import NARROW_UPDATES, QUIET_UPDATES, Watch
+from experiments.run.folder import RunFolder
+from experiments.run.reporting import Reporters
+from experiments.run.table import read_columns, read_rows
+from tests.experiments.probe import ProbeMethod, ProbeUPOMDP
+from ued.learning.learner import episode_metrics
+from ued.learning.worker import Episodes
+
+SHORT = ["--total-env-steps", "8000", "--eval-every", "4000", "--eval-episodes", "4", "--no-record"]
+
+
+def told(rows):
+    """What a watch says of these rows: (row, event)."""
+    watch = Watch()
+    return [(number, event.event) for number, row in enumerate(rows, 1) for event in watch.look(row)]
+
+
+def test_no_episode_is_told_once_until_one_has_ended():
+    silent = [{"episodes/student": 0.0}] * (QUIET_UPDATES + 5)
+    rows = [*silent, {"episodes/student": 1.0}, *silent]
+    assert told(rows) == [(QUIET_UPDATES, "no episode"), (2 * QUIET_UPDATES + 6, "no episode")]
+
+
+def test_forgetting_is_losing_half_of_what_was_gained():
+    returns = [0.2, 0.8, 0.6, float("nan"), 0.4, float("nan"), 0.3, 0.7, 0.1]
+    assert told([{"eval/hard": value} for value in returns]) == [(5, "forgetting"), (9, "forgetting")]
+    assert told([{"eval/hard": value} for value in (0.5, 0.4, 0.1)]) == []  # nothing had been gained
+
+
+def test_collapse_and_invalid_proposals():
+    narrow = [{"theta_coverage": 0.2}] * NARROW_UPDATES
+    assert told([*narrow[1:], {"theta_coverage": 0.3}, *narrow]) == [(2 * NARROW_UPDATES, "collapse")]
+    assert told([{"levels/replaced": 4.0, "levels/proposed": 6.0}] * 5) == [(3, "invalid proposals")]
+    assert told([{"levels/replaced": 2.0, "levels/proposed": 8.0}] * 5) == []
+
+
+def test_a_continued_run_says_what_it_would_have_said(tmp_path, capsys):
+    run = SimpleNamespace(metrics=SimpleNamespace(path=tmp_path / "metrics.csv"))
+    run.config = SimpleNamespace(minigame="1v1Free")
+    (tmp_path / "metrics.csv").write_text("update,eval/hard\n1,0.2\n2,0.8\n3,\n")
+    reporters = Reporters(run, ProbeUPOMDP())
+    assert [event.event for event in reporters.watch.look({"eval/hard": 0.3})] == ["forgetting"]
+
+
+def test_rolling_returns_outlast_updates_without_an_episode():
+    none = Episodes(np.zeros(0), np.zeros(0), np.zeros(0))
+    assert np.isnan(episode_metrics("student", none, np.zeros(0))["return_100/student"])
+    metrics = episode_metrics("student", none, np.array([1.0, 0.0]))
+    assert metrics["return_100/student"] == 0.5 and np.isnan(metrics["return/student"])
+
+
+def test_one_who_fails_is_told_nothing_more_and_the_run_goes_on(probe, tmp_path, capsys):
+    class Fails:
+        reports = 0
+
+        def report(self, update):
+            Fails.reports += 1
+            raise OSError("no room")
+
+    run = RunFolder.create(tmp_path / "run", TrainConfig())
+    reporters = Reporters(run, ProbeUPOMDP())
+    reporters.add("counted", Fails)
+    reporters.add("opened", lambda: 1 / 0)
+    method = ProbeMethod(SimpleNamespace(seed=0), ProbeUPOMDP())
+    for _ in range(3):
+        reporters.report(method, method.update())
+    reporters.close()
+    said = capsys.readouterr().err
+    assert Fails.reports == 1 and said.count("nothing more is counted: OSError: no room") == 1
+    assert "nothing more is opened: ZeroDivisionError" in said
+    assert len(read_rows(run.metrics.path)) == 3 and len(read_rows(run.levels.path)) == 24
+
+
+def test_tensorboard_has_every_scalar_under_its_name(probe, tmp_path):
+    pytest.importorskip("tensorboard")
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    path = tmp_path / "run"
+    assert main(["train", "1v1Restricted", "--out", str(path), *SHORT, "--report", "tensorboard"]) == 0
+    events = EventAccumulator(str(path / "tensorboard"))
+    events.Reload()
+    table = read_columns(path / "metrics.csv")
+    assert set(events.Tags()["scalars"]) == set(table)
+    scalars = events.Scalars("regret")
+    assert [event.step for event in scalars] == table["env_steps"].tolist()
+    assert np.allclose([event.value for event in scalars], table["regret"])
+
+
+def test_wandb_is_offline_and_goes_on_under_one_id(probe, tmp_path, monkeypatch):
+    pytest.importorskip("wandb")
+    monkeypatch.delenv("WANDB_MODE", raising=False)
+    path = tmp_path / "run"
+    assert main(["train", "1v1Restricted", "--out", str(path), *SHORT, "--report", "wandb"]) == 0
+    assert main(["train", "--resume", str(path), "--total-env-steps", "9000"]) == 0
+    name = RunFolder.open(path).about["id"]
+    assert len(list((path / "wandb").glob(f"offline-run-*-{name}"))) == 2
+
+
+def test_a_tracker_that_is_not_installed_is_asked_for_in_a_sentence(probe, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("experiments.run.trackers.find_spec", lambda name: None)
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--report", "wandb"]) == 1
+    assert "--report wandb needs an extra: pip install 'regista[wandb]'" in capsys.readouterr().err
+    assert main(["train", "1v1Restricted", "--report", "mlflow"]) == 2
+    assert "invalid choice: 'mlflow'" in capsys.readouterr().err
