@@ -23,7 +23,7 @@ from ued import parameters
 from ued.parameters import LevelFamily, Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
-MAX_TRIES = 4096  # draws of one valid row before `sample_valid_theta` gives up
+MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
 
 
 class ThetaError(ValueError):

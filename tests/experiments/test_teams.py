@@ -106,7 +106,7 @@ def test_the_baselines_play_for_every_agent():
     import torch
 
     env = loaded("closest3")
-    for policy in make_baselines(env).values():
+    for policy in make_baselines(env, env.program).values():
         env.step(policy.play(env.observe(), torch.Generator().manual_seed(0)))
 
 
