@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from experiments.run import build
+from experiments.commands.train import train
+from experiments.run import build, workers
+from experiments.run.folder import RunFolder
 from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 
@@ -22,6 +24,17 @@ def probe(monkeypatch):
     monkeypatch.setattr(build, "make_method", lambda config, upomdp: ProbeMethod(config, upomdp))
     monkeypatch.setattr(build, "make_painter", lambda program, lineup=None: ProbePainter())
     return Path
+
+
+@pytest.fixture
+def trained_here(monkeypatch):
+    """Let comparisons train in this process: no probe is seen from another, and every other imports torch anew."""
+
+    def train_all(runs, processes, stop):
+        for run in runs:
+            train(RunFolder.open(run.path), stop)
+
+    monkeypatch.setattr(workers, "train_all", train_all)
 
 
 @pytest.fixture(params=["ours twice", "stand-in", "real"])

@@ -17,9 +17,8 @@ from PIL import Image
 from envs.football.config import FootballConfig
 from experiments.__main__ import main
 from experiments.commands import compare
-from experiments.commands.train import train
 from experiments.pictures import results_page
-from experiments.run import build, workers
+from experiments.run import build
 from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.evaluator import EvalScenes
@@ -50,14 +49,8 @@ LEVELS = ["--levels", "20", "--level-episodes", "4"]
 
 
 @pytest.fixture
-def in_process(probe, monkeypatch):
-    """Train in this process: the probe cannot be seen from another."""
-
-    def train_all(runs, processes, stop):
-        for run in runs:
-            train(RunFolder.open(run.path), stop)
-
-    monkeypatch.setattr(workers, "train_all", train_all)
+def in_process(probe, trained_here, monkeypatch):
+    """Train probes in this process, and draw nothing."""
     monkeypatch.setattr(compare, "draw", lambda found, folder: None)
 
 
@@ -294,8 +287,8 @@ def test_a_page_of_an_unfinished_comparison(tmp_path):
 def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
     command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]
-    command += ["--total-env-steps", "20000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
-    command += ["--eval-every", "10000", "--eval-episodes", "16", "--episodes", "32", "--processes", "1", *LEVELS]
+    command += ["--total-env-steps", "5000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
+    command += ["--eval-every", "2500", "--eval-episodes", "8", "--episodes", "8", "--processes", "1", *LEVELS]
     options = {"cwd": ROOT, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "text": True}
     first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
     deadline = time.monotonic() + 300

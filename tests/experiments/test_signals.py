@@ -76,7 +76,7 @@ def test_a_reader_that_has_gone_is_no_error(words):
 
 @pytest.mark.slow
 def test_commands_are_interrupted(tmp_path: Path):
-    assert attack(9, 0, tmp_path)["ended"] > 2
+    assert attack(4, 0, tmp_path)["ended"] > 1  # `make torture` goes on
 
 
 @pytest.mark.slow

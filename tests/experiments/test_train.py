@@ -294,7 +294,7 @@ def regista(*argv, **options):
 
 
 FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16", "--eval-episodes", "16"]
-BUDGET = ["--total-env-steps", "30000", "--eval-every", "10000", "--checkpoint-seconds", "0.5", "--no-record"]
+BUDGET = ["--total-env-steps", "15000", "--eval-every", "5000", "--checkpoint-seconds", "0.5", "--no-record"]
 
 
 SMALL_BUFFER = {  # so that levels are replayed within a short run
@@ -304,7 +304,7 @@ SMALL_BUFFER = {  # so that levels are replayed within a short run
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["dr", "paired", "accel", "repaired"])
+@pytest.mark.parametrize("method", ["paired", "accel"])  # an adversary, a buffer of levels
 def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method):
     flags = [*FOOTBALL, *BUDGET, "--method", method, *SMALL_BUFFER.get(method, [])]
     assert main(["train", *flags, "--out", str(tmp_path / "whole")]) == 0

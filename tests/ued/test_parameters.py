@@ -1,6 +1,7 @@
 """Parameters of every kind, through the methods; levels that are no vector; errors that tell the level."""
 
 import copy
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -101,13 +102,13 @@ def test_the_adversary_is_categorical_where_the_parameter_is():
     teacher = method.curriculum
     network = teacher.adversary.network
     assert network.choice.out_features == 5 + 2 and network.heads[0].out_features == 2
-    records = teacher.propose(400)
+    records = teacher.propose(200)
     theta = records["level"]["theta"]
     assert (theta[:, 2:] == snap(theta, method.upomdp.draws)[:, 2:]).all()
     for column, cells in ((2, 5), (3, 2)):
         assert len(np.unique(theta[:, column])) == cells
     score = (theta[:, 3] > 0).astype(float)  # ice is worth more
-    for _ in range(30):
+    for _ in range(15):
         losses = teacher.learn(records, score)
         records = teacher.propose(200)
         score = (records["level"]["theta"][:, 3] > 0).astype(float)
@@ -239,6 +240,8 @@ def test_theta_of_any_size_and_mixture_through_every_method(name, dim):
         settings = settings.__class__(buffer=buffer)
     elif name == "sfl":
         settings = SFLConfig(candidates=8, chosen=4, choose_every=2)
+    if hasattr(settings, "adversary"):
+        settings = replace(settings, adversary=AdversaryConfig(update_epochs=2))
     method = row.load()(Silent(mixed(dim)), SMALL, settings, seed=0)
     for _ in range(3):
         metrics = method.update()
