@@ -77,6 +77,8 @@ class RunRecorder:
         if self.recorder is None or levels is None:
             return
         self.recorder.record(update.number, update.env_steps, levels, update.metrics)
+        if hasattr(method, "curriculum") and hasattr(method.curriculum, "buffer"):
+            self.recorder.level_buffer(update.number, method.curriculum.buffer)
         for event in update.events:
             self.recorder.event(event.event, event.text)
         if every and len(levels.theta) and (update.number == 1 or update.number % every == 0):

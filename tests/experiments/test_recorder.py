@@ -9,9 +9,13 @@ import pytest
 
 from experiments.run.recording import RunRecorder
 from tests.experiments.probe import DRAWS, ProbePainter, batch
+from ued.config import BufferConfig
+from ued.levels.buffer import LevelBuffer
+from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episode
 from ued.recorder.shades import ramp, smooth, unique_names
+from ued.upomdp import level_dtype
 
 rerun = pytest.importorskip("rerun")
 UPDATES = 30
@@ -27,6 +31,29 @@ def table(path, entity, column):
             rows = chunk.to_record_batch()
             found |= dict(zip(rows.column("update").to_pylist(), rows.column(column).to_pylist(), strict=True))
     return dict(sorted(found.items()))
+
+
+def filled_buffer():
+    """A buffer of a level, its edited copy, and a copy of that."""
+    buffer, parent = LevelBuffer(level_dtype(3), BufferConfig(capacity=4)), NONE
+    for value in (0.1, 0.2, 0.3):
+        levels = np.zeros(1, level_dtype(3))
+        levels["theta"] = value
+        records = make_records(level_record_dtype(levels.dtype), levels)
+        records["score"], records["parent"] = value, parent
+        buffer.insert(records, np.array([value]))
+        parent = buffer.slots["id"][-1]
+    return buffer
+
+
+def test_a_buffers_tree_leads_from_parents_to_their_copies(recorded):
+    path, _ = recorded
+    ((_, lines), *_) = table(path, "/buffer/tree/descent", "LineStrips2D:strips").items()
+    ((_, places), *_) = table(path, "/buffer/tree/levels", "Points2D:positions").items()
+    third, second, first = places  # the highest score first
+    assert {tuple(map(tuple, line)) for line in lines} == {(tuple(first), tuple(second)), (tuple(second), tuple(third))}
+    (text,) = table(path, "/events", "TextLog:text")[15]
+    assert text == "collapse: all levels are alike"
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +73,8 @@ def recorded(tmp_path_factory):
             for student in levels.returns:
                 walk = np.cumsum(rng.normal(0.3, 0.3, (12, 2, 2)), 0)
                 recorder.episode(student, update, update * 1000, Episode(walk, 0.1, "return +1.00"))
+            recorder.level_buffer(10, filled_buffer())
+            recorder.event("collapse", "all levels are alike")
         if update == 20:
             recorder.flush()
     recorder.close()

@@ -1,12 +1,13 @@
-"""What the viewer shows of a recording: four tabs, and what a domain must tell to be drawn.
+"""What the viewer shows of a recording: some tabs, and what a domain must tell to be drawn.
 
 *Overview* (where levels are, the one of the highest score, returns, regret, test scenes, θ over updates), *Levels* (the
-six highest scores), *Rollouts* (each student on one level), *Theta* (histograms over the uniform, θ over updates).
+six highest scores), *Rollouts* (each student on one level), *Theta* (histograms over the uniform, θ over updates),
+*Teacher* (sources, entropy, what was chosen, what somebody should know), *Buffer* where there is one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, Protocol
@@ -22,6 +23,7 @@ Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
 MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in units of their view
+ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 DARK: Colour = (12, 12, 14)
 
 
@@ -42,15 +44,25 @@ class ScenePainter(Protocol):
         """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
 
-def layout(painter: ScenePainter | None, names: Sequence[str], students: Sequence[str], mixed: bool = False) -> Any:
+def layout(
+    painter: ScenePainter | None, names: Sequence[str], students: Sequence[str], kinds: Set[str] = frozenset()
+) -> Any:
     """Return the blueprint for a painter, the names of the columns of θ, and those of the students.
 
-    `mixed`: the levels are of several programs.
+    `kinds` are the metrics that there are, by what stands before their "/": "program" where levels are of several
+    programs, "buffer" where they are kept.
     """
+    mixed = "program" in kinds
+    more = [_teacher(mixed), *([_buffer()] if "buffer" in kinds else [])]
     if painter is None:
-        return blueprint(rrb.Tabs(_plain(students), _theta(names), active_tab=0), "update", 10, "Following")
+        return blueprint(rrb.Tabs(_plain(students), _theta(names), *more, active_tab=0), "update", 10, "Following")
     tabs = rrb.Tabs(
-        _overview(painter, students, mixed), _levels(painter), _rollouts(painter, students), _theta(names), active_tab=0
+        _overview(painter, students, mixed),
+        _levels(painter),
+        _rollouts(painter, students),
+        _theta(names),
+        *more,
+        active_tab=0,
     )
     return blueprint(tabs, "update", 10, "Following")
 
@@ -164,6 +176,34 @@ def _theta(names: Sequence[str]) -> Any:
     return rrb.Horizontal(grid, _over_time(), column_shares=[1, 1.35], name="Theta")
 
 
+def _teacher(mixed: bool) -> Any:
+    """Return what the teacher did: where its levels come from, how widely they are spread, at what it aims."""
+    curves = [
+        _curves("Levels of an update by source", "/metrics/levels/**", "RightTop"),
+        _curves("Entropy of θ in nats; the adversary's, and of all levels", ENTROPIES, "RightTop"),
+    ]
+    if mixed:
+        curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
+    aim = rrb.TextDocumentView(origin="/teacher/aim", name="What it chose in this update")
+    events = rrb.TextLogView(origin="/events", name="What somebody should know")
+    return rrb.Horizontal(rrb.Vertical(*curves), rrb.Vertical(aim, events, row_shares=[1.6, 1]), name="Teacher")
+
+
+def _buffer() -> Any:
+    tree = rrb.Spatial2DView(
+        origin="/buffer/tree",
+        name="Its levels by age and score; lines lead from parents to edited copies (colour: number of edits)",
+        background=DARK,
+        visual_bounds=rrb.VisualBounds2D(x_range=[-50, MAP_WIDTH + 20], y_range=[-8, MAP_HEIGHT + 14]),
+    )
+    scores, staleness = (
+        rrb.BarChartView(origin=f"/buffer/{name}", name=title, plot_legend=rrb.PlotLegend(visible=False))
+        for name, title in (("scores", "Scores"), ("staleness", "Levels played since each was"))
+    )
+    curves = _curves("What it holds", ("/metrics/buffer/score", "/metrics/buffer/generation"), "LeftTop")
+    return rrb.Horizontal(tree, rrb.Vertical(scores, staleness, curves), column_shares=[1.6, 1], name="Buffer")
+
+
 # ---------------------------------------------------------------- single views
 
 
@@ -171,10 +211,10 @@ def _scene(painter: ScenePainter, name: str, *paths: str) -> Any:
     return plane_view(painter.bounds, painter.background, name, "/scene/ground", *paths)
 
 
-def _curves(name: str, paths: str, corner: Corner) -> Any:
+def _curves(name: str, paths: str | tuple[str, ...], corner: Corner) -> Any:
     return rrb.TimeSeriesView(
         origin="/",
-        contents=[paths],
+        contents=[paths] if isinstance(paths, str) else list(paths),
         name=name,
         axis_x=rrb.TimeAxis(link="LinkToGlobal"),
         plot_legend=rrb.PlotLegend(corner=corner),

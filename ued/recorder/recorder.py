@@ -14,6 +14,8 @@ environments render (`/film/<student>`) in the place of `/scene`. What it writes
     /theta/over_time/...             update x bin densities of all columns, with a cursor
     /levels/card                     the level of the highest score, in words
     /levels/all                      every level of this update as levels.csv has it, to be read by programs
+    /teacher/aim                     where the levels lie that were chosen, in words
+    /buffer/...                      scores and staleness of a buffer's levels, and who descends from whom
     /events                          what somebody should know, in words
 
 Timelines: `update`, `env_steps`, and `movie`, on which pressing play animates the recorded episodes too.
@@ -24,7 +26,7 @@ Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `reco
 from __future__ import annotations
 
 import socket
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,6 +35,9 @@ import numpy as np
 import rerun
 
 from ued.levels.batch import LevelBatch
+from ued.levels.buffer import LevelBuffer
+from ued.recorder import buffer_log
+from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import ScenePainter, layout
 from ued.recorder.scene_log import Episode, SceneLog, by_score
@@ -71,6 +76,7 @@ class CurriculumRecorder:
         self.stream.set_log_time_enabled(False)
         self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
         self.theta = ThetaLog(self.stream, draws)
+        self.buffer = BufferLog(self.stream)
         self._opened = False
         self._pending: list[tuple[int, int, dict[str, float]]] = []  # update, env_steps, metrics
 
@@ -84,7 +90,7 @@ class CurriculumRecorder:
         """Write one update: the levels that it was based on, and all its numbers."""
         self._expect(update, env_steps)
         if not self._opened:
-            self._open(list(batch.returns), any(name.startswith("program/") for name in metrics))
+            self._open(list(batch.returns), {name.partition("/")[0] for name in metrics})
         self._at(update, env_steps)
         self._pending.append((update, env_steps, dict(metrics)))
         if not len(batch.theta):
@@ -94,8 +100,14 @@ class CurriculumRecorder:
         self.scenes.record(batch)
         self.stream.log("levels/card", self._card(update, batch))
         columns: Any = {name.replace("/", "_"): values for name, values in (batch.facts() | batch.outcomes()).items()}
+        self.stream.log("teacher/aim", self._aim(batch))
         self.stream.log("levels/all", rerun.DynamicArchetype("Level", components=columns))
         self.theta.record(update, batch.theta)
+
+    def level_buffer(self, update: int, buffer: LevelBuffer) -> None:
+        """Write what a buffer holds, every few updates; of the update that was recorded last."""
+        if self._opened and update % buffer_log.EVERY == 0:
+            self.buffer.record(buffer)
 
     def episode(self, student: str, update: int, env_steps: int, episode: Episode) -> None:
         """Write an episode of a student: its whole path on `update`, its points moving on `movie`."""
@@ -129,9 +141,9 @@ class CurriculumRecorder:
     def _expect(self, update: int, env_steps: int) -> None:
         self.theta.expect(-(-self.recording.total_env_steps * update // max(env_steps, 1)))
 
-    def _open(self, students: list[str], mixed: bool) -> None:
-        """Begin the file: the layout, what never changes, the looks of the curves."""
-        views = layout(self.painter, self.theta.names, students, mixed)
+    def _open(self, students: list[str], kinds: Set[str]) -> None:
+        """Begin the file: the layout, what never changes, the looks of the curves; `kinds` of metrics there are."""
+        views = layout(self.painter, self.theta.names, students, kinds)
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
             _expect_viewer(self.recording.connect)
@@ -175,6 +187,21 @@ class CurriculumRecorder:
             path = rerun.new_entity_path(["metrics", *name.split("/")])  # a name may hold blanks
             self.stream.send_columns(path, times, rerun.Scalars.columns(scalars=values.astype(float)))
         self._pending.clear()
+
+    def _aim(self, batch: LevelBatch) -> Any:
+        """Return which levels the teacher chose, those that were not drawn at random, as a Markdown document."""
+        chosen = np.isin(batch.source, ("proposed", "replayed", "edited"))
+        sources = ", ".join(f"{int((batch.source == name).sum())} {name}" for name in dict.fromkeys(batch.source))
+        if not chosen.any():
+            return rerun.TextDocument(f"{sources}: nothing was chosen", media_type=rerun.MediaType.MARKDOWN)
+        low, middle, high = self.theta.values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
+        spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # of the deviation of the uniform
+        rows = "\n".join(
+            f"| {name} | {low[d]:.2f} | {middle[d]:.2f} | {high[d]:.2f} | {spread[d]:.0%} |"
+            for d, name in enumerate(self.theta.names)
+        )
+        head = "| θ of the chosen | 10 % | median | 90 % | spread, of random levels' |\n|---|---|---|---|---|"
+        return rerun.TextDocument(f"### {sources}\n\n{head}\n{rows}\n", media_type=rerun.MediaType.MARKDOWN)
 
     def _card(self, update: int, batch: LevelBatch) -> Any:
         """Return the level of the highest score in words, as a Markdown document."""
