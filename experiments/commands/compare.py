@@ -51,6 +51,7 @@ class CompareConfig(Checked):
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
     processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
+    rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
 
@@ -77,7 +78,7 @@ def main(argv: Sequence[str]) -> int:
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs)
     football = build.is_football(runs[0].config)
-    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]) if football else None, folder)
+    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]) if football else None, folder, config.rrd)
     page(report, runs, ["compare", *argv], folder)
     return 0
 
@@ -92,8 +93,8 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     return runs
 
 
-def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) -> None:
-    """Print the tables; write them, all numbers and pictures."""
+def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, rrd: Path | None = None) -> None:
+    """Print the tables; write them, all numbers and pictures, and the curves of all runs to a recording at `rrd`."""
     report.save(folder)
     by_method: dict[str, list[Path]] = {}
     for run in runs:
@@ -104,6 +105,11 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path) 
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
     print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
+    if rrd is not None:
+        from experiments.pictures.runs_recording import record_runs
+
+        record_runs(by_method, rrd)
+        print(f"all runs: rerun {rrd}")
 
 
 def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:

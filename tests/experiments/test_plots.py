@@ -134,3 +134,24 @@ def test_curves_of_students_whatever_their_names(tmp_path):
     Table(run / "metrics.csv").append(rows)
     (panel,) = plots._panels({"paired": [run]}).values()
     assert panel.curves[0][1].values.tolist() == [[1.0] * 200]
+
+
+def test_several_runs_are_one_recording(runs, tmp_path):
+    pytest.importorskip("rerun")
+    from rerun.chunk import RrdReader
+
+    from experiments.pictures.runs_recording import record_runs
+    from experiments.run.table import read_columns
+
+    record_runs(runs, tmp_path / "all.rrd")
+    reader = RrdReader(str(tmp_path / "all.rrd"))
+    assert len(reader.recordings()) == 1 and len(reader.blueprints()) == 1
+    found = {}
+    for chunk in reader.stream().filter(content="/metrics/return/student/**"):
+        if not chunk.is_static:
+            rows = chunk.to_record_batch()
+            values = zip(rows.column("env_steps").to_pylist(), rows.column("Scalars:scalars").to_pylist(), strict=True)
+            found[str(chunk.entity_path).rpartition("/")[2]] = {steps: value for steps, (value,) in values}
+    assert set(found) == {"dr-0", "dr-1", "paired-0", "paired-1"}
+    table = read_columns(runs["paired"][1] / "metrics.csv")
+    assert found["paired-1"] == dict(zip(table["env_steps"], table["return/student"], strict=True))
