@@ -16,13 +16,14 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.recorder.shades import Colour
+from ued.recorder.shades import SOURCE_COLOURS, Colour
 
 PlayState = Literal["Paused", "Playing", "Following"]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
 MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in units of their view
+SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 DARK: Colour = (12, 12, 14)
 
@@ -179,7 +180,7 @@ def _theta(names: Sequence[str]) -> Any:
 def _teacher(mixed: bool) -> Any:
     """Return what the teacher did: where its levels come from, how widely they are spread, at what it aims."""
     curves = [
-        _curves("Levels of an update by source", "/metrics/levels/**", "RightTop"),
+        _curves("Levels of an update by source", SOURCES, "LeftTop"),
         _curves("Entropy of θ in nats; the adversary's, and of all levels", ENTROPIES, "RightTop"),
     ]
     if mixed:

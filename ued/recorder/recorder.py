@@ -41,7 +41,7 @@ from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import ScenePainter, layout
 from ued.recorder.scene_log import Episode, SceneLog, by_score
-from ued.recorder.shades import SCORE_COLOUR, STUDENT_COLOURS, Colour
+from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
 from ued.upomdp import Parameter
 
@@ -152,6 +152,9 @@ class CurriculumRecorder:
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
+        for source, colour in SOURCE_COLOURS.items():
+            looks = rerun.SeriesLines(colors=[colour], names=[source], widths=[2.0])
+            self.stream.log(f"metrics/levels/{source}", looks, static=True)
         self.scenes.open()
         self.theta.open()
 

@@ -14,6 +14,13 @@ Colour = tuple[int, int, int]
 
 STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOUR: Colour = (255, 82, 82)
+SOURCE_COLOURS: dict[str, Colour] = {  # of levels, by where they come from
+    "random": (158, 158, 158),
+    "proposed": (66, 165, 245),
+    "replaced": (186, 104, 200),
+    "replayed": (255, 152, 0),
+    "edited": (102, 187, 106),
+}
 INFERNO: tuple[Colour, ...] = (
     (0, 0, 4),
     (40, 11, 84),
