@@ -3,4 +3,11 @@
 from guards import *
 
 ego = LeftCM on get_reg_from_edges(40, 80, -25, 25)
-random_course(ego, 0, 10)
+LeftGK at -99 @ 0
+RightGK at 99 @ 0
+
+first = RightCB at between(ego, Range(0.2, 0.35), Range(-6, 6)), with behavior Guard(Range(0, 10))
+second = RightCB at between(ego, Range(0.4, 0.6), Range(-6, 6)), with behavior Guard(Range(0, 10))
+third = RightCB at between(ego, Range(0.65, 0.8), Range(-6, 6)), with behavior Guard(Range(0, 10))
+
+ball = Ball ahead of ego by 2
