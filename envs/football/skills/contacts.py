@@ -42,9 +42,9 @@ class Claim(NamedTuple):
     reach: float = 0.95  # m
     below: float = 2.2  # m
     standing: float = 0.6  # chance against a carrier who stands
-    sure: float = 1.9  # against one who runs,
+    sure: float = 1.95  # against one who runs,
     hurried: float = 0.145  # less per m/s,
-    most: float = 1.03  # but at most
+    most: float = 1.08  # but at most
     wait: float = 0.7  # s when beaten, until he can touch the ball again
     down: float = 0.6  # s on the ground then; a carrier who stands does not leave him there
     swerve: float = 25.0  # m/s across his reach at which he cannot have it
@@ -94,9 +94,9 @@ class Deflect(NamedTuple):
     run_least: float = 0.25  # share of his speed that is left when he meets it, at least,
     run_more: float = 1.05  # and more, at most:
     run_power: float = 2.5  # most often little
-    clean: float = 0.3  # share of them that he meets cleanly; of the others the ball keeps a part of its way
+    clean: float = 0.4  # share of them that he meets cleanly; of the others the ball keeps a part of its way
     knocked_on: float = 0.6  # m that the ball is ahead of its carrier: further, he may slide,
-    slides: float = 0.4  # so often
+    slides: float = 0.55  # so often
     down: float = 0.6  # s on the ground,
     wait: float = 1.0  # and until he can touch it again
     robbed_wait: float = 0.5  # s until its carrier can
