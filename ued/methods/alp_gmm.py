@@ -149,10 +149,8 @@ class ALPLevels(Resumable):
             if not len(rows):
                 break
             which = self.rng.choice(len(self.mixture["weights"]), len(rows), p=self.mixture["weights"])
-            draws = [
-                self.rng.multivariate_normal(self.mixture["means"][k], self.mixture["covariances"][k], method="eigh")
-                for k in which
-            ]
-            theta[rows] = np.clip(np.array(draws), -1.0, 1.0)
+            for k in np.unique(which):  # one factorisation for all draws of a Gaussian
+                mine, gaussian = rows[which == k], (self.mixture["means"][k], self.mixture["covariances"][k])
+                theta[mine] = np.clip(self.rng.multivariate_normal(*gaussian, len(mine), method="eigh"), -1.0, 1.0)
             valid[rows] = self.space.valid(theta[rows])
         return theta, valid
