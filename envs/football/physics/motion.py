@@ -53,6 +53,7 @@ AT_REST = 0.3  # m/s
 AT_FEET = 0.8  # m from the body to a ball that he has
 BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
 SETS_HIMSELF = 0.05  # s
+IN_REACH = 0.75  # m, nearer at the first whistle he plays it at once
 NEAR_BALL = 16.0  # m: nearer, who stands is on his toes
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
@@ -61,14 +62,16 @@ TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 @kernel
 def take_stance(match):
     """Let the first whistle find every body somewhere in its idle movement, or on its toes where the ball is near; who
-    has the ball before him sets himself to it first.
+    has the ball before him sets himself to it first, and who has it within his reach plays it at once.
     """
     for i in range(match.num_players):
         player = match.players[i]
         away = apart(player, match.ball)
         drawn = uniform(match)
         player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < NEAR_BALL else STANCE * drawn
-        if away < BEFORE_HIM:
+        if away < IN_REACH:
+            player.stance_wait = 0.0
+        elif away < BEFORE_HIM:
             player.stance_wait += SETS_HIMSELF
             player.touch_wait = player.stance_wait
 

@@ -49,6 +49,8 @@ class Control(NamedTuple):
     back_speed: float = 2.3  # m/s of the ball where the keys lead back,
     back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
+    lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
+    set_off: float = 3.0  # m/s, so fast it goes
 
 
 CONTROL = Control()
@@ -125,6 +127,10 @@ def cushion(match, i):
     runs = length(player.vx, player.vy) > START.jump
     if runs and far_off == 0.0 and high_off == 0.0 and player.direction > 0 and player.kick == 0:
         take_along(ball, player)
+        return
+    if not runs and player.direction > 0 and player.kick == 0 and length(vx, vy) < CONTROL.lying:
+        ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
+        ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
         return
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
