@@ -21,7 +21,7 @@ def landscape(theta, rng, noise=0.5):
     return height + noise * rng.normal(size=len(theta))
 
 
-def taught(config, updates=150, seed=0, of=landscape):
+def taught(config, updates=80, seed=0, of=landscape):
     adversary, rng = Adversary(2, config, torch_generator(seed)), np.random.default_rng(seed)
     for _ in range(updates):
         proposals = adversary.propose(128)
@@ -69,7 +69,7 @@ def test_of_a_mixture_densities_and_entropy_are_those_of_choice_and_part():
 def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
     config, rng = AdversaryConfig(), np.random.default_rng(0)
     adversary = Adversary(3, config, torch_generator(0), program_dims=(2, 2, 2))
-    for _ in range(150):
+    for _ in range(40):
         proposals = adversary.propose(128)
         theta = adversary.theta(proposals)
         metrics = adversary.learn(proposals, (theta[:, 0] > 1 / 3) * landscape(theta[:, 1:], rng))
@@ -91,8 +91,8 @@ def test_without_entropy_the_proposals_collapse():
 @pytest.mark.parametrize(
     ("distribution", "ent_coef", "spread", "entropy"),
     [
-        ("squashed", AdversaryConfig().ent_coef, 0.04, -3.5),
-        pytest.param("beta", 0.06, 0.06, -3.0, marks=pytest.mark.slow),
+        ("squashed", AdversaryConfig().ent_coef, 0.055, -3.2),
+        pytest.param("beta", 0.06, 0.07, -2.6, marks=pytest.mark.slow),
     ],
 )
 def test_with_an_entropy_bonus_they_keep_their_spread_and_still_move(distribution, ent_coef, spread, entropy):
