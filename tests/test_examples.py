@@ -9,9 +9,9 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 SHORT = {
-    "cleanrl_style.py": ["--env-steps", "8192"],
-    "with_stable_baselines3.py": ["--env-steps", "4096"],
-    "choose_among_skills.py": ["--env-steps", "16384"],
+    "cleanrl_style.py": ["--env-steps", "4096"],
+    "with_stable_baselines3.py": ["--env-steps", "2048"],
+    "choose_among_skills.py": ["--env-steps", "8192"],
     "with_torchrl.py": ["--env-steps", "512"],
     "maze.py": ["--env-steps", "4096"],
     "hopper.py": ["--env-steps", "4096", "--out", "run"],
