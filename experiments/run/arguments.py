@@ -73,12 +73,15 @@ def typed_settings(base: Any, argv: Sequence[str], command: str, description: st
 def replace_paths(config: Config, values: dict[str, Any]) -> Config:
     """Return `config` with the values at these dotted paths replaced."""
     changes: dict[str, Any] = {}
+    nested: dict[str, dict[str, Any]] = {}  # all of a part's at once: it may check one value against another
     for path, value in values.items():
         head, _, rest = path.partition(".")
         if rest:
-            changes[head] = replace_paths(changes.get(head, getattr(config, head)), {rest: value})
+            nested.setdefault(head, {})[rest] = value
         else:
             changes[head] = value
+    for head, inner in nested.items():
+        changes[head] = replace_paths(changes.get(head, getattr(config, head)), inner)
     try:
         return dataclasses.replace(config, **changes)  # type: ignore[type-var]
     except ValueError as error:  # a configuration that checks itself

@@ -65,6 +65,26 @@ def test_nested_fields_are_flat_or_prefixed_at_every_depth():
     assert found.teacher == Teacher(fraction=0.25, inner=Inner(layers=3))
 
 
+@dataclass(frozen=True)
+class Band:
+    least: int = setting(1, "least")
+    most: int = setting(2, "most")
+
+    def __post_init__(self):
+        if self.least > self.most:
+            raise ValueError(f"least must be at most {self.most}, got {self.least}")
+
+
+@dataclass(frozen=True)
+class Picture:
+    band: Band = group(Band, "band")
+
+
+@pytest.mark.parametrize("order", [("--least", "5", "--most", "6"), ("--most", "6", "--least", "5")])
+def test_settings_that_check_each_other_are_set_at_once(order):
+    assert parse(Picture(), order, "draw", "Draw.").band == Band(5, 6)
+
+
 @pytest.mark.parametrize(("text", "number"), [("5e6", 5_000_000), ("2_000", 2000), ("-3", -3)])
 def test_whole_numbers_may_be_written_short(text, number):
     assert read(f"--num-envs={text}").num_envs == number
