@@ -19,7 +19,8 @@ import pytest
 import scenic_lite
 from envs.football.scenic.domain import FOOTBALL
 from experiments.__main__ import COMMANDS, main
-from experiments.commands import compare, train
+from experiments.commands import train
+from experiments.run import workers
 from tests.pages import ROOT, blocks, commands, dead_links, pictures, write
 from tests.test_contributing import PAGES as CARRIED_OUT_ELSEWHERE
 
@@ -128,7 +129,7 @@ def train_here(runs, processes, stop):
 def test_every_block_of_a_page_runs(name, tmp_path, monkeypatch, capsys):
     text = PAGES[name].read_text()
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(compare, "train_all", train_here)
+    monkeypatch.setattr(workers, "train_all", train_here)
     monkeypatch.setattr(sys, "path", [*sys.path])
     for path in ("minigames", "examples"):  # pages begin in a checkout, or in a folder of the reader's
         (tmp_path / path).symlink_to(ROOT / path)

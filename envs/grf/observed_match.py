@@ -1,12 +1,14 @@
 """From what the real engine shows to our record of a match: everything that stands on MATCH then works on both engines.
 
-What the engine does not tell stays as it was at the start: where bodies look while they stand, kicks under way, who
-lies on the ground. Read next: `envs.football.state`, the record; `grf.worker`, the other one.
+What the engine does not tell stays as it was at the start: where bodies look while they stand, who lies on the ground.
+That a kick is asked for follows from the keys, as in our own simulator, and its end from the ball. Read next:
+`envs.football.state`, the record; `grf.worker`, the other one.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from envs.football.constants import (
     ACTIVE,
@@ -14,21 +16,37 @@ from envs.football.constants import (
     CLOSEST,
     DURATION,
     GK,
+    IDLE,
     LEFT,
+    LONG_PASS,
     NO_FAULT,
     NOBODY,
     RUNNING,
+    SHOT,
     STEP,
 )
 from envs.football.control.agents import choose_closest
 from envs.football.control.episode import end_episode
+from envs.football.control.keys import hold_kick
 from envs.football.control.reward import pay_checkpoints
 from envs.football.observation.raw import SPIN_UNIT
 from envs.football.observation.units import UNIT_X, UNIT_Y
+from envs.football.physics.possession import forget_kick
+from envs.football.physics.vectors import length
 from envs.grf.worker import TEAM
 from scenic_lite.kernels.jit import kernel
 
 STANDING = 0.3  # m/s below which a body's velocity does not tell where it looks
+
+
+class Kicked(NamedTuple):
+    """By what a kick is recognised, after the step in which it was: not a touch of a run, at most 5 m/s from him."""
+
+    faster: float = 7.0  # m/s, ball against player
+    within: float = 5.0  # m between them
+
+
+KICKED = Kicked()
 IN_HANDS = 0.5  # m, height of the ball from which a keeper who has it holds it
 
 
@@ -53,6 +71,7 @@ def read_step(match, seen, controllers):
     match.game_mode = seen.game_mode
     last = match.last_owned_team
     _read_owner(match, seen)
+    follow_kicks(match)
     match.possession_changed = last != NOBODY and match.last_owned_team != last
     if match.half == 0 and match.step >= match.second_half:
         match.half = 1
@@ -103,6 +122,25 @@ def _read_owner(match, seen):
             match.keeper_holding = owner
     for team in range(2):
         match.chaser[team] = match.designated[team] = player_at(match, TEAM * team + seen.designated[team])
+
+
+@kernel
+def follow_kicks(match):
+    """Remember the kicks that agents have asked for until the ball has left the foot, or they are forgotten."""
+    for i in range(match.num_players):
+        player = match.players[i]
+        if player.kick != 0 and (player.agent == NOBODY or kicked(match, player)):
+            forget_kick(player)
+        elif player.agent != NOBODY and (player.kick != 0 or i in (match.carrier, match.chaser[player.team])):
+            hold_kick(player, player.action if LONG_PASS <= player.action <= SHOT else IDLE)
+
+
+@kernel
+def kicked(match, player):
+    """Return whether the ball has just left a player's foot: it is faster than he would knock it on."""
+    ball = match.ball
+    away = length(ball.x - player.x, ball.y - player.y)
+    return away < KICKED.within and length(ball.vx - player.vx, ball.vy - player.vy) > KICKED.faster
 
 
 @kernel

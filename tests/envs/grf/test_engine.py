@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from envs.football.config import FootballConfig
-from envs.football.constants import DURATION, GK
+from envs.football.constants import DURATION, GK, SHOT
 from envs.football.gym_env import FootballEnv
 from envs.football.replay import Recorder, load_record, replay, same
 from envs.football.scenic.lineup import NotAMatchError
 from envs.football.vector_env import FootballVectorEnv
+from envs.grf.observed_match import follow_kicks
 from experiments.__main__ import main
 from tests.envs.grf.fixtures import fake_python
 from ued.upomdp import check_theta
@@ -223,3 +224,22 @@ def test_closing_gives_the_engines_up(python):
     assert len(held) == 2
     env.close()
     assert not held
+
+
+def test_a_kick_asked_for_is_remembered_until_the_ball_flies(python):
+    env = make(python, count=1)
+    env.reset(seed=0)
+    owner = int(env.matches["designated"][0, 0])
+    me = int(env.matches["players"]["agent"][0, owner])
+    press = np.zeros(env.action_space.shape, np.int64)
+    env.step(press)
+    press[0, me] = SHOT
+    env.step(press)
+    assert env.matches["players"]["kick"][0, owner] == SHOT
+    env.step(np.zeros_like(press))  # the button is released: what was asked for still is
+    match = env.matches[0]
+    assert match["players"]["kick"][owner] == SHOT and match["players"]["kick_ready"][owner]
+    match["ball"]["x"], match["ball"]["y"] = match["players"]["x"][owner] + 3.0, match["players"]["y"][owner]
+    match["ball"]["vx"] = 25.0
+    follow_kicks(match)
+    assert match["players"]["kick"][owner] == 0

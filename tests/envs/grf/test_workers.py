@@ -182,7 +182,9 @@ def is_running(pid: int) -> bool:
 def test_where_the_engine_is_missing_one_sentence_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.delenv(workers.VARIABLE, raising=False)
     monkeypatch.setenv(workers.HOME, str(tmp_path))
-    with pytest.raises(GrfError, match=r"not installed: no .*bin/python\. `make grf` .*README.*--grf-python"):
+    with pytest.raises(
+        GrfError, match=r"not installed: no .*bin/python\. `make grf` .*docs/howto/real-engine.*--grf-python"
+    ):
         grf_python()
     monkeypatch.setenv(workers.VARIABLE, sys.executable)
     assert grf_python() == Path(sys.executable)
