@@ -58,7 +58,8 @@ class Feet(NamedTuple):
     Of 120 measured meetings outside the box 116 were his, 72 in a slide. Pokes are as documented, kicks fitted.
     """
 
-    chance: float = 0.96  # to have it
+    chance: float = 0.96  # to have it,
+    swerve: float = 10.0  # m/s across his reach at which he cannot
     slides: float = 0.63  # share of those that he has in a slide
     poke_run: float = 0.5  # share of his velocity that a poked ball gets,
     poke_speed: float = 4.0  # and m/s away from him,
@@ -216,7 +217,7 @@ def claim(match, i):
         chance = FEET.chance
         if hands:
             chance = min(CLAIM.sure - CLAIM.hurried * speed, CLAIM.most) * (0.5 + 0.5 * player.skill)
-        chance *= within_reach(match, i, CLAIM.swerve)
+        chance *= within_reach(match, i, CLAIM.swerve if hands else FEET.swerve)
     if uniform(match) >= chance:
         player.touch_wait = CLAIM.wait if hands else FEET.wait
         player.down_wait = CLAIM.down if hands and not stands else 0.0
