@@ -16,13 +16,10 @@ from envs.football.constants import (
     CLOSEST,
     DURATION,
     GK,
-    IDLE,
     LEFT,
-    LONG_PASS,
     NO_FAULT,
     NOBODY,
     RUNNING,
-    SHOT,
     STEP,
 )
 from envs.football.control.agents import choose_closest
@@ -132,7 +129,7 @@ def follow_kicks(match):
         if player.kick != 0 and (player.agent == NOBODY or kicked(match, player)):
             forget_kick(player)
         elif player.agent != NOBODY and (player.kick != 0 or i in (match.carrier, match.chaser[player.team])):
-            hold_kick(player, player.action if LONG_PASS <= player.action <= SHOT else IDLE)
+            hold_kick(player, player.action)
 
 
 @kernel

@@ -31,7 +31,7 @@ class TensorBoard:
 
     def report(self, update: Update) -> None:
         """Write all scalars at their env_steps, and events as text."""
-        for name, value in known(update.metrics).items():
+        for name, value in finite(update.metrics).items():
             self.writer.add_scalar(name, value, update.env_steps)
         for event in update.events:
             self.writer.add_text(f"events/{event.event}", event.text, update.env_steps)
@@ -69,7 +69,7 @@ class WeightsAndBiases:
 
     def report(self, update: Update) -> None:
         """Write all scalars at their env_steps; events as alerts."""
-        self.run.log(known(update.metrics), step=update.env_steps)
+        self.run.log(finite(update.metrics), step=update.env_steps)
         for event in update.events:
             self.run.alert(event.event, event.text)
 
@@ -91,6 +91,6 @@ def make_tracker(name: str, run: RunFolder, env_steps: int) -> Reporter:
     return TensorBoard(run, env_steps) if name == "tensorboard" else WeightsAndBiases(run)
 
 
-def known(metrics: Mapping[str, float]) -> dict[str, float]:
-    """Return the metrics that are numbers."""
+def finite(metrics: Mapping[str, float]) -> dict[str, float]:
+    """Return the metrics that are neither nan nor infinite."""
     return {name: float(value) for name, value in metrics.items() if math.isfinite(value)}

@@ -202,10 +202,10 @@ class LevelBuffer(Resumable):
             rows[name] = records[name]
         rows["best"], parents = best, rows["parent"]
         rows["last_played"] = rows["created"] = self.now + np.arange(len(rows))
-        mothers = self.find(parents)
-        known = (parents != NONE) & (mothers != NONE)
+        where = self.find(parents)
+        known = (parents != NONE) & (where != NONE)
         rows["generation"][parents != NONE] = 1
-        rows["generation"][known] += self._slots["generation"][mothers[known]]
+        rows["generation"][known] += self._slots["generation"][where[known]]
         return rows
 
     def _is_kept(self, row: np.void) -> bool:

@@ -43,10 +43,10 @@ class BufferLog:
         points = rerun.Points2D(places, colors=shades, radii=1.0, labels=labels, show_labels=False)
         self.stream.log("buffer/tree/levels", points)
         order = np.argsort(slots["id"])
-        mother = order[np.minimum(np.searchsorted(slots["id"], slots["parent"], sorter=order), len(slots) - 1)]
-        child = np.flatnonzero(slots["id"][mother] == slots["parent"])
+        parent = order[np.minimum(np.searchsorted(slots["id"], slots["parent"], sorter=order), len(slots) - 1)]
+        child = np.flatnonzero(slots["id"][parent] == slots["parent"])
         lines = rerun.LineStrips2D(
-            np.stack([places[mother[child]], places[child]], 1), colors=(150, 150, 150, 120), radii=0.15, draw_order=-1
+            np.stack([places[parent[child]], places[child]], 1), colors=(150, 150, 150, 120), radii=0.15, draw_order=-1
         )
         self.stream.log("buffer/tree/descent", lines)
         texts = [f"score {high:.2f}", f"score {low:.2f}", "in the buffer since level 0", f"level {buffer.now}"]
