@@ -50,8 +50,8 @@ def test_one_agent_moves_who_is_his_and_the_ai_the_others():
 
 def test_a_runner_scores_and_a_team_passes():
     one = Expert("run_to_score", False, 0.4, 100)
-    # 17 of 200; 18 of 40 in the real engine, whose keeper often slides at the ball and misses it
-    assert play_expert(one, OURS, 64).scored.sum() >= 3
+    # 85 of 200; 42 of 84 in the real engine, whose keeper often slides at the ball and misses it
+    assert play_expert(one, OURS, 64).scored.sum() >= 16
     team = play_expert(Expert("team_counterattack", True, 0.4, None), OURS, 8)
     owners = [set(row[row >= 0]) for row in team.owner]
     assert np.mean([len(row) >= 2 for row in owners]) > 0.7

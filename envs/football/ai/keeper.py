@@ -21,7 +21,7 @@ from envs.football.physics.possession import ball_speed, fall_time, man_on_ball,
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.hands import HOLD_STEPS, has_hands
 from envs.football.skills.saves import dive
-from envs.football.skills.steering import chase
+from envs.football.skills.steering import chase, slide
 from scenic_lite.kernels.jit import kernel
 
 
@@ -62,6 +62,18 @@ class ComeOut(NamedTuple):
     given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
 
 
+class SlideOut(NamedTuple):
+    """When a keeper without hands slides at a carrier's feet, as measured at the start of 19 slides."""
+
+    lead: float = 0.2  # s by which he and the ball are led,
+    nearest: float = 0.9  # m between them then, at least,
+    farthest: float = 1.6  # and at most
+    body_nearest: float = 2.4  # m to the carrier, at least,
+    body_farthest: float = 3.8  # and at most
+    frontal: float = 0.85  # cosine at the carrier between the ways to the ball and to him, at least
+    fresh: float = 0.15  # s since the carrier has played it, at most: he does not get to it sooner
+
+
 class KickOut(NamedTuple):
     """To whom he sends the ball, and when."""
 
@@ -75,7 +87,7 @@ class KickOut(NamedTuple):
 
 
 # Documented of Google Research Football; leads are fitted: `regista benchmark --suite grf`, family keeper.
-STAND, OUT, KICK_OUT = Stand(), ComeOut(), KickOut()
+STAND, OUT, SLIDE_OUT, KICK_OUT = Stand(), ComeOut(), SlideOut(), KickOut()
 FARTHEST_ROLL = 1.0 / MEAN_DRAG  # m; `rolled` gives at most half of it
 
 
@@ -96,6 +108,8 @@ def choose_keeper_command(match, i):
         kick_out(match, i)
     elif goes_for_loose_ball(match, i):
         chase(match, i, player.top_speed)
+    elif slides_out(match, i):
+        lunge(match, i)
     elif throws_himself(match, i):
         throw(match, i)
     else:
@@ -196,6 +210,43 @@ def throws_himself(match, i):
     to_x, to_y = toward(x - carrier.x, y - carrier.y)
     ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
     return near and to_x * ball_x + to_y * ball_y > OUT.unshielded
+
+
+@kernel
+def slides_out(match, i):
+    """Return whether keeper i, without hands, throws himself at the feet of an opponent who has just knocked the ball
+    on; teams with agents leave slides to them.
+    """
+    player, ball = match.players[i], match.ball
+    if match.carrier == NOBODY or match.num_agents[player.team] != 0 or player.down_wait > 0.0 or has_hands(match, i):
+        return False
+    carrier = match.players[match.carrier]
+    if carrier.team == player.team or not 0.0 <= carrier.stride < SLIDE_OUT.fresh:
+        return False
+    lead = SLIDE_OUT.lead
+    away_x = ball.x - player.x + lead * (ball.vx - player.vx)
+    away_y = ball.y - player.y + lead * (ball.vy - player.vy)
+    if not SLIDE_OUT.body_nearest < apart(player, carrier) < SLIDE_OUT.body_farthest:
+        return False
+    if not SLIDE_OUT.nearest < length(away_x, away_y) < SLIDE_OUT.farthest:
+        return False
+    to_x, to_y = toward(player.x + lead * player.vx - carrier.x, player.y + lead * player.vy - carrier.y)
+    ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
+    return to_x * ball_x + to_y * ball_y > SLIDE_OUT.frontal
+
+
+@kernel
+def lunge(match, i):
+    """Throw keeper i into a slide to where the ball will be played next."""
+    player, ball, lead = match.players[i], match.ball, SLIDE_OUT.lead
+    carrier = match.players[match.carrier]
+    to_x = ball.x - player.x + lead * (ball.vx - player.vx + carrier.vx)
+    to_y = ball.y - player.y + lead * (ball.vy - player.vy + carrier.vy)
+    player.facing_x, player.facing_y = toward(to_x, to_y)
+    player.desired_vx, player.desired_vy = player.top_speed * player.facing_x, player.top_speed * player.facing_y
+    slide(match, i)
+    speed = length(player.vx, player.vy)
+    player.vx, player.vy = speed * player.facing_x, speed * player.facing_y
 
 
 @kernel

@@ -18,7 +18,15 @@ from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import can_hold, has_hands, hold, parry, sticks_off_feet
 from envs.football.skills.kicks import kick_first_time
 from envs.football.skills.saves import DIVE, foresee
-from envs.football.skills.tackles import STANDING, goes_for_ball, in_tackle_reach, slide_into, tackle, within_reach
+from envs.football.skills.tackles import (
+    STANDING,
+    frontal,
+    goes_for_ball,
+    in_tackle_reach,
+    slide_into,
+    tackle,
+    within_reach,
+)
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -59,7 +67,9 @@ class Feet(NamedTuple):
     """
 
     chance: float = 0.96  # to have it,
-    swerve: float = 10.0  # m/s across his reach at which he cannot
+    swerve: float = 6.0  # m/s across his reach at which he cannot; half as fast does little,
+    front: float = 0.5  # cosine of the way from the carrier to him off straight ahead, at least: else he tackles
+    slide_reach: float = 0.95  # m from the body to a ball that his slide plays
     slides: float = 0.63  # share of those that he has in a slide
     poke_run: float = 0.5  # share of his velocity that a poked ball gets,
     poke_speed: float = 4.0  # and m/s away from him,
@@ -185,8 +195,11 @@ def too_sudden(match):
 def challenge(match, i, distance):
     """Let player i, this far from the ball, try to take it off the carrier."""
     player, ball = match.players[i], match.ball
-    if player.role == GK and not player.is_sliding:
-        if distance < CLAIM.reach and ball.z < (CLAIM.below if has_hands(match, i) else TRAP.header_from):
+    hands = has_hands(match, i)
+    if player.role == GK and player.is_sliding:
+        slide_at(match, i, distance)
+    elif player.role == GK and (hands or frontal(player, match.players[match.carrier]) > FEET.front):
+        if distance < CLAIM.reach and ball.z < (CLAIM.below if hands else TRAP.header_from):
             claim(match, i)
     elif player.is_sliding:
         slide_into(match, i, distance)
@@ -217,7 +230,8 @@ def claim(match, i):
         chance = FEET.chance
         if hands:
             chance = min(CLAIM.sure - CLAIM.hurried * speed, CLAIM.most) * (0.5 + 0.5 * player.skill)
-        chance *= within_reach(match, i, CLAIM.swerve if hands else FEET.swerve)
+        share = within_reach(match, i, CLAIM.swerve if hands else FEET.swerve)
+        chance *= share if hands else share * (2.0 - share)
     if uniform(match) >= chance:
         player.touch_wait = CLAIM.wait if hands else FEET.wait
         player.down_wait = CLAIM.down if hands and not stands else 0.0
@@ -233,6 +247,17 @@ def claim(match, i):
         take(match, i)  # off somebody's feet who only waits for him
     else:
         knock_loose(match, i, match.carrier, 1.0 if hands else FEET.slides)
+
+
+@kernel
+def slide_at(match, i, distance):
+    """Let keeper i, sliding this far from the ball, kick it away or miss it, once."""
+    player, ball = match.players[i], match.ball
+    if player.is_slide_spent or distance > FEET.slide_reach or ball.z > TRAP.header_from:
+        return
+    player.is_slide_spent = True
+    if uniform(match) < FEET.chance * within_reach(match, i, FEET.swerve):
+        knock_loose(match, i, match.carrier, 1.0)
 
 
 @kernel
