@@ -21,6 +21,7 @@ COMMANDS = {
     "study": "train many games over seeds: the thesis's benchmark, or what carries over to the other engine",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "characterise": "tell how many random levels of a game are solved, as a student learns",
+    "gallery": "make a page of the levels of a run: a map, and a card, a scene and a replay of each",
     "list": "show the minigames, what is measured on them elsewhere, and their test scenes",
     "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
     "probe": "compare methods on levels whose answer is known, in minutes",

@@ -21,8 +21,10 @@ from ued.config import PPOConfig
 from ued.curriculum import Curriculum
 from ued.learning.learner import Learner
 from ued.learning.student import Student
+from ued.learning.tape import ActionTape
 from ued.learning.worker import collect
 from ued.levels.batch import LevelBatch
+from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
 from ued.seeding import SeedStream
@@ -102,6 +104,13 @@ class Method:
         programs = program_metrics(levels, self.upomdp.program_names)
         return counters | metrics | level_metrics(levels, self._columns) | programs | seconds
 
+    def keep_tapes(self) -> None:
+        """Keep from now on what is done on each level, `learner.worker.tape`, so that episodes can be played again."""
+        for index, learner in enumerate(self.learners):
+            learner.worker.tape = ActionTape(learner.upomdp.num_envs)
+            if not learner.worker.env_steps:
+                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.playing_ids(index))
+
     # ------------------------------------------------------------ what others ask
 
     @property
@@ -113,6 +122,11 @@ class Method:
     def students(self) -> dict[str, Student]:
         """All policies in training, by name."""
         return {learner.name: learner.student for learner in self.learners if learner.student is not None}
+
+    @property
+    def buffer(self) -> LevelBuffer | None:
+        """The levels that are kept to be replayed; None where none are."""
+        return None
 
     @property
     def env_steps(self) -> int:

@@ -105,7 +105,7 @@ def open_reporters(
     reporters = Reporters(run, method.upomdp)
     reporters.add("shown", lambda: Console(progress))
     if run.config.record:
-        reporters.add("recorded", lambda: RunRecorder(run, program, method.upomdp, method.updates, connect))
+        reporters.add("recorded", lambda: RunRecorder(run, program, method, connect))
     for name in run.config.report:
         reporters.add(f"told to {name}", partial(make_tracker, name, run, method.env_steps))
     return reporters

@@ -226,7 +226,7 @@ class BothEngines:
 
     def _recorded(self, ours: Episodes) -> list[SideBySide]:
         """Play the keys of some of our episodes in the other engine."""
-        painter = build.make_painter(self.envs[0].program, self.envs[0].lineup)
+        painter = build.make_painter(self.envs[0].program, self.envs[0])
         count = min(self.plan.traces, *self.plan.episodes)
         keys = np.maximum(ours.actions[:count], 0)
         grf = play_keys(self.envs[1], keys, self.levels[:count])

@@ -21,7 +21,6 @@ from ued.methods import METHODS
 
 if TYPE_CHECKING:
     from envs.football.config import FootballConfig
-    from envs.football.scenic.lineup import Lineup
     from experiments.run.config import ProgramConfig, TrainConfig
     from experiments.run.mixed import MixedProgram
     from minigames.suites import Minigame
@@ -271,8 +270,13 @@ def is_football(config: Any) -> bool:
     return isinstance(config, FootballRunConfig)
 
 
-def make_painter(program: Program | MixedProgram, lineup: Lineup | None = None) -> Any:
-    """Make what draws the levels of a program or a mixture; `lineup` is that of its environment, if there is one."""
+def make_painter(program: Any, upomdp: Any = None) -> Any:
+    """Make what draws the levels of a program, a mixture or a scene of one's own; None where a task has no painter.
+
+    `upomdp` are its environments: a task needs them, a program's lineup need not be made again.
+    """
+    if isinstance(program, TaskScene):
+        return program.task.painter(upomdp) if program.task.painter else None
     from envs.football.scenic.lineup import Lineup
     from envs.football.view.render import FootballPainter
     from experiments.run.mixed import MixedPainter, MixedProgram
@@ -280,4 +284,4 @@ def make_painter(program: Program | MixedProgram, lineup: Lineup | None = None) 
     if isinstance(program, MixedProgram):
         painters = [FootballPainter(Lineup(each)) for each in program.programs]
         return MixedPainter(painters, [each.dim for each in program.programs])
-    return FootballPainter(lineup or Lineup(program))
+    return FootballPainter(Lineup(program) if upomdp is None else upomdp.lineup)

@@ -5,6 +5,7 @@
     metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
     levels.csv        one row per level that was played: where from, θ in [-1, 1], returns, score
     events.csv        what somebody should know, if anything: see `run.events`
+    replays.csv       what students did on the levels of the highest scores: see `run.replays`
     checkpoint.pt     everything that `train` needs to continue; replaced in one step
     origin.pt         the student that it began with and how close it stays, if it was begun with one
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
@@ -47,6 +48,7 @@ class RunFolder:
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
         self.events = Table(path / "events.csv")
+        self.replays = Table(path / "replays.csv")
         self.saved_update = 0
         self._saved_at = time.monotonic()
 
@@ -142,7 +144,7 @@ class RunFolder:
     def cut_back(self, update: int) -> None:
         """Cut the tables back to an update, that of the checkpoint from which the run goes on."""
         self.saved_update = update
-        for table in (self.metrics, self.levels, self.events):
+        for table in (self.metrics, self.levels, self.events, self.replays):
             table.keep_until(update)
 
     def save(self, state: dict[str, Any]) -> None:

@@ -1,48 +1,48 @@
-"""The recording of one run: what its updates brought, and episodes of its students on the level of the highest score.
+"""The recording of one run: what its updates brought, and what its students did on the levels of the highest scores.
 
-Read next: `ued.recorder.recorder`.
+Read next: `run.replays`; `ued.recorder.recorder`.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from experiments.run import build
+from experiments.run import build, replays
 from experiments.run import config as configs
 from experiments.run.folder import RunFolder
-from experiments.run.mixed import MixedProgram
+from experiments.run.replays import Replay, Stage
 from experiments.run.reporting import Update
 from experiments.run.table import read_columns
 from experiments.run.tasks import TaskScene
+from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
-from ued.recorder.scene_log import Episode, by_score, titles
+from ued.recorder.scene_log import Episode, titles
 
-MAX_STEPS = 400  # of a recorded episode
-STEP_SECONDS = 0.1  # of an environment that says nothing of it
+MAX_FRAMES = 400  # of the episodes on a level that are shown
 
 
 class RunRecorder:
-    """Feed a `CurriculumRecorder` from a method, and play the episodes that it shows."""
+    """Feed a `CurriculumRecorder` and replays.csv from a method."""
 
-    def __init__(self, run: RunFolder, program: Any, upomdp: Any, updates: int, connect: str | None = None) -> None:
-        self.run, config = run, run.config
+    def __init__(self, run: RunFolder, program: Any, method: Any, connect: str | None = None) -> None:
+        self.run, config, upomdp = run, run.config, method.upomdp
         if isinstance(program, TaskScene):
-            self.painter: Any = program.task.painter(upomdp) if program.task.painter else None
-            self.env = build.make_upomdp(program, 1, None, config.seed, config.threads)
+            env = build.make_upomdp(program, 1, None, config.seed, config.threads)
         else:
-            lineup = None if isinstance(program, MixedProgram) else upomdp.lineup
-            self.painter = build.make_painter(program, lineup)
-            self.env = upomdp.resized(1)
-        self.env.reset(seed=config.seed)
+            env = upomdp.resized(1)
+            env.reset(seed=config.seed)
+        self.stage = Stage(env, build.make_painter(program, upomdp))
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect)
-        self.step_seconds = 1 / (self.env.metadata.get("render_fps") or 1 / STEP_SECONDS)
-        self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.painter, upomdp.draws)
-        if updates:
+        self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.draws)
+        if config.record_rollouts:
+            method.keep_tapes()
+        if method.updates:
             self._recall()
 
     def flush(self) -> None:
@@ -72,41 +72,30 @@ class RunRecorder:
             self.recorder.recall(update, int(metrics["env_steps"][update - 1]), theta[rows])
 
     def report(self, update: Update) -> None:
-        """Record an update; now and then let the students play the level of the highest score."""
+        """Record an update, and what students did on the levels of the highest scores; now and then show it."""
         method, levels, every = update.method, update.levels, self.run.config.record_rollouts
         if self.recorder is None or levels is None:
             return
         self.recorder.record(update.number, update.env_steps, levels, update.metrics)
-        if hasattr(method, "curriculum") and hasattr(method.curriculum, "buffer"):
-            self.recorder.level_buffer(update.number, method.curriculum.buffer)
+        if method.buffer is not None:
+            self.recorder.level_buffer(update.number, method.buffer)
         for event in update.events:
             self.recorder.event(event.event, event.text)
-        if every and len(levels.theta) and (update.number == 1 or update.number % every == 0):
-            best = int(by_score(levels)[0])
-            for name, student in method.students.items():
-                episode = self._play(student, levels.records["level"][best : best + 1], update.number)
-                text = f"{name} at update {update.number} on {titles(levels)[best]}: {episode.outcome}"
-                self.recorder.episode(name, update.number, update.env_steps, episode._replace(outcome=text))
+        if every:
+            kept = replays.taken(method, update.number, TOP_LEVELS)
+            self.run.replays.append([replay.row() for replay in kept])
+            if update.number == 1 or update.number % every == 0:
+                self._show([replay for replay in kept if replay.id == kept[0].id], update)
 
-    def _play(self, student: Any, level: np.ndarray, seed: int) -> Episode:
-        """Play an episode on a level `[1]`, with the luck of its score; both students of an update draw alike."""
-        import torch
-
-        generator = torch.Generator().manual_seed(seed)
-        observation, _ = self.env.reset_to_levels(level)
-        frames, total, steps = [self._frame()], 0.0, 0
-        for _ in range(MAX_STEPS):
-            observation, reward, terminated, truncated, _ = self.env.step(student.play(observation, generator))
-            total, steps = total + float(reward[0]), steps + 1
-            if terminated[0] or truncated[0]:
-                break
-            frames.append(self._frame())
-        shown = [frame for frame in frames if frame is not None]
-        return Episode(np.array(shown), self.step_seconds, f"return {total:+.2f} after {steps} steps")
-
-    def _frame(self) -> np.ndarray | None:
-        """Return what is shown of the environment as it stands: places `[K, 2]`, or an image, or nothing."""
-        if self.painter is not None:
-            return self.painter.frame(self.env)
-        images = self.env.render() if self.env.render_mode == "rgb_array" else None
-        return None if images is None else np.asarray(images[0], np.uint8)
+    def _show(self, kept: Sequence[Replay], update: Update) -> None:
+        """Show the very episodes of all students on one level."""
+        assert update.levels is not None and self.recorder is not None
+        named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
+        for replay in kept:
+            frames, returns = self.stage.play(replay)
+            episode = Episode(np.array(frames[:MAX_FRAMES]), self.stage.step_seconds, "")
+            said = ", ".join(f"{value:+.2f}" for value in replay.returns)
+            text = f"{replay.student} in update {update.number} on {named[replay.id]}: returns {said}"
+            if not replays.came_out_alike(replay, returns):
+                text += "; played again they came out otherwise: the environment draws more than its seed says"
+            self.recorder.episode(replay.student, update.number, update.env_steps, episode._replace(outcome=text))

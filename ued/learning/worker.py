@@ -17,6 +17,7 @@ from gymnasium.spaces import Discrete
 
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
+from ued.learning.tape import ActionTape
 from ued.resumable import Resumable
 from ued.upomdp import UPOMDP, successes
 
@@ -66,12 +67,15 @@ class RolloutWorker(Resumable):
         self.lengths = np.zeros(upomdp.num_envs, np.int64)  # [N]
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
+        self.tape: ActionTape | None = None  # until somebody wants to see episodes again
         self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def start(self, records: np.ndarray) -> None:
         """Begin an episode on the level of each of these records `[N]`."""
         self.observation, _ = self.upomdp.reset_to_levels(records["level"])
         self.training[:] = records["train"]
+        if self.tape is not None:
+            self.tape.begin(np.arange(len(records)), records["id"])
         self.returns[:] = 0.0
         self.lengths[:] = 0
 
@@ -81,6 +85,8 @@ class RolloutWorker(Resumable):
         rollout.observation[t] = torch.as_tensor(self.observation)
         actions = self._act(t)
         rollout.train[t] = torch.as_tensor(self.training)
+        if self.tape is not None:
+            self.tape.note(actions)
         acted = perf_counter()
         self.observation, reward, terminated, truncated, info = self.upomdp.step(actions)
         self.seconds["forward"] += acted - began
@@ -125,6 +131,8 @@ class RolloutWorker(Resumable):
             mask = np.zeros(self.upomdp.num_envs, bool)
             mask[envs] = True
             self.training[envs] = records["train"]
+            if self.tape is not None:
+                self.tape.begin(envs, records["id"])
             self.observation, _ = self.upomdp.reset_to_levels(records["level"][np.argsort(envs)], mask)
             self.seconds["sim"] += perf_counter() - began
 

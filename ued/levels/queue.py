@@ -118,6 +118,11 @@ class LevelQueue(Resumable):
         self.taken[student] += len(envs)
         return self.records[rows]
 
+    def playing_ids(self, student: int) -> np.ndarray:
+        """Return the ids `[N]` of the levels that a student's environments play; NONE for one that waits."""
+        record = self.playing[student]
+        return np.where(record == NONE, NONE, np.append(self.records["id"], NONE)[record])
+
     def upcoming(self, student: int) -> np.ndarray:
         """Return the levels that a student will begin next, as far as they have been proposed."""
         return self.records["level"][self.taken[student] :]

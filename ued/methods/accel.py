@@ -15,6 +15,7 @@ import numpy as np
 
 from ued.config import ACCELConfig
 from ued.curriculum import LevelSpace
+from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
 from ued.method import Method
@@ -46,6 +47,10 @@ class ACCEL(Method):
         self.curriculum.edit_replayed(levels)  # their children are proposed next
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
+
+    @property
+    def buffer(self) -> LevelBuffer:
+        return self.curriculum.buffer
 
 
 class ACCELLevels(PLRLevels):

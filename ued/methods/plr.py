@@ -44,6 +44,10 @@ class PLR(Method):
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
         return self.report(levels, metrics)
 
+    @property
+    def buffer(self) -> LevelBuffer:
+        return self.curriculum.buffer
+
 
 class RobustPLR(PLR):
     """Trains one student on replayed levels alone; new ones are only looked at (PLR⊥)."""

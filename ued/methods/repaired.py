@@ -46,6 +46,10 @@ class Repaired(Method):
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
         return self.report(levels, metrics)
 
+    @property
+    def buffer(self) -> LevelBuffer:
+        return self.teacher.buffer
+
 
 class RepairedLevels(PairedLevels):
     """Proposes levels that cause regret, and replays those that caused most. A `Curriculum`."""

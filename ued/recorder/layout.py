@@ -44,6 +44,9 @@ class ScenePainter(Protocol):
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
+    def frame(self, env: Any) -> np.ndarray:
+        """Return the points of the first environment of `env` as it stands: `[K, 2]`."""
+
 
 def layout(
     painter: ScenePainter | None, names: Sequence[str], students: Sequence[str], kinds: Set[str] = frozenset()

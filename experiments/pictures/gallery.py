@@ -1,0 +1,166 @@
+"""The levels of a run as one page of HTML that needs no network: a map, and a card, a scene and a replay of each point.
+
+The page is gallery.html beside this file with the data of the run put in. Read next: `run.replays`.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from experiments.run import build
+from experiments.run.folder import RunFolder
+from experiments.run.replays import Replay, Stage, came_out_alike
+from experiments.run.table import cannot_write, read_columns, read_rows
+from ued.parameters import axis_of
+from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
+
+PAGE = Path(__file__).with_name("gallery.html")
+PLACE = "/*DATA*/null"  # in the page, where the data go
+MOST_COLUMNS = 40  # of θ that are told
+CENTIMETRES = 100
+NOWHERE = -(2**15)  # a place that there is not
+MOST_IMAGES = 40  # of an episode that is shown as it renders itself
+IMAGE_WIDTH = 240  # pixels, at most
+PLAIN = ("update", "id", "parent", "seed", "episodes")
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a page shows: `levels` of the `played`, `replays` of them with replays; `otherwise` came out not alike."""
+
+    levels: int
+    played: int
+    replays: int
+    otherwise: int
+
+
+def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_replays: int) -> Made:
+    """Write the page of a run. Raises `CommandError` where tables are damaged, or the disk refuses."""
+    config = run.config
+    env = build.make_upomdp(program, 1, config.env if build.is_football(config) else None, config.seed, config.threads)
+    stage = Stage(env, build.make_painter(program, env))
+    rows = read_rows(run.replays.path)
+    shown = _spread(list(dict.fromkeys((row["update"], row["id"]) for row in rows)), most_replays)
+    replays, otherwise = _replays(stage, rows, set(shown))
+    columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
+    keys = list(zip(columns["update"].astype(int), columns["id"].astype(int), strict=True))
+    with_replay = [index for index, (update, level) in enumerate(keys) if f"{update}/{level}" in replays]
+    chosen = sorted({*_spread(range(len(keys)), most_levels), *with_replay})
+    data = {
+        "title": f"{build.short_name(config.minigame)}, {config.method}, seed {config.seed}",
+        "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen)),
+        "axes": {name: _axis(draw, name) for draw, name in _drawn(stage)},
+        "sources": SOURCE_COLOURS,
+        "students": dict(zip(_students(columns), STUDENT_COLOURS, strict=False)),
+        "scene": _scene(stage),
+        "replays": replays,
+        "seconds": stage.step_seconds,
+    }
+    text = PAGE.read_text().replace(PLACE, json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
+    try:
+        path.write_text(text)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    return Made(len(chosen), len(keys), len(replays), otherwise)
+
+
+def _spread(items: Sequence[Any], most: int) -> list[Any]:
+    """Return at most so many of these, evenly spaced, the first and the last among them."""
+    if len(items) <= most:
+        return list(items)
+    return [items[index] for index in np.linspace(0, len(items) - 1, most).round().astype(int)] if most else []
+
+
+def _drawn(stage: Stage) -> list[tuple[Any, str]]:
+    return list(zip(stage.env.draws, unique_names(stage.env.draws), strict=True))[:MOST_COLUMNS]
+
+
+def _axis(draw: Any, name: str) -> dict[str, Any]:
+    """Return what the values of a column are called, and those of θ = -1 and 1."""
+    axis = axis_of(draw)
+    finite = bool(np.isfinite((axis.low, axis.high)).all())
+    low, high = (float(axis.low), float(axis.high)) if finite else (-1.0, 1.0)
+    return {"name": axis.note.format(name), "low": low, "high": high}
+
+
+def _students(columns: Mapping[str, Any]) -> list[str]:
+    return [name.partition("/")[2] for name in columns if name.startswith("return/")]
+
+
+def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str], chosen: np.ndarray) -> dict[str, Any]:
+    """Return the columns of levels.csv for the levels `chosen`, and the places in their scenes."""
+    names = [name for _, name in _drawn(stage)]
+    told: dict[str, Any] = {name: _plain(columns[name][chosen]) for name in PLAIN if name in columns}
+    told |= {"score": _plain(columns["score"][chosen]), "source": sources}
+    for kind in ("return", "best", "success"):
+        told[kind] = {name: _plain(columns[f"{kind}/{name}"][chosen]) for name in _students(columns)}
+    every = [name for name in columns if name.startswith("theta/")]
+    theta = np.stack([columns[name][chosen] for name in every], 1) if every else np.zeros((len(chosen), 0))
+    told["theta"] = {name: _plain(theta[:, d]) for d, name in enumerate(names)}
+    if stage.painter is not None:
+        told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)))
+    return told
+
+
+def _plain(values: np.ndarray) -> list[float | None]:
+    return [None if value != value else round(value, 4) for value in values.tolist()]
+
+
+def _scene(stage: Stage) -> dict[str, Any] | None:
+    """Return what never changes of the scenes, None without a painter."""
+    painter = stage.painter
+    if painter is None:
+        return None
+    return {
+        "bounds": painter.bounds,
+        "background": painter.background,
+        "line": painter.line_colour,
+        "lines": [np.round(strip, 2).tolist() for strip in painter.lines()],
+        "markers": [painter.markers[index] for index in painter.classes],
+        "focus": painter.focus,
+    }
+
+
+def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[tuple[str, str]]) -> tuple[dict[str, Any], int]:
+    """Play levels again; return what is to be seen, by "update/id" and student, and how many came out otherwise."""
+    told: dict[str, Any] = {}
+    otherwise = 0
+    for row in rows:
+        if (row["update"], row["id"]) not in shown:
+            continue
+        replay = Replay.of_row(row, stage.env)
+        frames, returns = stage.play(replay)
+        alike = came_out_alike(replay, returns)
+        otherwise += not alike
+        if stage.painter is not None:
+            film: Any = _pack(np.array(frames))
+        else:
+            film = [_image(frame) for frame in _spread(frames, MOST_IMAGES)]
+        said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
+        told.setdefault(f"{replay.update}/{replay.id}", {})[replay.student] = said
+    return told, otherwise
+
+
+def _pack(places: np.ndarray) -> str:
+    """Return places in metres, or nan, as base64 of int16 centimetres."""
+    whole = np.round(np.nan_to_num(places, nan=NOWHERE / CENTIMETRES) * CENTIMETRES)
+    return base64.b64encode(np.clip(whole, NOWHERE, -NOWHERE - 1).astype("<i2").tobytes()).decode()
+
+
+def _image(pixels: np.ndarray) -> str:
+    """Return an image uint8 `[height, width, 3]` as a URL that holds it."""
+    from PIL import Image
+
+    image = Image.fromarray(pixels)
+    image.thumbnail((IMAGE_WIDTH, IMAGE_WIDTH))
+    with io.BytesIO() as file:
+        image.save(file, "JPEG", quality=75)
+        return "data:image/jpeg;base64," + base64.b64encode(file.getvalue()).decode()

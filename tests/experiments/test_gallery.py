@@ -1,0 +1,139 @@
+"""replays.csv has the very episodes of a run, and the gallery shows them."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.__main__ import main
+from experiments.run import build
+from experiments.run.errors import CommandError
+from experiments.run.folder import RunFolder
+from experiments.run.replays import Replay, Stage, came_out_alike
+from experiments.run.table import read_header, read_rows
+from tests.experiments.test_files import documented
+
+TASK = """
+import numpy as np
+import ued
+from ued.probes import Frontier
+
+class Ground:
+    bounds, background, line_colour = (0.0, 4.0, 0.0, 2.0), (20, 20, 20), (200, 200, 200)
+    markers, classes, focus = [("walker", (255, 0, 0), 0.2)], np.array([0]), 0
+
+    def lines(self):
+        return [np.array([[0.0, 0.0], [4.0, 0.0]])]
+
+    def positions(self, theta):
+        return np.stack([theta[:, :1] + 1, theta[:, 1:2] + 1], -1)
+
+    def frame(self, env):
+        return np.array([[float(env.place[0]), 1.0]])
+
+def make(num_envs):
+    return Frontier(num_envs, longest=4)
+
+task = ued.Task(make, painter=lambda upomdp: Ground())
+"""
+SHORT = ["--num-envs", "8", "--num-steps", "32", "--hidden-size", "8", "--eval-every", "0", "--record-rollouts", "2"]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    (folder / "walk_task.py").write_text(TASK)
+    command = ["train", f"{folder}/walk_task.py:task", "--method", "paired", "--total-env-steps", "4_000", *SHORT]
+    assert main([*command, "--out", str(folder / "run")]) == 0
+    return RunFolder.open(folder / "run")
+
+
+def stage_of(run):
+    program = build.load_scenes(run.config)[build.TRAINING_SCENE]
+    env = build.make_upomdp(program, 1, None, 0, 1)
+    return Stage(env, build.make_painter(program, env))
+
+
+def data_of(page):
+    return json.loads(re.search(r"^const data = (.*);$", page.read_text(), re.M)[1])
+
+
+def test_every_row_plays_the_very_episodes_again(run):
+    stage, rows = stage_of(run), read_rows(run.replays.path)
+    assert documented()["replays.csv"] == read_header(run.replays.path)
+    assert len(rows) > 40 and {row["student"] for row in rows} == {"protagonist", "antagonist"}
+    told = {(row["update"], row["id"]): row for row in read_rows(run.levels.path)}
+    for row in rows:
+        replay = Replay.of_row(row, stage.env)
+        assert {name: str(value) for name, value in replay.row().items()} == row
+        frames, returns = stage.play(replay)
+        assert came_out_alike(replay, returns) and 1 < len(frames) <= len(replay.actions)
+        level = told[row["update"], row["id"]]
+        assert abs(float(level[f"return/{row['student']}"]) - returns.mean()) < 1e-4
+        assert str(replay.level["seed"][0]) == level["seed"]
+
+
+def test_the_levels_of_the_highest_scores_are_kept(run):
+    rows, levels = read_rows(run.replays.path), read_rows(run.levels.path)
+    for update in {row["update"] for row in rows}:
+        kept = {row["id"] for row in rows if row["update"] == update}
+        scores = {row["id"]: float(row["score"]) for row in levels if row["update"] == update}
+        assert len(kept) == min(6, len(scores))
+        assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
+
+
+def test_the_page_shows_levels_cards_scenes_and_replays(run, tmp_path, capsys):
+    page = tmp_path / "page.html"
+    assert main(["gallery", str(run.path), "--out", str(page), "--levels", "20", "--replays", "7"]) == 0
+    assert "7 with replays" in capsys.readouterr().out
+    data, levels = data_of(page), {(row["update"], row["id"]): row for row in read_rows(run.levels.path)}
+    shown = data["levels"]
+    assert 20 <= len(shown["id"]) <= 27 and len(data["replays"]) == 7
+    for index, (update, level) in enumerate(zip(shown["update"], shown["id"], strict=True)):
+        row = levels[str(int(update)), str(int(level))]
+        assert shown["source"][index] == row["source"] and abs(shown["score"][index] - float(row["score"])) < 1e-4
+    for key, students in data["replays"].items():
+        assert tuple(key.split("/")) in levels and set(students) == {"protagonist", "antagonist"}
+        assert all(each["alike"] and each["frames"] > 1 for each in students.values())
+    assert "http" not in page.read_text()  # it needs no network
+
+
+def test_without_a_painter_it_shows_what_is_rendered_or_words(tmp_path, capsys):
+    (tmp_path / "bare_task.py").write_text(TASK)
+    command = ["train", f"{tmp_path}/bare_task.py:make", "--method", "plr", "--total-env-steps", "1_000", *SHORT]
+    assert main([*command, "--out", str(tmp_path / "run")]) == 0
+    assert main(["gallery", str(tmp_path / "run")]) == 0
+    data = data_of(tmp_path / "run" / "gallery.html")
+    assert data["scene"] is None and all(each["film"] == [] for each in next(iter(data["replays"].values())).values())
+
+
+@pytest.mark.parametrize("spoil", ["level", "actions", "returns", "id"])
+def test_damaged_rows_are_refused(run, spoil):
+    row = read_rows(run.replays.path)[0]
+    bad = {"level": "eJz", "actions": "####", "returns": "one", "id": "x"}[spoil]
+    with pytest.raises(CommandError, match=r"replays\.csv is damaged"):
+        Replay.of_row(row | {spoil: bad}, stage_of(run).env)
+
+
+def test_a_row_that_unpacks_to_a_gigabyte_is_refused(run):
+    import base64
+    import zlib
+
+    bomb = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
+    with pytest.raises(CommandError, match="holds more than"):
+        Replay.of_row(read_rows(run.replays.path)[0] | {"actions": bomb}, stage_of(run).env)
+
+
+def test_no_run_no_page(tmp_path, capsys):
+    assert main(["gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
+    assert main(["gallery"]) == 2
+
+
+def test_recordings_off_leaves_no_tape(run, tmp_path):
+    task = Path(run.path).parent / "walk_task.py"
+    command = ["train", f"{task}:task", "--method", "dr", "--total-env-steps", "600", *SHORT, "--no-record"]
+    assert main([*command, "--out", str(tmp_path / "run")]) == 0
+    assert not (tmp_path / "run" / "replays.csv").exists()
+    assert np.isfinite([float(row["seed"]) for row in read_rows(tmp_path / "run" / "levels.csv")]).all()
