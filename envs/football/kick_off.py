@@ -42,6 +42,7 @@ class MatchConfig:
     right_team_difficulty: npt.ArrayLike = 0.6
     deterministic: npt.ArrayLike = False  # the same random numbers in every episode
     use_magnet: npt.ArrayLike = True  # a free ball pulls the best placed player whatever his agent's direction
+    agents_only: npt.ArrayLike = False  # in a team with agents behaviors move their players, and nobody else
     # In what the engine differs from the measured one: `state.ENGINE_FIELDS`, and by how much from episode to episode
     reaction_time: npt.ArrayLike = 1.0
     start_lag: npt.ArrayLike = 1.0

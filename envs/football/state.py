@@ -160,6 +160,7 @@ MATCH_FIELDS: Table = (
     ("end_episode_on_possession_change", "?", (), "", ""),
     ("offsides", "?", (), "", ""),
     ("use_magnet", "?", (), "", "a free ball pulls the best placed player whatever his agent's direction"),
+    ("agents_only", "?", (), "", "in a team with agents behaviors move their players, and nobody else"),
     ("second_half", COUNT, (), "steps", "played when the second half begins; beyond the duration there is none"),
     (
         "engine_spread",

@@ -5,8 +5,9 @@
     close_row    what it shows becomes our record; endings, rewards, monitors, observations    in our kernels
 
 A team needs no agent of the engine's where its built-in AI moves everybody, one where our only agent is `active` and
-no behavior is at work, else one for every player; whoever has no command there takes the action that hands him back to
-the AI (19). Read next: `grf.workers`.
+no behavior moves anybody else, else one for every player; whoever has no command there takes the action that hands him
+back to the AI (19), which then kicks for him: in a team with one agent it leaves the ball to that one. Read next:
+`grf.workers`.
 """
 
 from __future__ import annotations
@@ -158,11 +159,13 @@ def scenario_settings(config: MatchConfig) -> dict[str, Any]:
 
 
 def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
-    """Return for both teams whether behaviors of the program move players of theirs."""
+    """Return for both teams whether behaviors of the program move players of theirs that no agent has."""
     compiled = behaviors.compiled
     objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.drivers}
     players = {int(lineup.object_to_player[number]) for number in objects}
     teams = {int(np.asarray(lineup.roster.teams)[player]) for player in players if player >= 0}
+    if lineup.config.agents_only:
+        teams -= {team for team in teams if lineup.num_agents[team] > 0}
     return [team in teams for team in (LEFT, RIGHT)]
 
 

@@ -1,14 +1,15 @@
 """Semi-expert programs in both engines: what they score in ours and in the real one, and what is published of them.
 
 A program of one agent is played by one agent, `active`, who does what the behavior of his player says; one of a team
-moves everybody who has a behavior. The rest is the built-in AI's. Read next: `minigames/experts`, the programs.
+moves everybody who has a behavior: all have agents, as in the original. The rest is the
+built-in AI's. Read next: `minigames/experts`, the programs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,8 @@ def play_experts(
 def play_expert(expert: Expert, config: FootballConfig, episodes: int) -> Episodes:
     """Play so many episodes of a program, each on a level of its own."""
     count = min(episodes, ENVIRONMENTS[config.engine])
+    if expert.is_team:
+        config = replace(config, control="all")
     with closing(FootballVectorEnv(HERE / "experts" / f"{expert.name}.scenic", count, config=config)) as env:
         env.reset(seed=SEED)
         levels = env.sample_levels(episodes)

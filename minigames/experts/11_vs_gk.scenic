@@ -3,18 +3,16 @@
 from skills import *
 
 param game_duration = 200
+param agents_only = True
 
 behavior RunAndShoot():
-    try:
-        while True:
-            if self.x >= 75 and abs(self.y) <= 10:
-                take Shoot()
-            elif (distance from self to keeper) < 7:
-                take NoAction()
-            else:
-                take MoveTowardsPoint(80 @ 0, self.position)
-    interrupt when not self.is_controlled:
-        do ByTheAI()
+    while True:
+        if self.x >= 75 and abs(self.y) <= 10:
+            take Shoot()
+        elif (distance from self to keeper) < 7:
+            take NoAction()
+        else:
+            take MoveTowardsPoint(80 @ 0, self.position)
 
 ego = Ball at 0 @ 0
 keeper = RightGK

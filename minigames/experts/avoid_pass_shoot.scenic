@@ -3,14 +3,9 @@
 from skills import *
 
 param game_duration = 200
+param agents_only = True
 
 behavior Play():
-    try:
-        do RoundTheBack()
-    interrupt when not self.is_controlled:
-        do ByTheAI()
-
-behavior RoundTheBack():
     goal = 80 @ DiscreteRange(8, 12)
     limit = DiscreteRange(75, 77)
     threshold = DiscreteRange(7, 8)

@@ -2,29 +2,22 @@
 
 from skills import *
 
-behavior Carrier():
-    try:
-        do StartCounterattack(winger, False)
-    interrupt when not self.is_controlled:
-        do ByTheAI()
+param agents_only = True
 
-behavior Attacker():
-    try:
-        do CloseInAndShoot(False)
-    interrupt when not self.is_controlled:
-        do ByTheAI()
+behavior Carrier():
+    do StartCounterattack(winger, False)
 
 ego = LeftGK at -99 @ 0, with behavior IdleBehavior()
-LeftLB at -67.2 @ 19.576, with behavior Attacker()
-LeftCB at -75 @ 6.356, with behavior Attacker()
-LeftCB at -75 @ -6.3559, with behavior Attacker()
-LeftRB at -67.2 @ -19.576, with behavior Attacker()
-LeftCM at -43.4 @ 10.568, with behavior Attacker()
-LeftCM at -43.4 @ -10.568, with behavior Attacker()
-LeftCM at 50 @ 31.61, with behavior Attacker()
+LeftLB at -67.2 @ 19.576, with behavior CloseInAndShoot(False)
+LeftCB at -75 @ 6.356, with behavior CloseInAndShoot(False)
+LeftCB at -75 @ -6.3559, with behavior CloseInAndShoot(False)
+LeftRB at -67.2 @ -19.576, with behavior CloseInAndShoot(False)
+LeftCM at -43.4 @ 10.568, with behavior CloseInAndShoot(False)
+LeftCM at -43.4 @ -10.568, with behavior CloseInAndShoot(False)
+LeftCM at 50 @ 31.61, with behavior CloseInAndShoot(False)
 LeftLM at 25 @ 10, with behavior Carrier()
-winger = LeftRM at 25 @ -10, with behavior Attacker()
-LeftCF at 35 @ -31.61, with behavior Attacker()
+winger = LeftRM at 25 @ -10, with behavior CloseInAndShoot(False)
+LeftCF at 35 @ -31.61, with behavior CloseInAndShoot(False)
 
 RightGK at 99 @ 0
 RightLB at -12 @ -19

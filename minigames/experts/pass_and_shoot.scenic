@@ -2,26 +2,22 @@
 
 from skills import *
 
+param agents_only = True
+
 target = Point on right_goalRegion
 plan = Uniform("pass", "shoot")
 
 behavior Carrier():
-    try:
-        if plan == "pass":
-            do JustPass()
-        else:
-            do RunAndShoot()
-    interrupt when not self.is_controlled:
-        do ByTheAI()
+    if plan == "pass":
+        do JustPass()
+    else:
+        do RunAndShoot()
 
 behavior Mate():
-    try:
-        if plan == "pass":
-            do JustShoot()
-        else:
-            do RunAndShoot()
-    interrupt when not self.is_controlled:
-        do ByTheAI()
+    if plan == "pass":
+        do JustShoot()
+    else:
+        do RunAndShoot()
 
 behavior JustPass():
     passed = False

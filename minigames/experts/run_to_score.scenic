@@ -3,6 +3,7 @@
 from skills import *
 
 param game_duration = 200
+param agents_only = True
 
 behavior Runner():
     evaded = False

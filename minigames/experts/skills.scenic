@@ -1,7 +1,7 @@
 """What the semi-expert programs share: the settings of an episode, and what their players judge by.
 
-Programs for one agent are played by one agent (`active`), who does what the behavior of his player says: whoever is not
-his at the moment belongs to the built-in AI, which `ByTheAI` says. Programs for a team move everybody who has a behavior.
+Programs for one agent (`agents_only`) are played by one agent, `active`, who does what the behavior of his player says;
+the others belong to the built-in AI. Programs for a team move everybody who has a behavior.
 """
 
 from football.behaviors import *
@@ -25,10 +25,6 @@ def safeSpot(player, opponent, target, turn=35 deg):
     left = player.position offset along (way + turn) by 0 @ 20
     right = player.position offset along (way - turn) by 0 @ 20
     return left if (distance from left to target) < (distance from right to target) else right
-
-behavior ByTheAI():
-    """Leave a step to the built-in AI."""
-    take BuiltinAIAction()
 
 behavior JustShoot():
     """With the ball near the goal shoot, straight or turned a little; farther away run at it."""

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from envs.football.config import FootballConfig
-from envs.football.constants import DIRECTION_BOTTOM_LEFT, DIRECTION_TOP_LEFT, NO_KEY, RELEASE_DIRECTION, SHOT, SLIDING
+from envs.football.constants import (
+    BUILTIN_AI,
+    DIRECTION_BOTTOM_LEFT,
+    DIRECTION_TOP_LEFT,
+    NO_KEY,
+    RELEASE_DIRECTION,
+    SHOT,
+    SLIDING,
+)
 from envs.football.control.keys import key_of_wish
 from envs.football.physics.motion import SLIDE
 from envs.football.state import MATCH
@@ -43,6 +51,39 @@ def test_without_a_behavior_the_built_in_player_has_it():
     script = env.with_scripted_policy()
     rewards = sum(script.step(np.zeros(2, int))[1] for _ in range(60))
     assert (rewards > 0).all()
+
+
+def test_whom_an_agent_leaves_to_the_built_in_ai_kicks_as_it_does():
+    """Only the mates of a learner leave the ball to him."""
+    env = FootballVectorEnv(
+        "model football.model\nego = LeftCF at 88 @ 0\nBall ahead of ego by 1\nRightGK at 99 @ 0\n", 8
+    )
+    env.reset(seed=0)
+    script = env.with_scripted_policy()
+    told = [script.step(np.zeros(8, int))[4]["agent_actions"] for _ in range(30)]
+    assert (np.array(told) == SHOT).any(0).all()
+
+
+RUNNERS = """
+model football.model
+param agents_only = {only}
+behavior Run():
+    while True:
+        take 3
+ego = LeftCM at 20 @ 0, with behavior Run()
+LeftCF at 40 @ 0, with behavior Run()
+RightCB at 60 @ 0, with behavior Run()
+Ball ahead of ego by 1
+"""
+
+
+@pytest.mark.parametrize("only, commanded", [(False, [3, 3, 7]), (True, [3, BUILTIN_AI, 7])])
+def test_agents_only_leaves_the_mates_of_agents_to_the_built_in_ai(only, commanded):
+    env = FootballVectorEnv(RUNNERS.format(only=only), 1)
+    env.reset(seed=0)
+    assert env.program_actions().tolist() == [3]
+    env.step(np.array([3]))
+    assert env.matches["players"]["action"][0, :3].tolist() == commanded
 
 
 HESITANT = """
@@ -154,8 +195,8 @@ def test_of_several_keys_the_one_that_says_most_is_told(command, told):
 
 @pytest.mark.parametrize("side", ["Left", "Right"])
 def test_the_built_in_players_wish_is_told_as_the_nearest_key(side):
-    x, control = (80, ("1", "none")) if side == "Left" else (-80, ("none", "1"))
-    program = f"model football.model\nego = {side}CF at {x} @ 0\nBall at {1.02 * x} @ 0\n"
+    x, control = (20, ("1", "none")) if side == "Left" else (-20, ("none", "1"))
+    program = f"model football.model\nego = {side}CF at {x} @ 0\nBall at {1.08 * x} @ 0\n"
     env = FootballVectorEnv(program, 1, config=FootballConfig(control=control[0], right_control=control[1]))
     env.reset(seed=0)
     script = env.with_scripted_policy()

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from envs.football.ai.passing import consider_first_time_pass, consider_pass
 from envs.football.ai.run_speed import GAIT_CHOICE
 from envs.football.ai.shooting import consider_shot
-from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, RUN_SPEED
+from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.possession import ball_speed, forget_kick, time_to_meet
@@ -78,8 +78,10 @@ def meet_free_ball(match, i):
 
 @kernel
 def kicks_himself(match, player):
-    """Return whether a player may kick: in a team with agents the ball waits for one of them."""
-    return match.num_agents[player.team] == 0
+    """Return whether a player may kick: in a team with agents the ball waits for one of them, but for whom an agent has
+    left to the built-in AI.
+    """
+    return match.num_agents[player.team] == 0 or player.agent != NOBODY
 
 
 @kernel

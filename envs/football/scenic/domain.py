@@ -23,7 +23,7 @@ FACTORS = frozenset({name for name, *_ in ENGINE_FIELDS})
 SETTINGS = FACTORS | frozenset(
     {
         "engine_spread",
-        *("game_duration", "second_half", "deterministic", "offsides", "use_magnet", "defending"),
+        *("game_duration", "second_half", "deterministic", "offsides", "use_magnet", "defending", "agents_only"),
         *("left_team_difficulty", "right_team_difficulty"),
         *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
     }

@@ -70,7 +70,7 @@ def apply_program_verdict(match, registers):
 @kernel
 def command_players(match, object_to_player, commands):
     """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent, unless that
-    leaves him to the program.
+    leaves him to the program. Where the match is `agents_only`, a team with agents obeys in nobody else.
 
     A command is an action, several of them (`core.world.packed`) or NO_COMMAND.
     """
@@ -80,9 +80,13 @@ def command_players(match, object_to_player, commands):
         i = object_to_player[o]
         if i == THE_BALL or commands[o] == NO_COMMAND:
             continue
-        if match.players[i].agent != NOBODY and match.last_actions[match.players[i].agent] != BY_PROGRAM:
+        player = match.players[i]
+        if player.agent != NOBODY:
+            if match.last_actions[player.agent] != BY_PROGRAM:
+                continue
+        elif match.agents_only and match.num_agents[player.team] > 0:
             continue
-        match.players[i].action = as_seen(match.players[i].team, int(commands[o]))
+        player.action = as_seen(player.team, int(commands[o]))
 
 
 @kernel

@@ -131,6 +131,14 @@ def test_the_engine_is_asked_for_the_agents_that_are_needed(python, control, beh
     assert env._engine._controllers.tolist() == [agents] * 2
 
 
+@pytest.mark.parametrize(("only", "agents"), [(False, [2, 0]), (True, [1, 0])])
+def test_an_only_agent_stays_one_where_behaviors_move_nobody_else(python, only, agents):
+    program = PROGRAM.replace("20, 40) @ 5", "20, 40) @ 5, with behavior Run()") + f"param agents_only = {only}\n"
+    env = make(python, CHASER + program, control="active")
+    env.reset(seed=0)
+    assert env._engine._controllers.tolist() == [agents] * 2
+
+
 def test_behaviors_command_the_players_of_their_team_as_they_see_the_pitch(python):
     env = make(python, CHASER + PROGRAM.replace("Range(-5, 5)", "0, with behavior Run()"), control="active")
     env.reset(seed=0)
