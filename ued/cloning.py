@@ -97,6 +97,8 @@ class Cloner(Resumable):
     state_fields = ("student", "optimizer", "generator", "epoch", "best_epoch", "best_loss", "best")
 
     def __init__(self, student: Student, config: CloningConfig, generator: torch.Generator) -> None:
+        if student.memory_width:
+            raise ValueError("cloning teaches single steps: it needs a student that remembers nothing, memory = none")
         self.student, self.config, self.generator = student, config, generator
         self.optimizer = torch.optim.Adam(student.parameters(), config.learning_rate, eps=1e-5)
         self.weights = torch.ones(num_actions(student))

@@ -66,6 +66,9 @@ class PPOConfig(Checked):
     hidden_size: int = setting(128, "units in each hidden layer", ">=1")
     hidden_layers: int = setting(2, "hidden layers of each torso", ">=1")
     shared_torso: bool = setting(False, "actor and critic share their hidden layers")
+    memory: Literal["none", "gru"] = setting(
+        "none", "what the student remembers within an episode: nothing, or the state of a GRU behind its hidden layers"
+    )
     team: Literal["independent", "shared"] = setting(
         "independent", "several agents have a policy each, or one for all that is told the agent's number"
     )

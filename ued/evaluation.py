@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 
-from ued.learning.student import Student
+from ued.learning.student import Player, Student
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, successes
 
@@ -67,14 +66,12 @@ def evaluate(
     index = np.arange(episodes) % len(pool)  # [E]
     playlist = upomdp.make_levels(pool["theta"][index])  # [E] with seeds of their own
     playlist["program"] = pool["program"][index]
-    played = _play(student, upomdp, playlist, torch_generator(seeds.next()), greedy)
+    played = _play(Player(student, torch_generator(seeds.next()), greedy), upomdp, playlist)
     returns, success, lengths, env_steps = played
     return Evaluation(returns, success, lengths, index, pool.copy(), env_steps)
 
 
-def _play(
-    student: Student, upomdp: UPOMDP, playlist: np.ndarray, generator: torch.Generator, greedy: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+def _play(player: Player, upomdp: UPOMDP, playlist: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     """Play each of these levels `[E]` once; return returns, success and lengths `[E]`, and the steps it took."""
     episodes, num_envs = len(playlist), upomdp.num_envs
     returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
@@ -85,7 +82,7 @@ def _play(
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
     steps = 0
     while (episode < episodes).any():
-        observation, reward, terminated, truncated, info = upomdp.step(student.play(observation, generator, greedy))
+        observation, reward, terminated, truncated, info = upomdp.step(player(observation))
         steps += 1
         listed = episode < episodes  # [N]
         returns[episode[listed]] += reward[listed]
@@ -97,6 +94,7 @@ def _play(
         ends = (terminated | truncated) & listed  # [N]
         num_ends = int(ends.sum())
         if num_ends:
+            player.begin(ends)
             success[episode[ends]] = successes(info, np.flatnonzero(ends), returns[episode[ends]])
             episode[ends] = np.arange(next_episode, next_episode + num_ends)
             next_episode += num_ends

@@ -15,7 +15,7 @@ from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space, f
 from ued import checkpoint
 from ued.checkpoint import CheckpointError
 from ued.config import PPOConfig
-from ued.learning.student import Student
+from ued.learning.student import Player, Student
 from ued.seeding import torch_generator
 from ued.upomdp import UPOMDP
 
@@ -24,6 +24,8 @@ KINDS = {"Box": Box, "Discrete": Discrete, "MultiDiscrete": MultiDiscrete, "Mult
 
 class LoadedPolicy:
     """A student that plays: `act` for one observation or for a batch.
+
+    One with a memory (`--memory gru`) goes on from what it remembers: tell it by `begin` of each episode that begins.
 
     Args:
         student: what plays.
@@ -35,7 +37,7 @@ class LoadedPolicy:
 
     def __init__(self, student: Student, shape: tuple[int, ...], observation_space: Space | None, seed: int) -> None:
         self.student, self.shape, self.observation_space = student, shape, observation_space
-        self.generator = torch_generator(seed)
+        self.player = Player(student, torch_generator(seed))
 
     def act(self, observation: Any, greedy: bool = False) -> Any:
         """Return an action for an observation, or actions `[N, ...]` for observations `[N, *shape]`.
@@ -49,8 +51,13 @@ class LoadedPolicy:
         single = seen.shape == self.shape
         if not single and seen.shape[1:] != self.shape:
             raise ValueError(f"an observation must have shape {self.shape}, or [N, *{self.shape}], got {seen.shape}")
-        actions = self.student.play(seen[None] if single else seen, self.generator, greedy)
+        self.player.greedy = greedy
+        actions = self.player(seen[None] if single else seen)
         return actions[0] if single else actions
+
+    def begin(self, where: np.ndarray | None = None) -> None:
+        """Forget what was: an episode begins; of a batch in the environments `where`, bool `[N]`."""
+        self.player.begin(where)
 
 
 def load_policy(path: str | Path, observation_space: Space | None = None, seed: int = 0) -> LoadedPolicy:

@@ -62,6 +62,8 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.replace_paths(base, typed)
     if config.demonstrations is None:
         raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
+    if config.ppo.memory != "none":
+        raise CommandError(f"cloning teaches single steps: --ppo.memory must be none, got {config.ppo.memory}")
     from experiments.run.cloning_data import CloningData
     from experiments.run.demonstrations import Demonstrations
 

@@ -111,15 +111,11 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
 
 def _student(run: RunFolder, program: Any, greedy: bool) -> Callable[[int], Choose]:
     from experiments.run.evaluator import load_student
+    from ued.learning.student import Player
     from ued.seeding import torch_generator
 
     student, _ = load_student(run, program)
-
-    def choose(seed: int) -> Choose:
-        generator = torch_generator(seed)
-        return lambda observation: student.play(observation, generator, greedy)
-
-    return choose
+    return lambda seed: Player(student, torch_generator(seed), greedy)
 
 
 def _fill(

@@ -233,10 +233,17 @@ class BothEngines:
         return [side_by_side(f"{self.run.path.name} {row}", painter, ours, grf, row) for row in range(count)]
 
     def _choose(self, greedy: bool) -> Choose:
+        from ued.learning.student import Player
         from ued.seeding import torch_generator
 
-        generator = torch_generator(SEED)
-        return lambda observation, step: self.student.play(observation, generator, greedy)
+        player = Player(self.student, torch_generator(SEED), greedy)
+
+        def choose(observation: np.ndarray, step: int) -> np.ndarray:
+            if step == 0:
+                player.begin()
+            return player(observation)
+
+        return choose
 
 
 def feature_names(env: FootballVectorEnv, count: int) -> tuple[str, ...]:

@@ -19,13 +19,23 @@ if TYPE_CHECKING:
     from ued.upomdp import UPOMDP
 
 
-class SampledPolicy:
+class Untrained:
+    """A policy that remembers nothing of an episode."""
+
+    def empty_memory(self, num_envs: int) -> Any:
+        """Return what it remembers of N environments: `[N, 0]`."""
+        import torch
+
+        return torch.zeros(num_envs, 0)
+
+
+class SampledPolicy(Untrained):
     """Draw actions of any kind from their space, uniformly where it has bounds."""
 
     def __init__(self, action_space: Space) -> None:
         self.space = action_space
 
-    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
         """Return one action for each row of `observation` `[N, ...]`."""
         import torch
 
@@ -33,26 +43,26 @@ class SampledPolicy:
         return np.stack([self.space.sample() for _ in range(len(observation))])
 
 
-class RandomPolicy:
+class RandomPolicy(Untrained):
     """Take every action with the same probability."""
 
     def __init__(self, action_space: Discrete, agents: tuple[int, ...]) -> None:
         self.count, self.agents = int(action_space.n), agents
 
-    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
         """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
         import torch
 
         return torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()
 
 
-class ShootPolicy:
+class ShootPolicy(Untrained):
     """Shoot at once: towards the goal and the shot in turns, for a kick leaves the foot when its button is released."""
 
     def __init__(self, agents: tuple[int, ...]) -> None:
         self.shot, self.agents = False, agents
 
-    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False) -> np.ndarray:
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
         """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
         self.shot = not self.shot
         return np.full((len(observation), *self.agents), SHOT if self.shot else DIRECTION_RIGHT)

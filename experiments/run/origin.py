@@ -18,7 +18,7 @@ from experiments.run.folder import RunFolder
 from ued.config import FineTuningConfig
 
 # Of `PPOConfig`, what a student is; of `FootballConfig`, what it sees and whom it moves
-NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "obs_std_floor", "team", "critic")
+NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "memory", "obs_std_floor", "team", "critic")
 SEEN = ("representation", "control", "right_control")
 
 

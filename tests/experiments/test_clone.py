@@ -159,6 +159,8 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     assert main(["clone", str(demos / "one"), "--out", str(clone), *FEW]) == 0
     one, two = demos / "one.scenic", demos / "two.scenic"
     begin = ["train", "--method", "dr", "--from", clone, "--out", run, *SHORT]
+    gru = ("--ppo.memory", "gru")
+    assert "--ppo.memory must be none, got gru" in refused(capsys, "clone", demos / "one", "--out", clone, *gru)
     assert "a student of ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
     text = refused(capsys, *begin, "--representation", "simple115")
     assert "a student of env.representation = features; this run cannot begin with it, for it has simple115" in text

@@ -141,6 +141,23 @@ def test_one_call_from_python_trains_tests_and_loads_a_policy(task, tmp_path):
     assert policy.act({"at": np.zeros(1, np.float32), "ground": 1}) in (0, 1)
 
 
+def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(task, tmp_path):
+    out = tmp_path / "run"
+    more = ["--method", "paired", "--memory", "gru", "--num-minibatches", "2", "--record-rollouts", "1"]
+    assert train(task, out, "--total-env-steps", "256", *more) == 0
+    assert main(["train", "--resume", str(out), "--total-env-steps", "384"]) == 0
+    assert RunFolder.open(out).config.ppo.memory == "gru" and RunFolder.open(out).env_steps() == 384
+    assert "strong" in regista.evaluate(out, episodes=4).text()
+    policy, seen = regista.load_policy(out), np.ones((2, 3), np.float32)
+    policy.act(seen)
+    assert policy.player.memory.any(1).all()
+    policy.begin(np.array([True, False]))
+    assert policy.player.memory.any(1).tolist() == [False, True]
+    policy.act(seen[0])  # another number of environments: all anew
+    policy.begin()
+    assert policy.player.memory.shape[0] == 1 and not policy.player.memory.any()
+
+
 @pytest.mark.parametrize(
     ("command", "message"),
     [

@@ -11,9 +11,9 @@ from ued.learning.value_stats import NAMES, EpisodeValues
 def rollout(rng, steps, envs, rate):
     numbers = [torch.as_tensor(rng.normal(size=(steps, envs)), dtype=torch.float32) for _ in range(2)]
     terminated, truncated = (torch.as_tensor(rng.random((steps, envs)) < rate) for _ in range(2))
-    empty, last = torch.zeros(steps, envs), torch.zeros(envs)
+    empty, end = torch.zeros(steps, envs), (torch.zeros(envs), torch.zeros(envs, 0))
     learnt = torch.ones(steps, envs, dtype=torch.bool)
-    return Rollout(empty, empty, empty, numbers[0], empty, terminated, truncated, empty, learnt, last), numbers[1]
+    return Rollout(empty, empty, empty, numbers[0], empty, terminated, truncated, empty, learnt, *end), numbers[1]
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.02, 0.2, 0.9])

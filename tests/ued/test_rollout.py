@@ -22,7 +22,19 @@ def random_rollout(steps=40, envs=6, seed=0):
     last = torch.randn(envs, generator=stream)
     empty = torch.zeros(steps, envs)
     learnt = torch.ones_like(terminated)
-    return Rollout(empty, empty, numbers[0], numbers[1], numbers[2], terminated, truncated, final, learnt, last)
+    return Rollout(
+        empty,
+        empty,
+        numbers[0],
+        numbers[1],
+        numbers[2],
+        terminated,
+        truncated,
+        final,
+        learnt,
+        last,
+        torch.zeros(envs, 0),
+    )
 
 
 def slow_gae(rollout, gamma, gae_lambda):

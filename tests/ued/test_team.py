@@ -127,7 +127,8 @@ def test_each_agent_of_an_independent_team_learns_as_if_alone(shared_torso):
             mine = [rollout.observation, rollout.action, rollout.log_prob, rollout.value]
             mine = [column[:, :, agent] for column in mine]
             ours = [rollout.reward, rollout.terminated, rollout.truncated]
-            his = Rollout(*mine, *ours, rollout.final_value[..., agent], rollout.train, rollout.last_value[..., agent])
+            last = rollout.last_value[..., agent], rollout.memory
+            his = Rollout(*mine, *ours, rollout.final_value[..., agent], rollout.train, *last)
             losses.append(PPO(single, config, torch_generator(2)).learn(his))
     for agent, single in enumerate(singles):
         state = share(team, agent, config, spaces).state_dict()

@@ -1,22 +1,24 @@
 """Proximal policy optimisation (Schulman et al. 2017), flat: the order on the page is the order of execution.
 
     advantages of the rollout by GAE, targets of the values             (PPO.learn)
-    for each epoch, for each minibatch of shuffled steps                (PPO._minibatch)
+    for each epoch, for each minibatch of shuffled steps, or sequences  (PPO._minibatch)
         ratio of new to old probability, clipped; loss of policy, value and entropy; one step of Adam
 
 Written once, for every method, for one agent and for teams: what an agent sees, does and expects then has a further
-axis of agents, `[B, A]`, and losses are means over them. Names are CleanRL's. Read next: `methods.dr`, the simplest use
-of it.
+axis of agents, `[B, A]`, and losses are means over them. What is shuffled is the student's business: single steps, or
+whole sequences of those of one environment, where it remembers (see `learning.memory`). Names are CleanRL's. Read next:
+`methods.dr`, the simplest use of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import torch
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
+from ued.learning.memory import Past
 from ued.learning.networks import Policy
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
@@ -52,20 +54,21 @@ class PPO(Resumable):
             advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
         targets = advantages + rollout.value  # [T, N]
         old = Batch.of(rollout, advantages, targets)  # T * N rows
-        minibatch_size = -(-len(old.value) // config.num_minibatches)
-        if not rollout.train.all():
-            old = old.rows(rollout.train.flatten().nonzero()[:, 0])
-        if not len(old.value):
+        sequences = self.student.actor_memory.sequences(rollout.train)  # [S, L] of these rows
+        if not len(sequences):
             return {}
+        minibatch_size = -(-len(old.value) // sequences.shape[1] // config.num_minibatches)
         logs: list[dict[str, float]] = []
         for _ in range(config.update_epochs):
-            order = torch.randperm(len(old.value), generator=self.generator)
-            for rows in order.split(minibatch_size):
-                logs.append(self._minibatch(old.rows(rows), regularizer))
+            order = torch.randperm(len(sequences), generator=self.generator)
+            for chosen in order.split(minibatch_size):
+                logs.append(self._minibatch(old.rows(sequences[chosen]), regularizer))
             if config.target_kl and logs[-1]["approx_kl"] > config.target_kl:
                 break
         # After learning: a rollout is learned from as it was seen. And of these steps alone: levels that are only
         # looked at would shift what the policy sees while its weights do not follow.
+        if not rollout.train.all():
+            old = old.rows(rollout.train.flatten().nonzero())
         self.student.normaliser.track(old.observation)
         self.updates += 1
         metrics = {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
@@ -81,7 +84,7 @@ class PPO(Resumable):
     def _minibatch(self, old: Batch, regularizer: KLRegularizer | None) -> dict[str, float]:
         """Take one gradient step on one minibatch; return its losses."""
         config = self.config
-        policy, value = self.student(old.observation)  # B distributions, [B]
+        policy, value = self.student(old.observation, old.past)  # B distributions, [B]
         log_ratio = policy.log_prob(old.action) - old.log_prob  # [B]
         ratio = log_ratio.exp()  # [B]
         advantage = old.advantage  # [B]
@@ -93,7 +96,7 @@ class PPO(Resumable):
         entropy = policy.entropy()  # [B]
         loss = policy_loss - config.ent_coef * entropy.mean() + config.vf_coef * value_loss
         if regularizer is not None:
-            loss = loss + regularizer.coef * regularizer.divergence(old.observation, policy)
+            loss = loss + regularizer.coef * regularizer.divergence(old, policy)
         self.optimizer.zero_grad()
         loss.backward()
         grad_norm = clip_gradient(self.student, config.max_grad_norm)
@@ -157,10 +160,14 @@ class KLRegularizer:
     student: Student
     coef: float
 
-    def divergence(self, observation: Tensor, policy: Policy) -> Tensor:
-        """Return KL(other ‖ policy), the mean over the minibatch; gradients flow into `policy` alone."""
+    def divergence(self, batch: Batch, policy: Policy) -> Tensor:
+        """Return KL(other ‖ policy), the mean over the minibatch; gradients flow into `policy` alone.
+
+        A recurrent student that plays elsewhere remembers nothing of what was before the rollout.
+        """
+        memory = self.student.empty_memory(len(batch.past.memory))
         with torch.no_grad():
-            other, _ = self.student(observation)
+            other, _ = self.student(batch.observation, batch.past._replace(memory=memory))
         return other.kl(policy).mean()
 
 
@@ -180,8 +187,12 @@ class FadingKL:
 
 @dataclass
 class Batch:
-    """The steps of a rollout in one row each; of several agents `[B, A, ...]`."""
+    """The steps of a rollout in one row each; of several agents `[B, A, ...]`.
 
+    Of a minibatch of sequences there are observations of all steps, the rest of those that are to be learned from.
+    """
+
+    past: Past  # how the observations hang together
     observation: Tensor  # [B, size]
     action: Tensor  # [B] or [B, K]
     log_prob: Tensor  # [B]
@@ -193,11 +204,19 @@ class Batch:
     def of(cls, rollout: Rollout, advantage: Tensor, target: Tensor) -> Batch:
         """Flatten `[T, N, ...]` to `[T * N, ...]`."""
         columns = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
-        return cls(*(column.flatten(0, 1) for column in columns))
+        past = Past(rollout.memory, rollout.begins.flatten(), rollout.train.flatten())
+        return cls(past, *(column.flatten(0, 1) for column in columns))
 
-    def rows(self, rows: Tensor) -> Batch:
-        """Return some of the rows."""
-        return Batch(*(column[rows] for column in vars(self).values()))
+    def rows(self, sequences: Tensor) -> Batch:
+        """Return these B sequences of L rows each, `[B, L]`, step by step; row r is of environment r modulo N."""
+        memory, begins, told = self.past
+        assert begins is not None and told is not None
+        rows = sequences.T  # [L, B]
+        past = Past(memory[rows[0] % len(memory)], begins[rows], told[rows].flatten())
+        rows = rows.flatten()
+        learned = rows[past.told]
+        observation, *rest = (getattr(self, each.name) for each in fields(self)[1:])
+        return Batch(past, observation[rows], *(column[learned] for column in rest))
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:

@@ -33,6 +33,7 @@ class Rollout:
         final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0, of each agent.
         train: `[T, N]` the student is to learn from this step; otherwise it was only to be seen how it fares.
         last_value: `[N]` value of the observation after the last step, of each agent.
+        memory: `[N, W]` what the student remembered before the first step; see `learning.memory`.
     """
 
     observation: Tensor
@@ -45,6 +46,7 @@ class Rollout:
     final_value: Tensor
     train: Tensor
     last_value: Tensor
+    memory: Tensor
 
     @classmethod
     def empty(
@@ -55,6 +57,7 @@ class Rollout:
         action_space: Space,
         agents: int = 1,
         apart: bool = False,
+        memory_width: int = 0,
     ) -> Rollout:
         """Allocate a rollout for these spaces of one agent of one environment; `apart`: each agent is paid its own."""
         assert observation_space.shape is not None and action_space.shape is not None
@@ -74,13 +77,20 @@ class Rollout:
             final_value=torch.zeros(by_agent),
             train=torch.ones(shape, dtype=torch.bool),
             last_value=torch.zeros(by_agent[1:]),
+            memory=torch.zeros(num_envs, memory_width),
         )
+
+    @property
+    def begins(self) -> Tensor:
+        """Where an episode begins, bool `[T, N]`; of the first step `memory` knows."""
+        ended = self.terminated | self.truncated
+        return torch.cat([torch.zeros_like(ended[:1]), ended[:-1]])
 
     def columns(self, envs: Tensor) -> Rollout:
         """Return a copy with the environments `envs` (bool `[N]`) only."""
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
-        last_value = arrays.pop("last_value")[envs]
-        return Rollout(**{name: array[:, envs] for name, array in arrays.items()}, last_value=last_value)
+        once = {name: arrays.pop(name)[envs] for name in ("last_value", "memory")}
+        return Rollout(**{name: array[:, envs] for name, array in arrays.items()}, **once)
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:

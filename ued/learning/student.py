@@ -4,6 +4,9 @@ It plays for all agents of an environment: for one, or for a team of A, whose ob
 axis of agents. A team has a policy for each agent, or one for all that is told the agent's number; its values come from
 what each agent sees, or from what all see together (MAPPO, Yu et al. 2022).
 
+It remembers nothing within an episode, or has a GRU. Whoever lets it play keeps what it remembers, a row of
+`memory_width` numbers for each environment, and sets it to 0 where an episode begins; see `learning.memory`.
+
 Observations are normalised by running statistics that the student carries (and its checkpoint with it), rather than by
 a fixed scaling: the same student then learns from any Gymnasium environment, whatever the units of its observations.
 Read next: `learning.rollout`.
@@ -22,6 +25,7 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
+from ued.learning.memory import Past, make_memory
 from ued.learning.networks import Policy, PolicyHead, Team, linear, torso
 
 CLIP = 10.0  # standard deviations
@@ -99,6 +103,7 @@ class Student(nn.Module):
 
     Attributes:
         policies: how many there are: one, or one for each agent.
+        memory_width: how many numbers it remembers of an environment; 0: it is feed-forward.
     """
 
     def __init__(
@@ -115,6 +120,7 @@ class Student(nn.Module):
         self.numbered, self.central = agents > self.policies, agents > 1 and config.critic == "central"
         self.shared = config.shared_torso and not self.central
         sizes, team = (config.hidden_size, config.hidden_layers), Team(agents, self.policies)
+        players = team
         seen = widened(observation_space, 1, agents) if self.numbered else observation_space
         self.actor_torso = torso(seen, *sizes, generator, team)
         if self.central:
@@ -130,6 +136,10 @@ class Student(nn.Module):
         self.actor = PolicyHead(action_space, config.hidden_size, generator, self.policies)
         self.critic = linear(config.hidden_size, 1, 1.0, generator, team.policies)
         self.action_space = action_space
+        remembers = config.memory, config.hidden_size, generator
+        self.actor_memory = make_memory(*remembers, players)
+        self.critic_memory = self.actor_memory if self.shared else make_memory(*remembers, team)
+        self.memory_width = self.actor_memory.width + (0 if self.shared else self.critic_memory.width)
 
     def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False) -> Any:
         """Take back weights. Raises ValueError for some that are no numbers, RuntimeError for those of another net."""
@@ -138,23 +148,39 @@ class Student(nn.Module):
                 raise ValueError(f"the student's {name} is not finite")
         return super().load_state_dict(state_dict, strict, assign)
 
-    def forward(self, observation: Tensor) -> tuple[Policy, Tensor]:
-        """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`."""
-        observation = self.normaliser(observation)
-        features = self.actor_torso(self._numbered(observation))
-        policy = self.actor(features)
-        return policy, self.critic(features)[..., 0] if self.shared else self._value(observation)
+    def forward(self, observation: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
+        """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`.
 
-    @torch.inference_mode()
-    def value(self, observation: Tensor) -> Tensor:
-        """Return the value `[B]`, of a team `[B, A]`, alone."""
-        return self._value(self.normaliser(observation))
+        `past` says how these hang together; without it each of them is the first of an episode.
+        """
+        policy, value, _ = self._judge(observation, past)
+        return policy, value
 
-    def _value(self, observation: Tensor) -> Tensor:
+    def empty_memory(self, num_envs: int) -> Tensor:
+        """Return what it remembers of N environments whose episodes begin: `[N, memory_width]`."""
+        return torch.zeros(num_envs, self.memory_width)
+
+    def _judge(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
+        """Return the policy, the value, and what is remembered afterwards."""
+        seen, past = self.normaliser(observation), past or Past(self.empty_memory(len(observation)))
+        features, memory = self._actor_features(seen, past)
+        if self.shared:
+            return self.actor(features), self.critic(features)[..., 0], memory
+        value, critic_memory = self._value(seen, past)
+        return self.actor(features), value, torch.cat([memory, critic_memory], -1)
+
+    def _actor_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+        memory = past.memory[:, : self.actor_memory.width]
+        return self.actor_memory(self.actor_torso(self._numbered(seen)), memory, past)
+
+    def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+        memory = past.memory[:, self.memory_width - self.critic_memory.width :]
         if self.central:  # one value for all; images are laid on each other
-            observation = observation.movedim(1, -2).flatten(-2)  # [B, A * size]
-            return self.critic(self.critic_torso(observation)).expand(-1, self.agents)
-        return self.critic(self.critic_torso(self._numbered(observation)))[..., 0]
+            seen = seen.movedim(1, -2).flatten(-2)  # [B, A * size]
+            features, memory = self.critic_memory(self.critic_torso(seen), memory, past)
+            return self.critic(features).expand(-1, self.agents), memory
+        features, memory = self.critic_memory(self.critic_torso(self._numbered(seen)), memory, past)
+        return self.critic(features)[..., 0], memory
 
     def _numbered(self, observation: Tensor) -> Tensor:
         """Tell the one policy of several whom it plays for: a one-hot behind `[B, A, size]`, planes behind images."""
@@ -167,22 +193,45 @@ class Student(nn.Module):
     @cached_property  # which ones there are never changes, and asking takes long
     def parameters_apart(self) -> tuple[list[nn.Parameter], list[nn.Parameter]]:
         """Return the parameters of which each policy has a share of its own, along the first axis, and the others."""
-        parts = [self.actor_torso, self.actor] + ([] if self.central else [self.critic_torso, self.critic])
+        parts: list[nn.Module] = [self.actor_torso, self.actor_memory, self.actor]
+        parts += [] if self.central else [self.critic_torso, self.critic_memory, self.critic]
         own = {weight for part in parts for weight in part.parameters()} if self.policies > 1 else set()
         return [p for p in self.parameters() if p in own], [p for p in self.parameters() if p not in own]
 
+    # What follows takes what is remembered of each environment, `[B, memory_width]`; without it, nothing is.
+
     @torch.inference_mode()
-    def act(self, observation: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
-        """Draw actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`."""
-        policy, value = self(observation)
+    def value(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
+        """Return the value `[B]`, of a team `[B, A]`, alone."""
+        memory = self.empty_memory(len(observation)) if memory is None else memory
+        return self._value(self.normaliser(observation), Past(memory))[0]
+
+    @torch.inference_mode()
+    def act(
+        self, observation: Tensor, generator: torch.Generator, memory: Tensor | None = None
+    ) -> tuple[Tensor, Tensor, Tensor]:
+        """Draw actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`.
+
+        `memory` is brought up to date.
+        """
+        policy, value, remembered = self._judge(observation, None if memory is None else Past(memory))
+        if memory is not None:
+            memory.copy_(remembered)
         action = policy.sample(generator)
         return action, policy.log_prob(action), value
 
     @torch.inference_mode()
-    def play(self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False) -> np.ndarray:
-        """Return the actions to send to the environments, for observations as they come from them."""
+    def play(
+        self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False, memory: Tensor | None = None
+    ) -> np.ndarray:
+        """Return the actions to send to the environments, for observations as they come from them.
+
+        Of `memory` only what the actor remembers is brought up to date.
+        """
+        memory = self.empty_memory(len(observation)) if memory is None else memory
         seen = self.normaliser(torch.as_tensor(observation, dtype=torch.float32))
-        policy = self.actor(self.actor_torso(self._numbered(seen)))
+        features, memory[:, : self.actor_memory.width] = self._actor_features(seen, Past(memory))
+        policy = self.actor(features)
         return self.to_environment(policy.mode() if greedy else policy.sample(generator))
 
     def to_environment(self, action: Tensor) -> np.ndarray:
@@ -211,3 +260,30 @@ def widened(space: Space, times: int, more: int) -> Space:
         return space  # `torso` says why not
     shape = (*space.shape[:-1], times * space.shape[-1] + more)
     return Box(float(space.low.min()), float(space.high.max()), shape, space.dtype.type)
+
+
+class Player:
+    """A student that plays episodes in a batch of environments, and remembers each of them.
+
+    Args:
+        student: what plays: a `Student`, or anything with its `play` and `empty_memory`.
+        generator: what actions are drawn from.
+        greedy: the most likely actions are taken.
+    """
+
+    def __init__(self, student: Student, generator: torch.Generator, greedy: bool = False) -> None:
+        self.student, self.generator, self.greedy = student, generator, greedy
+        self.memory = student.empty_memory(0)  # [N, memory_width]
+
+    def __call__(self, observation: np.ndarray) -> np.ndarray:
+        """Return actions for observations `[N, ...]`; another number of environments than before begins anew."""
+        if len(self.memory) != len(observation):
+            self.memory = self.student.empty_memory(len(observation))
+        return self.student.play(observation, self.generator, self.greedy, self.memory)
+
+    def begin(self, where: np.ndarray | None = None) -> None:
+        """Forget what was in the environments `where` bool `[N]`, for an episode begins there; None: in all."""
+        if where is None:
+            self.memory[:] = 0.0
+        else:
+            self.memory[torch.as_tensor(where)] = 0.0

@@ -47,7 +47,7 @@ class RolloutWorker(Resumable):
         on_episode_end: supplies the levels; see `OnEpisodeEnd`.
     """
 
-    state_fields = ("training", "generator", "returns", "lengths", "env_steps")
+    state_fields = ("training", "generator", "returns", "lengths", "memory", "env_steps")
 
     def __init__(
         self,
@@ -60,7 +60,9 @@ class RolloutWorker(Resumable):
         self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
         upomdp.next_levels = None
         spaces = upomdp.agent_observation_space, upomdp.agent_action_space
-        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, upomdp.num_agents, upomdp.paid_apart)
+        self.memory = torch.zeros(upomdp.num_envs, 0) if student is None else student.empty_memory(upomdp.num_envs)
+        agents = upomdp.num_agents, upomdp.paid_apart
+        self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, *agents, self.memory.shape[1])
         self.observation: np.ndarray | None = None  # until `start`
         self.training = np.ones(upomdp.num_envs, bool)  # [N] where the student learns from what it does
         self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
@@ -78,6 +80,11 @@ class RolloutWorker(Resumable):
             self.tape.begin(np.arange(len(records)), records["id"])
         self.returns[:] = 0.0
         self.lengths[:] = 0
+        self.memory[:] = 0.0
+
+    def begin(self) -> None:
+        """Begin a rollout: note what the student remembers of the open episodes."""
+        self.rollout.memory.copy_(self.memory)
 
     def step(self, t: int) -> None:
         """Take step t of the rollout in all environments."""
@@ -107,7 +114,7 @@ class RolloutWorker(Resumable):
         if self.student is None:
             space = self.upomdp.agent_action_space
             return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
-        action, log_prob, value = self.student.act(self.rollout.observation[t], self.generator)
+        action, log_prob, value = self.student.act(self.rollout.observation[t], self.generator, self.memory)
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
         return self.student.to_environment(action)
 
@@ -116,13 +123,15 @@ class RolloutWorker(Resumable):
         self.rollout.final_value[t] = 0.0
         if cut.any() and self.student is not None:
             final = torch.as_tensor(np.asarray(info["final_obs"])[cut], dtype=torch.float32)
-            self.rollout.final_value[t, torch.as_tensor(cut)] = self.student.value(final)
+            where = torch.as_tensor(cut)
+            self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
     def _end_episodes(self, ended: np.ndarray, info: dict[str, Any]) -> None:
         returns = self.returns[ended]
         self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
+        self.memory[torch.as_tensor(ended)] = 0.0
         began = perf_counter()
         envs, records = self.on_episode_end(ended, returns, successes(info, ended, returns))
         self.seconds["levels"] += perf_counter() - began
@@ -140,7 +149,7 @@ class RolloutWorker(Resumable):
         """Close the rollout: value what comes after its last step."""
         if self.student is not None:
             last = torch.as_tensor(self.observation, dtype=torch.float32)
-            self.rollout.last_value[:] = self.student.value(last)
+            self.rollout.last_value[:] = self.student.value(last, self.memory)
 
     def pop_episodes(self) -> Episodes:
         """Return the episodes that ended since the last call."""
@@ -169,20 +178,22 @@ class RolloutWorker(Resumable):
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` returned. Raises ValueError if it is of another number of environments."""
-        super().load_state_dict(state)
-        for name in ("training", "returns", "lengths"):
-            if getattr(self, name).shape != (self.upomdp.num_envs,):
+        super().load_state_dict({"memory": self.memory} | state)  # those of before there were any have none
+        for name in ("training", "returns", "lengths", "memory"):
+            if len(getattr(self, name)) != self.upomdp.num_envs:
                 raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
             self.observation, _ = self.upomdp.reset_to_levels(state["levels"])
-            self.returns[:], self.lengths[:] = 0.0, 0
+            self.returns[:], self.lengths[:], self.memory[:] = 0.0, 0, 0.0
         else:
             self.observation = self.upomdp.set_state(state["upomdp"])
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
     """Fill the workers' rollouts, one step of each in turn."""
+    for worker in workers:
+        worker.begin()
     for t in range(len(workers[0].rollout.reward)):
         for worker in workers:
             worker.step(t)
