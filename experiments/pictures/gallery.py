@@ -121,6 +121,7 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
         return None
     return {
         "bounds": painter.bounds,
+        "reach": painter.reach,
         "background": painter.background,
         "line": painter.line_colour,
         "lines": [np.round(strip, 2).tolist() for strip in painter.lines()],
@@ -137,14 +138,15 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[tuple[str, str
         if (row["update"], row["id"]) not in shown:
             continue
         replay = Replay.of_row(row, stage.env)
-        frames, returns = stage.play(replay)
-        alike = came_out_alike(replay, returns)
+        played = stage.play(replay)
+        frames, alike = played.frames, came_out_alike(replay, played.returns)
         otherwise += not alike
         if stage.painter is not None:
             film: Any = _pack(np.array(frames))
         else:
             film = [_image(frame) for frame in _spread(frames, MOST_IMAGES)]
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
+        said["begins"] = played.begins
         told.setdefault(f"{replay.update}/{replay.id}", {})[replay.student] = said
     return told, otherwise
 

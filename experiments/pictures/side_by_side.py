@@ -120,4 +120,4 @@ def _layout(pairs: Sequence[SideBySide]) -> Any:
 
 def _view(number: int, pair: SideBySide, side: str) -> Any:
     paths = f"/scene/{number}/ground", f"/scene/{number}/{side}/**"
-    return plane_view(pair.painter.bounds, pair.painter.background, side.capitalize(), *paths)
+    return plane_view(pair.painter.reach, pair.painter.background, side.capitalize(), *paths)

@@ -57,6 +57,7 @@ class MixedPainter:
         ends = np.array([painter.bounds for painter in painters])  # [K, 4]
         low, high = ends.min(0), ends.max(0)
         self.bounds = (float(low[0]), float(high[1]), float(low[2]), float(high[3]))
+        self.reach = first.reach
         kinds = range(len(self.markers))
         counts = [max(int((painter.classes == kind).sum()) for painter in painters) for kind in kinds]
         self.classes = np.repeat(kinds, counts)

@@ -20,7 +20,7 @@ from experiments.run.table import read_columns
 from experiments.run.tasks import TaskScene
 from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
-from ued.recorder.scene_log import Episode, titles
+from ued.recorder.scene_log import Episodes, titles
 
 MAX_FRAMES = 400  # of the episodes on a level that are shown
 
@@ -92,10 +92,15 @@ class RunRecorder:
         assert update.levels is not None and self.recorder is not None
         named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
         for replay in kept:
-            frames, returns = self.stage.play(replay)
-            episode = Episode(np.array(frames[:MAX_FRAMES]), self.stage.step_seconds, "")
+            played = self.stage.play(replay)
             said = ", ".join(f"{value:+.2f}" for value in replay.returns)
             text = f"{replay.student} in update {update.number} on {named[replay.id]}: returns {said}"
-            if not replays.came_out_alike(replay, returns):
+            if not replays.came_out_alike(replay, played.returns):
                 text += "; played again they came out otherwise: the environment draws more than its seed says"
-            self.recorder.episode(replay.student, update.number, update.env_steps, episode._replace(outcome=text))
+            episodes = Episodes(
+                np.array(played.frames[:MAX_FRAMES]),
+                [begin for begin in played.begins if begin < MAX_FRAMES],
+                self.stage.step_seconds,
+                text,
+            )
+            self.recorder.episodes(replay.student, update.number, update.env_steps, episodes)

@@ -10,7 +10,7 @@ import base64
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,6 +89,21 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
     return found
 
 
+class Played(NamedTuple):
+    """A level's episodes, played again.
+
+    Attributes:
+        frames: of all, one after the other: places `[K, 2]` in metres, or images uint8 `[height, width, 3]`; none where
+            nothing can be shown.
+        begins: which of these each episode begins with.
+        returns: of the episodes that came to their end `[n]`, n at most as many as there were.
+    """
+
+    frames: list[np.ndarray]
+    begins: list[int]
+    returns: np.ndarray
+
+
 class Stage:
     """An environment of one in which levels are played again, and what is shown of it.
 
@@ -102,14 +117,10 @@ class Stage:
         self.env, self.painter = env, painter
         self.step_seconds = 1 / (env.metadata.get("render_fps") or 1 / STEP_SECONDS)
 
-    def play(self, replay: Replay) -> tuple[list[np.ndarray], np.ndarray]:
-        """Play a level's episodes again; return the frames of all, one after the other, and the returns `[n]`.
-
-        A frame is places `[K, 2]` in metres, or an image uint8 `[height, width, 3]`; there are none where nothing can
-        be shown. Returns are those of the episodes that came to their end, as many as there were at most.
-        """
+    def play(self, replay: Replay) -> Played:
+        """Play a level's episodes again."""
         self.env.reset_to_levels(replay.level)
-        frames, returns, total = [self._frame()], list[float](), 0.0
+        frames, begins, returns, total = [self._frame()], [0], list[float](), 0.0
         for action in replay.actions:
             _, reward, terminated, truncated, _ = self.env.step(np.asarray(action)[None])
             total += float(reward[0])
@@ -118,8 +129,10 @@ class Stage:
                 total = 0.0
                 if len(returns) == len(replay.returns):
                     break
+                begins.append(len(frames))
             frames.append(self._frame())
-        return [frame for frame in frames if frame is not None], np.array(returns)
+        shown = [frame for frame in frames if frame is not None]
+        return Played(shown, begins if shown else [], np.array(returns))
 
     def _frame(self) -> np.ndarray | None:
         """Return what is shown of the environment as it stands."""

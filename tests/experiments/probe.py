@@ -73,7 +73,7 @@ def batch(update: int, rng: np.random.Generator, levels: int = 32) -> LevelBatch
 class ProbePainter:
     """A meadow with a hedge; a level is a walker and a tree."""
 
-    bounds = (-60.0, 60.0, -40.0, 40.0)
+    bounds = reach = (-60.0, 60.0, -40.0, 40.0)
     background = (24, 58, 36)
     line_colour = (214, 226, 214)
     markers = (("walker", (66, 165, 245), 1.2), ("tree", (239, 83, 80), 1.5))
@@ -87,7 +87,7 @@ class ProbePainter:
         walker = theta[:, :2] * (50.0, 30.0)
         return np.stack([walker, walker + (5.0, 0.0)], 1)
 
-    def scope(self, upomdp):
+    def frame(self, upomdp):
         return self.positions(upomdp.levels["theta"])[0]
 
 

@@ -21,7 +21,8 @@ import ued
 from ued.probes import Frontier
 
 class Ground:
-    bounds, background, line_colour = (0.0, 4.0, 0.0, 2.0), (20, 20, 20), (200, 200, 200)
+    bounds = reach = (0.0, 4.0, 0.0, 2.0)
+    background, line_colour = (20, 20, 20), (200, 200, 200)
     markers, classes, focus = [("walker", (255, 0, 0), 0.2)], np.array([0]), 0
 
     def lines(self):
@@ -68,8 +69,9 @@ def test_every_row_plays_the_very_episodes_again(run):
     for row in rows:
         replay = Replay.of_row(row, stage.env)
         assert {name: str(value) for name, value in replay.row().items()} == row
-        frames, returns = stage.play(replay)
+        frames, begins, returns = stage.play(replay)
         assert came_out_alike(replay, returns) and 1 < len(frames) <= len(replay.actions)
+        assert begins[0] == 0 and len(begins) == len(returns) and all(frames[k][0, 0] == 0 for k in begins)
         level = told[row["update"], row["id"]]
         assert abs(float(level[f"return/{row['student']}"]) - returns.mean()) < 1e-4
         assert str(replay.level["seed"][0]) == level["seed"]

@@ -13,7 +13,7 @@ from ued.config import BufferConfig
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.recorder import CurriculumRecorder, Recording
-from ued.recorder.scene_log import Episode
+from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
 from ued.upomdp import level_dtype
 
@@ -72,7 +72,7 @@ def recorded(tmp_path_factory):
         if update % 15 == 0:
             for student in levels.returns:
                 walk = np.cumsum(rng.normal(0.3, 0.3, (12, 2, 2)), 0)
-                recorder.episode(student, update, update * 1000, Episode(walk, 0.1, "return +1.00"))
+                recorder.episodes(student, update, update * 1000, Episodes(walk, [0, 7], 0.1, "return +1.00"))
             recorder.level_buffer(10, filled_buffer())
             recorder.event("collapse", "all levels are alike")
         if update == 20:

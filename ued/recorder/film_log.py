@@ -9,7 +9,7 @@ import numpy as np
 import rerun
 
 from ued.levels.batch import LevelBatch
-from ued.recorder.scene_log import Episode
+from ued.recorder.scene_log import Episodes
 
 MOST_FRAMES = 100  # of an episode; of longer ones every second, third ... is kept
 QUALITY = 80  # of JPEG
@@ -30,16 +30,16 @@ class FilmLog:
     def record(self, batch: LevelBatch) -> None:
         """Do nothing: likewise."""
 
-    def record_path(self, student: str, episode: Episode) -> None:
-        """Write how an episode began, and what came of it."""
-        if len(episode.positions):
-            self.stream.log(f"film/{student}", rerun.Image(episode.positions[0]).compress(QUALITY))
-        self.stream.log(f"film_outcome/{student}", rerun.TextDocument(episode.outcome))
+    def record_path(self, student: str, episodes: Episodes) -> None:
+        """Write how episodes began, and what came of them."""
+        if len(episodes.positions):
+            self.stream.log(f"film/{student}", rerun.Image(episodes.positions[0]).compress(QUALITY))
+        self.stream.log(f"film_outcome/{student}", rerun.TextDocument(episodes.outcome))
 
-    def record_movie(self, student: str, began: float, episode: Episode) -> None:
-        """Write the frames of an episode on `movie` alone, from second `began`."""
-        every = -(-len(episode.positions) // MOST_FRAMES) or 1
-        for step in range(0, len(episode.positions), every):
+    def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
+        """Write the frames of episodes on `movie` alone, from second `began`."""
+        every = -(-len(episodes.positions) // MOST_FRAMES) or 1
+        for step in range(0, len(episodes.positions), every):
             self.stream.reset_time()
-            self.stream.set_time("movie", duration=began + step * episode.step_seconds)
-            self.stream.log(f"film/{student}", rerun.Image(episode.positions[step]).compress(QUALITY))
+            self.stream.set_time("movie", duration=began + step * episodes.step_seconds)
+            self.stream.log(f"film/{student}", rerun.Image(episodes.positions[step]).compress(QUALITY))

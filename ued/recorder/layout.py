@@ -31,7 +31,8 @@ DARK: Colour = (12, 12, 14)
 class ScenePainter(Protocol):
     """What a domain tells the recorder of its looks. Places are in metres, +y up."""
 
-    bounds: tuple[float, float, float, float]  # x low, x high, y low, y high
+    bounds: tuple[float, float, float, float]  # of where levels are: x low, x high, y low, y high
+    reach: tuple[float, float, float, float]  # of where things get while a level is played, likewise
     background: Colour
     line_colour: Colour
     markers: Sequence[tuple[str, Colour, float]]  # by class: name, colour, radius (m)
@@ -161,7 +162,10 @@ def _levels(painter: ScenePainter) -> Any:
 
 
 def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
-    views = [_scene(painter, name.capitalize(), f"/scene/rollout/{name}/**") for name in students]
+    views = [
+        plane_view(painter.reach, painter.background, name.capitalize(), "/scene/ground", f"/scene/rollout/{name}/**")
+        for name in students
+    ]
     return rrb.Horizontal(*views, name="Rollouts")
 
 

@@ -7,7 +7,7 @@ environments render (`/film/<student>`) in the place of `/scene`. What it writes
     /scene/heat/map                  where the recent levels put the painter's focus
     /scene/batch                     the focus of each level of this update, coloured by score
     /scene/levels/<slot>/...         the levels with the highest score, one per slot
-    /scene/rollout/<student>/path    a recorded episode, whole, on timeline `update`
+    /scene/rollout/<student>/path    what a student did on a level, whole, on timeline `update`
     /scene/rollout/<student>/now     the same, moving, on timeline `movie`
     /metrics/<name>                  every metric of the method; returns and score with a band of one deviation
     /theta/<name>/...                quantiles and histogram of each column of θ
@@ -40,7 +40,7 @@ from ued.recorder import buffer_log
 from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import ScenePainter, layout
-from ued.recorder.scene_log import Episode, SceneLog, by_score
+from ued.recorder.scene_log import Episodes, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
 from ued.upomdp import Parameter
@@ -109,12 +109,12 @@ class CurriculumRecorder:
         if self._opened and update % buffer_log.EVERY == 0:
             self.buffer.record(buffer)
 
-    def episode(self, student: str, update: int, env_steps: int, episode: Episode) -> None:
-        """Write an episode of a student: its whole path on `update`, its points moving on `movie`."""
+    def episodes(self, student: str, update: int, env_steps: int, episodes: Episodes) -> None:
+        """Write episodes of a student: their whole paths on `update`, points moving on `movie`."""
         if self._opened:
             self._at(update, env_steps)
-            self.scenes.record_path(student, episode)
-            self.scenes.record_movie(student, update * MOVIE_SECONDS, episode)
+            self.scenes.record_path(student, episodes)
+            self.scenes.record_movie(student, update * MOVIE_SECONDS, episodes)
             self._at(update, env_steps)
 
     def event(self, kind: str, text: str) -> None:

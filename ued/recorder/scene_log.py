@@ -5,6 +5,7 @@ Read next: `recorder.layout`, how the viewer arranges them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,15 +18,21 @@ from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
+END_SIZE = 0.55  # of the points at which an episode ended, beside those at which it began
 
 
-class Episode(NamedTuple):
-    """One recorded episode: points `[T, K, 2]`, seconds between them, and what came of it in a word.
+class Episodes(NamedTuple):
+    """What a student did on a level, one episode after the other.
 
-    Without a painter the points are images instead, uint8 `[T, height, width, 3]`, or none.
+    Attributes:
+        positions: points `[T, K, 2]`; without a painter images, uint8 `[T, height, width, 3]`, or none.
+        begins: the frames with which episodes begin, 0 first.
+        step_seconds: between two frames.
+        outcome: what came of them, in a sentence.
     """
 
     positions: np.ndarray
+    begins: Sequence[int]
     step_seconds: float
     outcome: str
 
@@ -82,31 +89,35 @@ class SceneLog:
         self.stream.log("scene/batch", dots)
         self.stream.log("scene/heat/map", self._heat_image())
 
-    def record_path(self, student: str, episode: Episode) -> None:
-        """Write the whole path of a student's episode."""
-        root, places = f"scene/rollout/{student}/path", episode.positions
-        paths = rerun.LineStrips2D(list(places.transpose(1, 0, 2)), colors=self._colours, radii=0.2)
-        self.stream.log(f"{root}/lines", paths)
-        self.stream.log(f"{root}/start", self._points(places[0]))
-        self.stream.log(f"{root}/outcome", self._note_above(episode.outcome))
+    def record_path(self, student: str, episodes: Episodes) -> None:
+        """Write the whole paths of a student's episodes, where all began and where each ended."""
+        root, parts = f"scene/rollout/{student}/path", np.split(episodes.positions, episodes.begins[1:])
+        strips = [strip for part in parts for strip in part.transpose(1, 0, 2)]
+        colours = np.tile(self._colours, (len(parts), 1))
+        self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colours, radii=0.2))
+        self.stream.log(f"{root}/start", self._points(parts[0][0]))
+        ends = np.concatenate([part[-1] for part in parts])
+        radii = np.tile(self._radii * END_SIZE, len(parts))
+        self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
+        self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome))
 
-    def record_movie(self, student: str, began: float, episode: Episode) -> None:
+    def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on `movie` alone, from second `began`: on `update` the last step would hide them."""
-        root, (steps, points) = f"scene/rollout/{student}/now", episode.positions.shape[:2]
-        seconds = began + np.arange(steps) * episode.step_seconds  # [T]
+        root, (steps, points) = f"scene/rollout/{student}/now", episodes.positions.shape[:2]
+        seconds = began + np.arange(steps) * episodes.step_seconds  # [T]
         lengths = np.full(steps, points)
         self.stream.send_columns(
             root,
             [rerun.TimeColumn("movie", duration=seconds)],
             [
-                *rerun.Points2D.columns(positions=episode.positions.reshape(-1, 2)).partition(lengths),
+                *rerun.Points2D.columns(positions=episodes.positions.reshape(-1, 2)).partition(lengths),
                 *rerun.Points2D.columns(class_ids=np.tile(self.painter.classes, steps)).partition(lengths),
                 *rerun.Points2D.columns(radii=np.tile(self._radii, steps)).partition(lengths),
                 *rerun.Points2D.columns(show_labels=[False] * steps),
             ],
         )
         self.stream.reset_time()
-        self.stream.set_time("movie", duration=float(seconds[-1] + episode.step_seconds))
+        self.stream.set_time("movie", duration=float(seconds[-1] + episodes.step_seconds))
         self.stream.log(root, rerun.Clear(recursive=True))
 
     def _points(self, places: np.ndarray) -> Any:

@@ -73,11 +73,13 @@ class FootballPainter:
         focus: the point that stands for a level: the program's ego.
         bounds: x low, x high, y low, y high in metres: what matters of the right half if everybody but the left keeper
             starts there, else the whole pitch.
+        reach: the whole pitch, likewise.
     """
 
     background = GRASS
     line_colour = CHALK
     markers: Sequence[tuple[str, Colour, float]] = MARKERS
+    reach = (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
 
     def __init__(self, lineup: Lineup) -> None:
         self._lineup = lineup
@@ -93,11 +95,11 @@ class FootballPainter:
             reach = min(max(np.abs(field[..., 1]).max(), BOX_HALF_WIDTH) + 2 * MARGIN, HALF_WIDTH + MARGIN)
             self.bounds = (-MARGIN, HALF_LENGTH + MARGIN, -reach, reach)
         else:
-            self.bounds = (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
+            self.bounds = self.reach
 
     def lines(self) -> list[np.ndarray]:
-        """Return the markings of the pitch, those of the half that is shown."""
-        return [strip for strip in pitch_lines() if self.bounds[0] < -MARGIN or (strip[:, 0] >= 0).any()]
+        """Return the markings of the pitch."""
+        return pitch_lines()
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the places in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
