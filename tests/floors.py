@@ -74,6 +74,7 @@ FLOORS = {
         "task",
         "policy",  # a trained student, elsewhere
         "sb3",  # for Stable-Baselines3
+        "torchrl",  # for TorchRL
     ),
     "experiments": (
         "run",

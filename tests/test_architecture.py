@@ -36,6 +36,7 @@ EXCEPTIONS = {
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},
     "ued/sb3.py": {"ued", "numpy", "stable_baselines3"},
+    "ued/torchrl.py": {"ued", "numpy", "gymnasium", "torch", "torchrl", "tensordict"},
     "ued/recorder/film_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/scene_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/theta_log.py": {"ued", "numpy", "rerun"},

@@ -16,6 +16,7 @@ SHORT = {
     "maze.py": ["--env-steps", "4096"],
     "hopper.py": ["--env-steps", "4096", "--out", "run"],
     "highway.py": ["--env-steps", "512", "--out", "run"],
+    "with_rllib.py": ["--env-steps", "2048"],
 }
 SAYS = {
     "cleanrl_style.py": "buffer",
@@ -25,17 +26,18 @@ SAYS = {
     "maze.py": "4096 env_steps",
     "hopper.py": "mars, loaded",
     "highway.py": "rush hour",
+    "with_rllib.py": "env_steps, mean return",
 }
 
 
-NEEDS = {"hopper.py": "mujoco", "highway.py": "highway_env"}
+NEEDS = {"hopper.py": "mujoco", "highway.py": "highway_env", "with_rllib.py": "ray.rllib"}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SHORT)
 def test_an_example_runs(name, tmp_path):
     if name in NEEDS:
-        pytest.importorskip(NEEDS[name])
+        pytest.importorskip(NEEDS[name], reason=f"the example needs {NEEDS[name]}")
     command = [sys.executable, str(ROOT / "examples" / name), *SHORT[name]]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     found = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300)

@@ -1,4 +1,4 @@
-"""Stock clients take a batch of ours as it is: Gymnasium's wrappers, Stable-Baselines3, CleanRL's way of counting."""
+"""Stock clients take a batch of ours as it is: Gymnasium's wrappers, Stable-Baselines3, TorchRL, CleanRL's loop."""
 
 import subprocess
 import sys
@@ -6,6 +6,7 @@ import sys
 import gymnasium
 import numpy as np
 import pytest
+import torch
 from gymnasium.vector import AutoresetMode
 
 from ued import GymUPOMDP
@@ -20,6 +21,13 @@ def cartpole(num_envs=4):
     return GymUPOMDP(
         lambda: gymnasium.make("CartPole-v1", render_mode="rgb_array"), put, {"length": (0.2, 2)}, num_envs
     )
+
+
+def pendulum():
+    def gravity(env, values):
+        env.unwrapped.g = values["gravity"]
+
+    return GymUPOMDP(lambda: gymnasium.make("Pendulum-v1"), gravity, {"gravity": (5, 15)}, 4)
 
 
 def test_the_batch_says_how_it_resets_and_tells_the_last_info():
@@ -56,6 +64,88 @@ def test_episodes_are_counted_as_cleanrl_counts_them():
             lengths += running[ended].tolist()
             running[ended] = 0
     assert len(found) > 10 and found == lengths
+
+
+def as_cleanrl_plays(envs, steps):
+    """Make the calls that the loop of CleanRL's ppo.py makes; return the returns and lengths that it finds."""
+    torch.manual_seed(0)
+    envs = gymnasium.wrappers.vector.RecordEpisodeStatistics(envs)
+    assert isinstance(envs.single_action_space, gymnasium.spaces.Discrete)
+    actor = torch.nn.Linear(np.array(envs.single_observation_space.shape).prod(), int(envs.single_action_space.n))
+    obs = torch.zeros((steps, envs.num_envs) + envs.single_observation_space.shape)
+    rewards, dones = torch.zeros(2, steps, envs.num_envs)
+    next_obs, _ = envs.reset(seed=1)
+    next_obs, next_done, episodes = torch.Tensor(next_obs), torch.zeros(envs.num_envs), []
+    for step in range(steps):
+        obs[step], dones[step] = next_obs, next_done
+        action = torch.distributions.Categorical(logits=actor(next_obs)).sample()
+        next_obs, reward, terminations, truncations, infos = envs.step(action.cpu().numpy())
+        next_done = np.logical_or(terminations, truncations)
+        rewards[step] = torch.tensor(reward).view(-1)
+        next_obs, next_done = torch.Tensor(next_obs), torch.Tensor(next_done)
+        if "final_info" in infos:
+            ended = infos["_episode"]
+            assert (ended == infos["_final_info"]).all() and (ended == next_done.numpy()).all()
+            episodes += zip(infos["episode"]["r"][ended].tolist(), infos["episode"]["l"][ended].tolist(), strict=True)
+    envs.close()
+    assert rewards.sum() == steps * envs.num_envs and dones[1:].sum() + next_done.sum() == len(episodes)
+    return episodes
+
+
+def test_the_loop_of_cleanrl_finds_in_a_batch_what_it_finds_in_gymnasiums_own():
+    env = cartpole()
+    env.next_levels = env.sample_levels
+    same_step = {"autoreset_mode": AutoresetMode.SAME_STEP}
+    for envs in (env, gymnasium.make_vec("CartPole-v1", 4, "sync", vector_kwargs=same_step)):
+        episodes = as_cleanrl_plays(envs, 150)
+        assert len(episodes) > 5 and all(returned == length for returned, length in episodes)
+
+
+@pytest.mark.parametrize("make", [cartpole, pendulum, lambda: Frontier(4, longest=3)])
+def test_a_batch_is_torchrls_environment(make):
+    pytest.importorskip("torchrl")
+    from torchrl.envs import check_env_specs
+
+    from ued.torchrl import TorchRLEnv
+
+    env = TorchRLEnv(make())
+    env.set_seed(0)
+    check_env_specs(env)
+    assert env.batch_size == (4,)
+
+
+def test_torchrl_sees_whole_episodes_each_on_its_level():
+    pytest.importorskip("torchrl")
+    from ued.torchrl import TorchRLEnv
+
+    env = TorchRLEnv(Frontier(4, longest=3))
+    env.set_seed(0)
+    played = env.rollout(40, break_when_any_done=False)
+    length, place = env.upomdp.length, played["observation"][..., :3].argmax(-1)
+    done, theta = played["next", "done"][..., 0], played["theta"]
+    steps = torch.as_tensor(length(theta.flatten(0, 1).numpy())).view(4, 40)
+    assert (done == (place + 1 == steps)).all() and 40 < done.sum() < 160  # a path ends where its level says
+    assert (place[:, 1:][done[:, :-1]] == 0).all()  # and the next one begins at its start
+    assert (theta == played["next", "theta"]).all()
+    assert (theta[:, 1:][done[:, :-1]] != theta[:, :-1][done[:, :-1]]).all()  # on another level
+    last = played["next", "observation"][..., -1]
+    torch.testing.assert_close(last * 3, steps.float())  # the last observation is of the episode that ended
+
+
+def test_torchrl_resets_some_environments_and_plays_no_team():
+    pytest.importorskip("torchrl")
+    from test_team import Roles
+
+    from ued.torchrl import TorchRLEnv
+
+    env = TorchRLEnv(Frontier(4, longest=3, blocked_above=1.0))
+    env.set_seed(0)
+    begun, some = env.reset(), torch.tensor([[True], [False], [True], [False]])
+    before = begun["theta"].clone()
+    after = env.reset(begun.set("_reset", some))["theta"]
+    assert ((before != after).all(1, keepdim=True) == some).all()
+    with pytest.raises(ValueError, match="plays one agent, the environments have 3"):
+        TorchRLEnv(Roles(4))
 
 
 def test_stable_baselines_trains_on_a_batch():
