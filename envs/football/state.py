@@ -141,6 +141,7 @@ PLAYER_FIELDS: Table = (
     ("slot_place_y", REAL, (), "m", ""),
     ("place_x", REAL, (), "m", "where he wants to be without the ball, from one decision to the next"),
     ("place_y", REAL, (), "m", ""),
+    ("place_step", COUNT, (), "steps", "the last in which he wanted to be there, not at the ball"),
     ("mean_speed", REAL, (), "m/s", "averaged over the last seconds: who has run for long runs less"),
     ("marked_opponent", WHO, (), "", "opponent whom he marks, -1 none"),
 )

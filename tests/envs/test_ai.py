@@ -11,8 +11,10 @@ from pitch import OPEN, play, position, take_over
 from envs.football.ai.decide import choose_command
 from envs.football.ai.defence import wins_race
 from envs.football.ai.formation import formation_slots
-from envs.football.constants import CB, CF, CM, GK, LEFT, NOBODY, RIGHT, SHOT
+from envs.football.config import FootballConfig
+from envs.football.constants import CB, CF, CM, GK, LEFT, NOBODY, POSSESSION, RIGHT, SHOT
 from envs.football.kick_off import MatchConfig
+from envs.football.vector_env import FootballVectorEnv
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
 FOUR = [(-20.0, -8.0, LEFT, CB), (-20.0, 8.0, LEFT, CB), (-8.0, 0.0, LEFT, CM), (-2.0, 3.0, LEFT, CF)]
@@ -193,3 +195,22 @@ def test_any_number_of_players_plays(sizes: tuple[int, int]) -> None:
     play(matches, [0] * 300)
     assert np.all(np.isfinite(matches["players"]["x"][:, : sum(sizes)]))
     assert np.all(matches["fault"] == 0)
+
+
+def test_a_back_who_comes_too_late_gives_the_ball_up_before_its_first_touch():
+    """In the real engine he turns as soon as the ball is near its man, and wins it within 13 steps in 24 of 24."""
+    scene = """
+param end_episode_on_possession_change = True
+ego = LeftCB at 70 @ 30
+LeftCF at 70 @ 0
+Ball at 70 @ 28
+RightCB at 75 @ 30
+RightGK at 99 @ 0
+LeftGK at -99 @ 0
+"""
+    env = FootballVectorEnv(scene, 32, config=FootballConfig(control="1"))
+    env.reset(seed=0)
+    lost = np.zeros(32, bool)
+    for key in [6] * 5 + [17] + [6] * 8:
+        lost |= env.step(np.full(32, key))[4]["ended"] == POSSESSION
+    assert lost.mean() > 0.7

@@ -16,7 +16,7 @@ from envs.football.ai.positions import take_position
 from envs.football.ai.run_speed import REACTION, reaction_time
 from envs.football.ai.support import choose_runners
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.physics.possession import first_at_ball
+from envs.football.physics.possession import first_at_ball, owns
 from envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -99,8 +99,14 @@ def unaware_of_kick(match, player):
 
 @kernel
 def goes_for_free_ball(match, i):
-    """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents."""
+    """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents.
+
+    Where an opponent is already so near it that he could be said to own it, touched or not, he has to be sooner.
+    """
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
+        return False
+    rival = match.chaser[1 - team]
+    if rival != NOBODY and match.arrival[team] >= match.arrival[1 - team] and owns(match.ball, match.players[rival]):
         return False
     return match.arrival[team] < LATE_SHARE * match.arrival[1 - team] + LATE

@@ -33,12 +33,16 @@ CHOSEN_EVERY = 4  # steps; who chooses when is staggered by shirts
 
 @kernel
 def take_position(match, i):
-    """Head for the place that was chosen last, choosing anew every few steps; who marks the carrier always."""
+    """Head for the place that was chosen last, choosing anew every few steps; who marks the carrier always, and who has
+    just given up the ball at once.
+    """
     player = match.players[i]
     rival = man_on_ball(match, 1 - player.team)
     on_carrier = player.marked_opponent != NOBODY and player.marked_opponent == match.carrier
-    if match.step <= 1 or on_carrier or (match.step + player.shirt) % CHOSEN_EVERY == 0:
+    is_back = player.place_step < match.step - 1
+    if match.step <= 1 or on_carrier or is_back or (match.step + player.shirt) % CHOSEN_EVERY == 0:
         choose_place(match, i)
+    player.place_step = match.step
     if on_carrier and run_round(player, match.players[match.carrier], player.place_x, player.place_y):
         return
     head_for(match, player, player.place_x, player.place_y, match.players[rival if rival != NOBODY else i])
