@@ -118,7 +118,7 @@ class Reader:
             runpy.run_path(words[1], run_name="__main__")
 
 
-def train_here(runs, processes, stop):
+def train_here(runs, most, stop, launcher):
     for run in runs:
         with run.locked():
             train.train(run, stop)

@@ -25,7 +25,7 @@ from experiments.run.folder import RunFolder
 from experiments.run.report import Report
 from experiments.run.results import unique
 from experiments.run.signals import StopRequest
-from experiments.run.workers import train_unfinished
+from experiments.run.workers import LaunchConfig, train_unfinished
 from ued.config import Checked, setting
 
 DESCRIPTION = (
@@ -49,10 +49,10 @@ class CompareConfig(Checked):
     episodes: int = setting(500, "whole episodes on each test scene after training", ">=1")
     levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
-    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
 
     def __post_init__(self) -> None:
@@ -71,9 +71,8 @@ def main(argv: Sequence[str]) -> int:
     # Before there are several processes: this compiles the kernels
     scenes = EvalScenes(runs[0].config, programs, config.episodes)
     with StopRequest() as stop:
-        train_unfinished(runs, config.processes, stop)
-    if stop:
-        print("continue with the same command: finished runs are kept")
+        trained = train_unfinished(runs, config.launch, stop)
+    if not trained:
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs)

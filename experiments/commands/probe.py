@@ -11,23 +11,24 @@ Read next: `ued.probes`, the levels; `ued.methods`, the methods.
 from __future__ import annotations
 
 import csv
-import os
+import json
 from collections.abc import Sequence
 from concurrent.futures import as_completed
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from experiments.pictures import plots, results_page
 from experiments.run import arguments, build
 from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
+from experiments.run.config import TrainConfig, to_dict
+from experiments.run.errors import DAMAGE, UsageError, nearest
 from experiments.run.progress import Progress
-from experiments.run.signals import held_back
+from experiments.run.signals import StopRequest, held_back
 from experiments.run.table import cannot_write
-from experiments.run.workers import processes
+from experiments.run.workers import LaunchConfig, processes, train_unfinished
 from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
 
 if TYPE_CHECKING:
@@ -71,8 +72,9 @@ class ProbeConfig(Checked):
     seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...", ">=1")
     longest: int = setting(15, "length of the longest path", ">=1")
     dim: int = setting(4, "columns of theta; the more, the rarer short paths are")
-    processes: int = setting(0, "runs at a time; 0: one per core")
     out: Path = setting(Path("runs/probe"), "folder of the table, the curves and the picture")
+    only: str | None = setting(None, "train one run alone, such as plr-3, and make no table")
+    launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: TrainConfig = group(probe_run, "each run", without=CHOSEN)
 
     def __post_init__(self) -> None:
@@ -92,12 +94,76 @@ class Run:
     updates: int
 
 
+@dataclass(frozen=True)
+class ProbeJob:
+    """A run that is to be trained, and the folder that keeps what came of it: `run.json`, with its settings.
+
+    Attributes:
+        path: the folder.
+        config: settings of training.
+        longest, dim: of the probe.
+        typed: what was typed behind `regista probe`.
+    """
+
+    path: Path
+    config: TrainConfig
+    longest: int
+    dim: int
+    typed: tuple[str, ...]
+
+    @property
+    def words(self) -> list[str]:
+        """What is typed behind `regista` to train it alone, wherever that is."""
+        only = ["--only", self.path.name, "--out", str(self.path.parent.resolve()), "--launcher", "local"]
+        return ["probe", *self.typed, *only]
+
+    def settings(self) -> dict[str, Any]:
+        """Return what determines the run, as JSON has it."""
+        return json.loads(json.dumps({**to_dict(self.config), "longest": self.longest, "dim": self.dim}))
+
+    def known(self) -> Run | None:
+        """Return the finished run, None if it is not there or has other settings."""
+        try:
+            kept = json.loads((self.path / "run.json").read_text())
+            return Run(**kept["run"]) if kept["settings"] == self.settings() else None
+        except (OSError, *DAMAGE):
+            return None
+
+    def finished(self) -> bool:
+        """Return whether there is nothing to train any more."""
+        return self.known() is not None
+
+    def env_steps(self) -> int:
+        """Return the steps that are done: all or none, for nothing is kept of a run that ends early."""
+        return self.config.total_env_steps if self.finished() else 0
+
+    def train(self) -> None:
+        """Train, and keep what came of it."""
+        run = run_one(self.config, self.longest, self.dim)
+        new, kept = self.path / "run.json.new", {"settings": self.settings(), "run": asdict(run)}
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            new.write_text(json.dumps(kept))
+            new.replace(self.path / "run.json")
+        except OSError as error:
+            raise cannot_write(self.path, error) from error
+
+
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(ProbeConfig(), argv, "probe", DESCRIPTION)
-    for method in config.methods:
-        build.find_method(method)
-    runs = run_all(config)
+    jobs = plan(config, argv)
+    if config.only is not None:
+        jobs[config.only].train()
+        return 0
+    if config.launch.launcher == "local":
+        train_here([job for job in jobs.values() if not job.finished()], config.launch)
+    else:
+        with StopRequest() as stop:
+            trained = train_unfinished(list(jobs.values()), config.launch, stop)
+        if not trained:
+            return stop.exit_code
+    runs = [run for run in (job.known() for job in jobs.values()) if run is not None]
     table = render(runs, config.methods, config.longest)
     try:
         config.out.mkdir(parents=True, exist_ok=True)
@@ -114,22 +180,33 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def run_all(config: ProbeConfig) -> list[Run]:
-    """Train every method with every seed, several at a time."""
-    configs = [
-        replace(config.train, method=method, seed=seed) for seed in range(config.seeds) for method in config.methods
-    ]
-    progress = Progress(len(configs) * config.train.total_env_steps)
-    runs: list[Run] = []
-    workers = config.processes or os.cpu_count() or 1
-    with processes(workers) as pool:
+def plan(config: ProbeConfig, argv: Sequence[str]) -> dict[str, ProbeJob]:
+    """Return every method with every seed, by name. Raises `UsageError` for an unknown method or run."""
+    jobs = {}
+    for method in map(build.find_method, config.methods):
+        for seed in range(config.seeds):
+            train = replace(config.train, method=method, seed=seed)
+            path = config.out / f"{method}-{seed}"
+            jobs[path.name] = ProbeJob(path, train, config.longest, config.dim, tuple(argv))
+    if config.only is not None and config.only not in jobs:
+        raise UsageError(f"no run {config.only!r}{nearest(config.only, jobs)}; there are {', '.join(jobs)}")
+    return jobs
+
+
+def train_here(jobs: Sequence[ProbeJob], how: LaunchConfig) -> None:
+    """Train runs on this machine, several at a time: they are short, and share processes."""
+    if not jobs:
+        return
+    progress = Progress(sum(job.config.total_env_steps for job in jobs))
+    done = 0
+    with processes(how.at_a_time(1, len(jobs))) as pool:
         with held_back():
-            futures = [pool.submit(run_one, run, config.longest, config.dim) for run in configs]
+            futures = {pool.submit(job.train): job for job in jobs}
         for future in as_completed(futures):
-            runs.append(future.result())
-            progress.show(len(runs) * config.train.total_env_steps)
-    progress.finish(f"{len(runs)} runs")
-    return sorted(runs, key=lambda run: (config.methods.index(run.method), run.seed))
+            future.result()
+            done += futures[future].config.total_env_steps
+            progress.show(done)
+    progress.finish(f"{len(jobs)} runs")
 
 
 def run_one(config: TrainConfig, longest: int, dim: int) -> Run:

@@ -6,6 +6,7 @@ Read next: `studies.runs`; `studies.measuring`, which plays; `studies.page`, wha
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -17,7 +18,7 @@ from experiments.run.config import TrainConfig, presets
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
-from experiments.run.workers import count_processes, train_unfinished
+from experiments.run.workers import train_unfinished
 from experiments.studies import measuring
 from experiments.studies.rows import Row
 from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, training
@@ -93,19 +94,19 @@ class BenchmarkStudy:
         rows, planned = load(table), list(self.planned())
         missing = [each for each in planned if trained(rows, *each) < steps]
         self.check_same(planned)
-        print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", flush=True)
-        processes = count_processes(self.config.processes, self.runs.base.threads)
+        how = self.config.launch
+        print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
+        most = max(1, how.at_a_time(self.runs.base.threads, len(missing)))
         with Deadline(self.config.hours) as stop:
-            for first in range(0, len(missing), processes):
-                clones, runs = self.open(missing[first:][:processes], stop)
-                if not stop:
-                    train_unfinished(runs, self.config.processes, stop)
-                if stop:
+            for first in range(0, len(missing), most):
+                clones, runs = self.open(missing[first:][:most], stop)
+                if stop or not train_unfinished(runs, how, stop):
                     break
                 rows = add(table, measure([*clones, *runs], rows, self.config.episodes))
                 page.write_page(*self.places)
         page.write_page(*self.places)
-        print(f"{self.places.page}: {len(rows)} rows of {table}" + (", continue with the same command" if stop else ""))
+        go_on = ", continue with the same command" if stop else ""
+        print(f"{self.places.page}: {len(rows)} rows of {table}{go_on}", file=how.messages)
         return stop.exit_code
 
     # ------------------------------------------------------------ which runs
@@ -170,7 +171,8 @@ class BenchmarkStudy:
         student = {path: value for path, value in self.typed.items() if path.startswith("ppo.")}
         cloned += [word for path, value in student.items() for word in (arguments.flag_name(path), str(value))]
         for command, words in ((demonstrate, played), (clone, cloned)):
-            code = command.main(words)
+            with redirect_stdout(config.launch.messages):
+                code = command.main(words)
             if code:
                 stop.signal = code - 128  # which the command has caught
                 return None

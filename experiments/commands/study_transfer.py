@@ -57,9 +57,8 @@ def run_transfer(name: str, config: TransferStudyConfig, typed: dict[str, Any]) 
         raise UsageError("a study takes --representations, several of them")
     runs = prepare(config, typed)
     with Deadline(config.hours) as stop:
-        train_unfinished(runs, config.processes, stop)
-    if stop:
-        print("continue with the same command: finished runs are kept")
+        trained = train_unfinished(runs, config.launch, stop)
+    if not trained:
         return stop.exit_code
     return transfer.main(words_of(config, runs))
 

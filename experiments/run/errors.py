@@ -45,6 +45,7 @@ EXTRAS = {
     "numba": "all",
     "shapely": "all",
     "minari": "demonstrations",
+    "ray": "ray",
 }
 
 

@@ -11,6 +11,7 @@
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
     tensorboard/, wandb/   what `--report` tells these
     learning_curve.png
+    owner.json        who trains it, while somebody does: see `run.owner`
 
 docs/files.md has the columns of the tables.
 The tables may be ahead of the checkpoint when a run is killed; resuming cuts them back to it, so that a killed and
@@ -20,7 +21,6 @@ Read next: `commands.train`.
 
 from __future__ import annotations
 
-import fcntl
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -31,6 +31,7 @@ from experiments.run import config as configs
 from experiments.run import provenance
 from experiments.run.config import ConfigError, TrainConfig
 from experiments.run.errors import CommandError
+from experiments.run.owner import OWNER, owned
 from experiments.run.table import Table, cannot_write, read_columns
 from experiments.run.tasks import is_task
 from ued.methods import METHODS
@@ -99,13 +100,14 @@ class RunFolder:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep other processes from training this run meanwhile. Raises `CommandError` if one does already."""
-        with open(self.path / "config.json") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise CommandError(f"{self.path} is being trained by another process") from None
+        """Keep others from training this run meanwhile, here or elsewhere. Raises `BusyError` if one does already."""
+        with owned(self.path):
             yield
+
+    @property
+    def words(self) -> list[str]:
+        """What is typed behind `regista` to train it on, wherever that is."""
+        return ["train", "--resume", str(self.path.resolve())]
 
     def keep_program(self, program: Program) -> None:
         """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with.
@@ -203,7 +205,7 @@ class RunFolder:
 
 
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
-UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd")
+UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
 LARGEST = 10**15  # of any of them
 MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report")

@@ -1,101 +1,200 @@
-"""Several runs at a time, each in a process of its own that is nothing but `regista train --resume RUN`.
+"""Several runs at a time: each is a command line that may be called again, and a folder that tells how far it is.
 
-A run is a folder, so processes need no other channel: what they have done is in their tables. Read next:
-`commands.compare`.
+Who calls it, `--launcher` says: processes of this machine (`Processes`), a Ray cluster (`run.ray_tasks`), or whoever
+is given the lines (`commands`). A run needs no other channel than its folder, so all of them end with the same tables.
+Read next: `commands.compare`.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+import shlex
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Protocol, TextIO
 
 from experiments.run.errors import CommandError
-from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress
 from experiments.run.signals import PARENT, StopRequest, end_with
+from ued.config import Checked, setting
 
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
 
-def count_processes(asked: int, threads: int) -> int:
-    """Return how many runs are trained at a time: as many as asked for, or as cores have room for, if that is 0."""
-    return asked or max(1, (os.cpu_count() or 1) // threads)
+class Job(Protocol):
+    """A run that is to be trained: a `RunFolder`, or one of a probe.
+
+    `words` are what is typed behind `regista` to train it, from wherever it stands; `config` has its `threads` and
+    `total_env_steps`.
+    """
+
+    @property
+    def path(self) -> Path: ...
+    @property
+    def config(self) -> Any: ...
+    @property
+    def words(self) -> list[str]: ...
+    def finished(self) -> bool: ...
+    def env_steps(self) -> int: ...
 
 
-def train_unfinished(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> None:
-    """Train those of these runs that are not finished, so many at a time (0: see `count_processes`), and say it."""
+class Pool(Protocol):
+    """Where runs are trained. What `start` returns stands for a run until it has ended."""
+
+    def start(self, job: Any) -> Any: ...
+    def ended(self, active: Collection[Any]) -> Sequence[Any]: ...
+    def failure(self, task: Any, job: Any) -> str | None: ...
+    def ask(self, active: Mapping[Any, Any]) -> None: ...
+    def kill(self, active: Mapping[Any, Any]) -> None: ...
+    def close(self, active: Mapping[Any, Any]) -> None: ...
+
+
+@dataclass(frozen=True)
+class LaunchConfig(Checked):
+    """Who trains the runs of a command, and how many at a time."""
+
+    launcher: Literal["local", "ray", "commands"] = setting(
+        "local", "who trains: local, this machine; ray, a Ray cluster; commands, you: print a line for each run"
+    )
+    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0")
+
+    def at_a_time(self, threads: int, runs: int) -> int:
+        """Return how many of these runs are trained at a time: as many as asked for, or as cores have room for."""
+        cores = (os.cpu_count() or 1) // threads if self.launcher == "local" else runs
+        return min(self.processes or max(1, cores), runs)
+
+    @property
+    def messages(self) -> TextIO:
+        """Where to say what is going on: not among the command lines, where these are printed."""
+        return sys.stderr if self.launcher == "commands" else sys.stdout
+
+
+def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) -> bool:
+    """Train those of these runs that are not finished, and say it; return whether now all are.
+
+    They are not where somebody asked to stop, or where all that was wanted is their command lines.
+    """
     unfinished = [run for run in runs if not run.finished()]
-    if unfinished:
-        most = min(count_processes(processes, unfinished[0].config.threads), len(unfinished))
-        print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
-        train_all(unfinished, most, stop)
+    if not unfinished or stop:
+        return not unfinished
+    if how.launcher == "commands":
+        print("\n".join(map(command_line, unfinished)))
+        say = f"{len(unfinished)} of {len(runs)} runs to train; then call the same command again"
+        print(say, file=how.messages, flush=True)
+        return False
+    most = how.at_a_time(unfinished[0].config.threads, len(unfinished))
+    print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
+    train_all(unfinished, most, stop, how.launcher)
+    if stop:
+        print("continue with the same command: finished runs are kept")
+    return not stop
 
 
-def train_all(runs: Sequence[RunFolder], processes: int, stop: StopRequest) -> None:
-    """Train these runs to their ends, `processes` at a time; return early if somebody asks to stop.
+def command_line(run: Job) -> str:
+    """Return the line of a shell that trains this run."""
+    words = [sys.executable, "-m", "regista", *run.words]
+    return f"OMP_NUM_THREADS={run.config.threads} {shlex.join(words)}"
+
+
+def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str = "local") -> None:
+    """Train these runs to their ends, so many at a time; return early if somebody asks to stop.
 
     Raises `CommandError` when one fails, after the others were asked to save and end.
     """
-    waiting, active = list(runs), dict[subprocess.Popen, RunFolder]()
-    begun = {run.path: run.env_steps() for run in runs}
+    pool = _make_pool(launcher)
+    waiting, active = list(runs), dict[Any, Job]()
     total = sum(run.config.total_env_steps for run in runs)
-    progress = Progress(total, sum(begun.values()))
+    progress = Progress(total, sum(run.env_steps() for run in runs))
     try:
         while (waiting and not stop) or active:
-            while waiting and len(active) < processes and not stop:
+            while waiting and len(active) < most and not stop:
                 run = waiting.pop(0)
-                active[_start(run)] = run
+                active[pool.start(run)] = run
             if stop:
-                _ask(active, signal.SIGTERM)
-            time.sleep(POLL_SECONDS)
-            for process in [process for process in active if process.poll() is not None]:
-                _check(process, active.pop(process), stop, len(active))
+                pool.ask(active)
+            for task in pool.ended(active):
+                run = active.pop(task)
+                words = pool.failure(task, run)
+                if words is not None and not stop:
+                    raise _failed(run, words, len(active))
             done = sum(min(run.env_steps(), run.config.total_env_steps) for run in runs)
             progress.show(done, {})
     except KeyboardInterrupt:  # the second one
-        _ask(active, signal.SIGKILL)
+        pool.kill(active)
         raise
     finally:  # nobody is left behind
-        _ask(active, signal.SIGTERM)
-        for process in active:
-            process.wait()
+        pool.ask(active)
+        pool.close(active)
     progress.finish(f"{len(runs)} runs trained" if not stop else "stopped")
 
 
-def _start(run: RunFolder) -> subprocess.Popen:
-    """Start one run in its own session: a Ctrl-C reaches us, and we pass it on."""
-    threads = str(run.config.threads)
-    environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
-    with open(run.path / "train.log", "a") as log:
-        command = [sys.executable, "-m", "regista", "train", "--resume", str(run.path)]
-        return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
+def _make_pool(launcher: str) -> Pool:
+    if launcher == "local":
+        return Processes()
+    from experiments.run.ray_tasks import RayTasks
+
+    return RayTasks()
 
 
-def _ask(active: dict[subprocess.Popen, RunFolder], number: int) -> None:
+def _failed(run: Job, words: str, others: int) -> CommandError:
+    """Return the error of a run that failed; say it at once where others are still to end."""
+    if others:
+        print(f"regista: {run.path} failed; {others} others save and end", file=sys.stderr, flush=True)
+    return CommandError(f"{run.path} failed: {words} (see {run.path / 'train.log'})")
+
+
+class Processes:
+    """Processes of this machine, each of which is nothing but `regista train --resume RUN`."""
+
+    def start(self, job: Job) -> subprocess.Popen:
+        """Start one run in its own session: a Ctrl-C reaches us, and we pass it on."""
+        threads = str(job.config.threads)
+        environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
+        with open(job.path / "train.log", "a") as log:
+            command = [sys.executable, "-m", "regista", *job.words]
+            return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
+
+    def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:
+        """Wait a moment; return the processes that have ended."""
+        time.sleep(POLL_SECONDS)
+        return [process for process in active if process.poll() is not None]
+
+    def failure(self, task: subprocess.Popen, job: Job) -> str | None:
+        """Return the last words of a process that has failed, None of one that has not."""
+        if task.returncode == 0:
+            return None
+        if task.returncode < 0:
+            return f"it was killed by {signal.Signals(-task.returncode).name}"
+        lines = [line for line in (job.path / "train.log").read_text(errors="replace").splitlines() if line.strip()]
+        return lines[-1].removeprefix("regista: ") if lines else "it left no word"
+
+    def ask(self, active: Mapping[subprocess.Popen, Job]) -> None:
+        """Ask processes to save and end."""
+        _send(active, signal.SIGTERM)
+
+    def kill(self, active: Mapping[subprocess.Popen, Job]) -> None:
+        """End processes at once."""
+        _send(active, signal.SIGKILL)
+
+    def close(self, active: Mapping[subprocess.Popen, Job]) -> None:
+        """Wait for these to end."""
+        for process in active:
+            process.wait()
+
+
+def _send(active: Collection[subprocess.Popen], number: int) -> None:
     for process in active:
         if process.poll() is None:
             process.send_signal(number)
-
-
-def _check(process: subprocess.Popen, run: RunFolder, stop: StopRequest, others: int) -> None:
-    """Raise `CommandError` with the last words of a run that failed; say it at once where others are still to end."""
-    if process.returncode == 0 or stop:
-        return
-    lines = [line for line in (run.path / "train.log").read_text(errors="replace").splitlines() if line.strip()]
-    words = lines[-1].removeprefix("regista: ") if lines else "it left no word"
-    if process.returncode < 0:
-        words = f"it was killed by {signal.Signals(-process.returncode).name}"
-    if others:
-        print(f"regista: {run.path} failed; {others} others save and end", file=sys.stderr, flush=True)
-    raise CommandError(f"{run.path} failed: {words} (see {run.path / 'train.log'})")
 
 
 @contextmanager

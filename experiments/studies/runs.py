@@ -13,9 +13,11 @@ from typing import Any
 
 from envs.football.config import FootballConfig
 from experiments.run import arguments, build
+from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.folder import RunFolder
 from experiments.run.signals import StopRequest
+from experiments.run.workers import LaunchConfig
 from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget
@@ -35,8 +37,8 @@ class StudyConfig(Checked):
 
     games: tuple[str, ...] = setting((), "minigames instead of the study's own")
     seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1")
-    processes: int = setting(0, "runs at a time; 0: one per core", ">=0")
     hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0")
+    launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
 
 
 @dataclass(frozen=True)

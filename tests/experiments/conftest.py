@@ -30,7 +30,7 @@ def probe(monkeypatch):
 def trained_here(monkeypatch):
     """Let comparisons train in this process: no probe is seen from another, and every other imports torch anew."""
 
-    def train_all(runs, processes, stop):
+    def train_all(runs, most, stop, launcher):
         for run in runs:
             train(RunFolder.open(run.path), stop)
 

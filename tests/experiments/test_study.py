@@ -28,7 +28,7 @@ SPREAD = ["--engine-spread", "0.15"]  # of our simulator alone
 def words(monkeypatch, tmp_path):
     """Return what is typed; runs train in this process, and a stand-in plays the real engine's part."""
 
-    def train_all(runs, processes, stop):
+    def train_all(runs, most, stop, launcher):
         for run in runs:
             train(RunFolder.open(run.path), stop)
 
@@ -88,7 +88,7 @@ def single(monkeypatch, tmp_path):
     """Return what is typed; runs train in this process, and what they are called is remembered."""
     begun = []
 
-    def train_all(runs, processes, stop):
+    def train_all(runs, most, stop, launcher):
         for run in runs:
             begun.append(run.path.name)
             train(RunFolder.open(run.path), stop)

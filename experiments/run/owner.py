@@ -1,0 +1,109 @@
+"""Who trains a run: a lock, and where file locks mean nothing, as on some network disks, a name and a heartbeat.
+
+`owner.json` in the run folder says who it is. A file lock decides between processes of one machine; of a process
+elsewhere the owner counts for as long as its file is touched. Times are those of the disk, whatever clocks machines
+have. Read next: `run.folder`.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import platform
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+
+from experiments.run.errors import CommandError
+
+OWNER = "owner.json"
+BEAT_SECONDS = 10.0  # between signs of life
+SILENT_SECONDS = 60.0  # without one, after which an owner elsewhere counts as dead
+
+
+class BusyError(CommandError):
+    """Somebody else trains this run just now."""
+
+
+@contextmanager
+def owned(folder: Path) -> Iterator[None]:
+    """Keep other processes, here and on other machines, from training this run. Raises `BusyError` if one does."""
+    with open(folder / "config.json") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locked = True
+        except BlockingIOError:
+            raise BusyError(f"{folder} is being trained by another process") from None
+        except OSError:  # a disk without locks
+            locked = False
+        _claim(folder, locked)
+        ended = threading.Event()
+        beating = threading.Thread(target=_beat, args=(folder / OWNER, ended), daemon=True)
+        beating.start()
+        try:
+            yield
+        finally:
+            ended.set()
+            beating.join()
+            if _owner(folder) == _myself():
+                (folder / OWNER).unlink(missing_ok=True)
+
+
+def _claim(folder: Path, locked: bool) -> None:
+    """Become the owner of a folder, or raise `BusyError`: two who try at the same time cannot both become it."""
+    mine = folder / f"owner.{platform.node()}.{os.getpid()}"
+    try:
+        mine.write_text(json.dumps(_myself()))
+        other = _owner(folder)
+        if other is None:
+            with suppress(FileExistsError):
+                os.link(mine, folder / OWNER)
+            other = _owner(folder)
+        if other is not None and other != _myself():
+            here = other.get("boot") == _boot()
+            silent = mine.stat().st_mtime - _touched(folder)
+            if not (here and locked) and silent < SILENT_SECONDS:
+                who = f"process {other.get('pid')} of {other.get('host')}"
+                raise BusyError(f"{folder} is being trained by {who}, last heard of {max(silent, 0):.0f} s ago")
+            os.replace(mine, folder / OWNER)
+    finally:
+        mine.unlink(missing_ok=True)
+
+
+def _owner(folder: Path) -> dict | None:
+    """Return what the owner says of itself, None if there is none."""
+    try:
+        said = json.loads((folder / OWNER).read_text())
+    except (OSError, ValueError):
+        return None
+    return said if isinstance(said, dict) else None
+
+
+def _touched(folder: Path) -> float:
+    """Return when the owner gave its last sign of life; long ago, if it has just let go."""
+    try:
+        return (folder / OWNER).stat().st_mtime
+    except OSError:
+        return 0.0
+
+
+def _beat(path: Path, ended: threading.Event) -> None:
+    """Give signs of life until it is over; a disk that refuses one gets the next."""
+    while not ended.wait(BEAT_SECONDS):
+        with suppress(OSError):
+            os.utime(path)
+
+
+def _myself() -> dict[str, str | int]:
+    return {"host": platform.node(), "boot": _boot(), "pid": os.getpid()}
+
+
+@cache
+def _boot() -> str:
+    """Return what tells this machine, as long as it is up, from any other: names may be the same."""
+    with suppress(OSError):
+        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    return platform.node()
