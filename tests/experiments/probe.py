@@ -97,7 +97,12 @@ class ProbePolicy:
     def __init__(self) -> None:
         self.skill = 0.0
 
-    def play(self, observation, generator, greedy=False):
+    def empty_memory(self, num_envs):
+        import torch
+
+        return torch.zeros(num_envs, 0)
+
+    def play(self, observation, generator, greedy=False, memory=None):
         import torch
 
         right = torch.rand(len(observation), generator=generator).numpy() < 0.5 + self.skill / 2
@@ -112,7 +117,10 @@ class ProbeMethod:
         self.student = ProbePolicy()
         self.students = {"protagonist": self.student, "antagonist": ProbePolicy()}
         self.updates = self.env_steps = 0
-        self.last = None
+        self.last, self.buffer, self.learners = None, None, []
+
+    def keep_tapes(self):
+        """Nobody's episodes are seen again: there are none."""
 
     def update(self):
         self.updates += 1

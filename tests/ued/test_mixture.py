@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PPOConfig
@@ -107,7 +108,10 @@ class Constantly:
     def __init__(self, action):
         self.action = action
 
-    def play(self, observation, generator, greedy):
+    def empty_memory(self, num_envs):
+        return torch.zeros(num_envs, 0)
+
+    def play(self, observation, generator, greedy, memory):
         return np.full(len(observation), self.action)
 
 
