@@ -10,7 +10,7 @@ from envs.football.config import FootballConfig
 from envs.football.constants import METRES_PER_X, METRES_PER_Y
 from envs.football.kick_off import MatchConfig
 from envs.football.scenic.domain import FOOTBALL, SETTINGS
-from envs.football.scenic.lineup import NotAMatchError
+from envs.football.scenic.lineup import ROLES, Lineup, NotAMatchError
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 
@@ -32,10 +32,8 @@ PAIR = "ego = LeftCM at 0 @ 0\nBall at 5 @ 5\n"
             "<program>: the learner plays on the left, and this program has no left player",
         ),
         (PAIR + "Player at 0 @ 3", "<program>:3:1: Player is in no team (use a Left... or Right... class)"),
-        (
-            PAIR + "LeftPlayer at 0 @ 3",
-            "<program>:3:1: LeftPlayer has a random role (give it one of GK, CB, LB, RB, DM, CM, LM, RM, AM, CF)",
-        ),
+        (PAIR + "LeftPlayer at 0 @ 3, with role 'XX'", "<program>:3:1: LeftPlayer has the role 'XX' (give it one of GK, CB"),
+        (PAIR + "LeftPlayer at 0 @ 3, with role Uniform('CB', 'XX')", "<program>:3:1: LeftPlayer has the role 'XX' (give"),
         (PAIR + "for i in range(11):\n    LeftCB at -9 @ (3 * i)", "<program>: 12 left players; a team has at most 11"),
     ],
 )
@@ -43,6 +41,20 @@ def test_a_program_that_is_no_match_is_refused(body, message):
     with pytest.raises(NotAMatchError) as error:
         FootballVectorEnv(body + "\n")
     assert str(error.value).startswith(message)
+
+
+def test_a_random_role_is_drawn_for_each_match():
+    program = load(PAIR + "other = RightPlayer at 9 @ 9\n", FOOTBALL)
+    lineup = Lineup(program)
+    theta, scenes = program.sample(64, np.random.default_rng(0))
+    matches = lineup.starts(theta, np.arange(64))
+    place = lineup.object_to_player[2]
+    assert [list(ROLES)[role] for role in matches["players"]["role"][:, place]] == list(scenes.properties["role"][2])
+    keepers = matches["players"]["role"][:, place] == ROLES["GK"]
+    assert keepers.any() and not keepers.all()
+    assert len(np.unique(matches["players"]["top_speed"][keepers, place])) == 1
+    with pytest.raises(NotAMatchError, match="RightPlayer has a random role .control 'allNonGK' leaves out the keeper"):
+        Lineup(program, right_control="allNonGK")
 
 
 # ---------------------------------------------------------------- settings

@@ -64,7 +64,7 @@ class Lineup:
             one, keepers first, otherwise as in the program.
         ball: index of the ball among the objects.
         object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
-        roster: teams and roles `[P]`.
+        roster: teams and roles `[P]`; random roles as they are at θ = 0.
         config: the settings that the program's parameters make.
         num_agents: how many move players of the left and of the right team.
 
@@ -102,6 +102,11 @@ class Lineup:
         if engine_spread:
             self.config = replace(self.config, engine_spread=engine_spread)
         self._random_factors = sorted((FACTORS & set(program.param_places)) - set(program.params))
+        self._random_roles = [
+            (place, index)
+            for place, index in enumerate(self.players)
+            if not isinstance(scene.properties["role"][index], str)
+        ]
         self._check_teams()
         self._unplaced = unplaced(self.roster, self.config)
         self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
@@ -130,11 +135,14 @@ class Lineup:
         """Make the matches MATCH `[k]` of the scenes `rows` `[k]`, with streams from `seeds` `[k]`."""
         positions = scenes.positions[rows] * METRES
         matches = self._unplaced
-        if self._random_factors:
+        if self._random_factors or self._random_roles:
             drawn: dict[str, Any] = {
                 name: self._factor(name, scenes.params[name][rows]) for name in self._random_factors
             }
-            matches = unplaced(self.roster, replace(self.config, **drawn), len(positions))
+            roles = np.tile(np.asarray(self.roster.roles), (len(positions), 1))  # [k, P]
+            for place, index in self._random_roles:
+                roles[:, place] = [self._role(each, index) for each in scenes.properties["role"][index][rows]]
+            matches = unplaced(replace(self.roster, roles=roles), replace(self.config, **drawn), len(positions))
         return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, self.config)
 
     def _factor(self, name: str, values: Any) -> np.ndarray:
@@ -147,18 +155,27 @@ class Lineup:
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Return the team and role of one object."""
-        name, place = self.program.objects[index].class_name, self.program.objects[index].place
+        info = self.program.objects[index]
         team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
         if not isinstance(team, str) or team not in TEAMS:
             found = "in a random team" if isinstance(team, np.ndarray) else "in no team"
-            raise refusal(self.program, f"{name} is {found}", place, "use a Left... or Right... class")
+            raise refusal(self.program, f"{info.class_name} is {found}", info.place, "use a Left... or Right... class")
+        return TEAMS[team], self._role(role[0] if isinstance(role, np.ndarray) else role, index)
+
+    def _role(self, role: Any, index: int) -> int:
+        """Return the number of an object's role. Raises NotAMatchError for what is none."""
         if not isinstance(role, str) or role not in ROLES:
-            found = "a random role" if isinstance(role, np.ndarray) else f"the role {role!r}"
-            raise refusal(self.program, f"{name} has {found}", place, f"give it one of {', '.join(ROLES)}")
-        return TEAMS[team], ROLES[role]
+            info, hint = self.program.objects[index], f"give it one of {', '.join(ROLES)}"
+            raise refusal(self.program, f"{info.class_name} has the role {role!r}", info.place, hint)
+        return ROLES[role]
 
     def _count(self, mode: str, team: int) -> int:
-        roles = np.asarray(self.roster.roles)[np.asarray(self.roster.teams) == team]
+        members = np.asarray(self.roster.teams) == team
+        roles = np.asarray(self.roster.roles)[members]
+        drawn = next((index for place, index in self._random_roles if members[place]), None)
+        if drawn is not None and mode == "allNonGK":
+            info, hint = self.program.objects[drawn], "control 'allNonGK' leaves out the keeper: write LeftGK, LeftCB, ..."
+            raise refusal(self.program, f"{info.class_name} has a random role", info.place, hint)
         try:
             return count_agents(mode, roles, team)
         except ValueError as error:

@@ -30,7 +30,7 @@ FIELDS = (
     "owned_team",  # of the ball: 0 left, 1 right, -1 nobody's
     "owned_player_idx",  # index within the team, -1 nobody
 )
-FACTS = ("time", "steps_left", "score_left", "score_right", "game_mode")
+FACTS = ("time", "steps_left", "score_left", "score_right", "game_mode", "done")
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
@@ -81,6 +81,7 @@ def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
             "objects": objects,
             "game_ds": Namespace("game_ds", seen),
             "scenic_reward": 0.0,
+            "done": apply(NOT_EQUAL, facts["done"], 0.0, kind="truth"),
         },
     )
 

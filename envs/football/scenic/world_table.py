@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY
+from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
 from envs.football.control.agents import seen_by
 from envs.football.scenic.world import FIELDS
 from scenic_lite.kernels.jit import kernel
@@ -35,6 +35,7 @@ def write_world(match, object_to_player, registers, base):
     registers[at + 2] = match.score[0]
     registers[at + 3] = match.score[1]
     registers[at + 4] = match.game_mode
+    registers[at + 5] = 1.0 if match.ended != RUNNING else 0.0
 
 
 @kernel
