@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scenic_lite.errors import ScenicError
+
 if TYPE_CHECKING:
     from scenic_lite import Program, Scenes
+    from scenic_lite.values.regions import Region
 
 Colour = tuple[int, int, int]
 
@@ -61,10 +64,19 @@ class SceneView:
         return np.stack([scenes.positions[..., 0], scenes.positions[..., 1], scenes.headings, *sizes], axis=2)
 
 
+def outlines_of(region: Region | None) -> list[np.ndarray]:
+    """Return the boundary of a region, strips `[n, 2]`; none if there is no region, or a random or endless one."""
+    try:
+        return [] if region is None else region.outlines()
+    except ScenicError:
+        return []
+
+
 def view_of(program: Program, theta: np.ndarray, football: bool) -> SceneView:
     """Make the view for a program; it shows all of its areas, and wherever objects get in the scenes of θ `[N, D]`."""
-    ground = [strip for area in program.areas if area.what == "workspace" for strip in area.strips]
-    areas = [strip for area in program.areas if area.what == "drawn" for strip in area.strips]
+    ground = outlines_of(program.workspace)
+    drawn = [region for region in program.drawn_regions if region is not program.workspace]
+    areas = [strip for region in drawn for strip in outlines_of(region)]
     classes = tuple(dict.fromkeys(info.class_name for info in program.objects))
     kinds = np.array([classes.index(info.class_name) for info in program.objects], int)
     labels = tuple(info.name or ("ego" if k == 0 else info.class_name) for k, info in enumerate(program.objects))

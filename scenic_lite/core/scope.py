@@ -15,7 +15,7 @@ import numpy as np
 
 from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.state import LOAD, BranchPath, Mode
-from scenic_lite.core.types import Environment, Instance, RandomChoice, Source, describe_kind, near
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, Source, describe_kind, near
 from scenic_lite.errors import ScenicError, SourceSpan, UnsetVariable
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
@@ -108,6 +108,8 @@ class Scope(Environment):
         if self.mode.path is not None and isinstance(value, RandomExpr):
             return self.mode.path.branch(value)
         self.refuse_random(value, node, "control flow cannot depend on a random value")
+        if isinstance(value, BehaviorCall):
+            raise no_condition(self, node)
         return bool(value)
 
     def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
@@ -266,3 +268,8 @@ def near_inputs(value: RandomExpr) -> list[RandomExpr]:
         level = [operand for node in level for operand in node.inputs if isinstance(operand, RandomExpr)][:16]
         inputs += level
     return inputs
+
+
+def no_condition(scope: Scope, node: ast.AST) -> ScenicError:
+    """Return the error for a behavior that is asked whether it is true: somebody forgot to `do` it."""
+    return scope.error("type", "a behavior cannot be called in a condition", node)

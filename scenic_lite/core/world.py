@@ -8,15 +8,16 @@ look at a number, so that the same functions serve numbers and the compiler's re
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from scenic_lite.core.types import Instance, Namespace
+from scenic_lite.core.types import Instance, Namespace, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
 from scenic_lite.values.operations import ADD, MULTIPLY
 
 
@@ -88,6 +89,18 @@ def packed(actions: Sequence[Value], base: int) -> Value:
     for action in actions[1:]:
         number = apply(ADD, apply(MULTIPLY, number, base), action)
     return number
+
+
+NOT_FINITE = "a reward is a finite number"
+
+
+def checked_reward(value: Value) -> Value:
+    """Return what a program pays. Raises ScenicError if that is no number, or one that is not finite."""
+    if kind_of(value) not in ("number", "truth"):
+        raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
+    if not isinstance(value, RandomExpr) and not math.isfinite(value):
+        raise ScenicError("value", f"{NOT_FINITE}, not {value}")
+    return value
 
 
 class Commands(NamedTuple):

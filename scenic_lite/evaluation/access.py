@@ -6,7 +6,9 @@ Read next: `evaluation.builtins`, the methods of containers; `language.regions`,
 from __future__ import annotations
 
 import ast
+import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from scenic_lite.core.scope import Scope
@@ -21,18 +23,20 @@ from scenic_lite.core.types import (
     RandomChoice,
     ScenicClass,
     broadcasts_over_choices,
+    choose,
     describe_kind,
     near,
     of_values,
     randoms_in,
 )
+from scenic_lite.core.world import checked_reward
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.builtins import DICTIONARIES, LISTS, TUPLES, no_method
 from scenic_lite.language import regions
 from scenic_lite.language.classes import ORIENTATION, SIDES, checked, is_object, is_oriented, side_of, vector_of
 from scenic_lite.values.geometry import Vector, angle_between, distance_between, is_scalar
-from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
-from scenic_lite.values.operations import ABSOLUTE, MAXIMUM
+from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, kind_of
+from scenic_lite.values.operations import ABSOLUTE, MAXIMUM, SUBTRACT
 from scenic_lite.values.regions import Region, VectorField
 
 # ------------------------------------------------------------ attributes
@@ -145,7 +149,7 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
     """`container[index]`."""
     if isinstance(container, RandomChoice):
-        return container.each(lambda option: item_of(scope, option, index))
+        return at_each(index, lambda at: container.each(lambda option: item_of(scope, option, at)))
     if isinstance(container, Region | VectorField):
         return regions.item_of(container, index)
     ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
@@ -165,6 +169,18 @@ def item_of(scope: Scope, container: Value, index: Value) -> Value:
     if isinstance(index, slice):
         scope.mode.budget.keep(result)
     return result
+
+
+def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
+    """Return the item at an index or slice whose ends may be draws among integers."""
+    if isinstance(index, slice):
+        between = partial(at_each, index.stop)
+        return at_each(index.start, lambda start: between(lambda stop: item(slice(start, stop, index.step))))
+    column = next((each for each in columns_of(index) if each.shown is index), None)
+    if column is None or column.draw_kind != "integers" or math.isnan(column.low):
+        return item(index)
+    first, last = int(column.low), int(column.high)
+    return choose(apply(SUBTRACT, index, first), [item(at) for at in range(first, last + 1)])
 
 
 # ------------------------------------------------------------ what is assigned to
@@ -228,7 +244,7 @@ def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
     elif isinstance(owner, ScenicClass) and owner.base is not None:
         owner.members[name] = value
     elif isinstance(owner, Namespace) and owner.open:
-        owner.names[name] = value
+        owner.names[name] = checked_reward(value) if name == "scenic_reward" else value
     elif isinstance(owner, RandomChoice):
         raise ScenicError("type", "the attributes of a random object cannot be assigned")
     else:

@@ -33,7 +33,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.language.specifier_rules import SPECIFIERS
 from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, apply
+from scenic_lite.values.graph import Value, apply, is_number, kind_of
 from scenic_lite.values.operations import EQUAL, NOT, OR
 
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
@@ -55,7 +55,12 @@ class Return(Exception):
 
 def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: RandomChoice) -> Value:
     """Return a draw from whichever list it is; scenes in which that is empty are rejected."""
-    empty = [i for i, option in enumerate(lists.options) if not len(option)]
+
+    def drawn(values: Value) -> Value:
+        several = isinstance(values, RandomChoice)
+        return value_of_each(scope, function, node, values) if several else function.function(scope, node, *values)
+
+    empty = [i for i, option in enumerate(lists.options) if not isinstance(option, RandomChoice) and not len(option)]
     if scope.mode.phase == LOAD and 0 < len(empty) < len(lists.options):
         chosen = reduce(lambda a, b: apply(OR, a, b), [apply(EQUAL, lists.index, i) for i in empty])
         scope.state.requirements.append(Requirement("a choice among no values", scope.place(node), apply(NOT, chosen)))
@@ -63,7 +68,7 @@ def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: Ran
     else:
         empty, full = [], ()
     options = [full if i in empty else option for i, option in enumerate(lists.options)]
-    return lists.map_options([function.function(scope, node, *option) for option in options])
+    return lists.map_options(list(map(drawn, options)))
 
 
 def call_node(scope: Scope, node: ast.Call) -> Value:
@@ -259,6 +264,35 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
         return SPECIFIERS[node.name](scope, node, *operands)
     except ScenicError as error:
         raise scope.placed(error, node) from None
+
+
+def named_by_do(scope: Scope, node: nodes.Do, kind: str) -> list[tuple[Value, Value]]:
+    """Return what a `do` runs, behaviors or scenarios by `kind`, each with its weight.
+
+    `choose` and `shuffle` also take a dictionary of weights.
+    """
+    values, places = [scope.value(each) for each in node.calls], list(node.calls)
+    weights = [1.0] * len(values) if node.weights is None else [scope.value(each) for each in node.weights]
+    if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
+        values, weights = list(values[0]), list(values[0].values())
+        places *= len(values)
+    for weight in weights:
+        if kind_of(weight) not in ("number", "truth") or (is_number(weight) and weight < 0):
+            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
+    return list(zip([called(scope, kind, *pair) for pair in zip(values, places, strict=True)], weights, strict=True))
+
+
+def called(scope: Scope, kind: str, value: Value, place: ast.expr) -> Value:
+    """Return a behavior or scenario with its arguments, or a choice among such."""
+    if isinstance(value, RandomChoice):
+        return RandomChoice(value.index, tuple(called(scope, kind, option, place) for option in value.options))
+    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
+        return value
+    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
+    what = (
+        f"the {value.behavior.kind} {value.behavior.name}" if isinstance(value, BehaviorCall) else describe_kind(value)
+    )
+    raise scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
 
 
 CALLS: dict[type, Callable[[Scope, Any], Value]] = {

@@ -42,12 +42,12 @@ def require(scope: Scope, node: nodes.Require) -> None:
     state = scope.state
     if scope.mode.symbolic:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
-    probability = 1.0 if node.probability is None else scope.value(node.probability)
+    probability = probability_of(scope, node)
     number = len(state.requirements)
     with state.watching.within(number):
         condition = condition_of(scope, node.condition)
     label = node.name or source_text(scope, node)
-    requirement = Requirement(label, scope.place(node), condition, float(probability))
+    requirement = Requirement(label, scope.place(node), condition, probability)
     bindings = Bindings(scope)
     if is_temporal(node.condition):
         state.temporal.append(Watched(node, requirement.place, scope, label, bindings))
@@ -75,6 +75,14 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
     if isinstance(condition, RandomChoice | BehaviorCall):
         raise scope.error("type", "the condition of a requirement must be true or false", node)
     return condition if isinstance(condition, RandomExpr) else bool(condition)
+
+
+def probability_of(scope: Scope, node: nodes.Require) -> float:
+    """Return the p of `require[p]`, 1 if it has none."""
+    probability = 1.0 if node.probability is None else scope.value(node.probability)
+    if not is_number(probability) or not 0 <= probability <= 1:
+        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+    return float(probability)
 
 
 def source_text(scope: Scope, node: ast.AST) -> str:

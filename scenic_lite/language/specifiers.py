@@ -6,20 +6,30 @@ Read next: `language.specifier_rules`, the meaning of each specifier.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from inspect import Signature
 from typing import NamedTuple
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance, LazyValue, RandomChoice, ScenicClass, near
+from scenic_lite.core.types import (
+    Behavior,
+    BehaviorCall,
+    Instance,
+    LazyValue,
+    RandomChoice,
+    ScenicClass,
+    describe_kind,
+    near,
+)
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked
+from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked, is_object
 from scenic_lite.syntax import nodes
 from scenic_lite.values.geometry import normalised
 from scenic_lite.values.graph import Value, is_number
 
 REQUIRED, MODIFYING, OPTIONAL = 1, 2, 3  # priorities: the lower number wins
+TILTS = ("orientation", "pitch", "roll")  # of dialect 3
 
 
 class Given(NamedTuple):
@@ -102,6 +112,7 @@ def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], in
     for specifier in [*specifiers, *by_property.values()]:
         resolution.resolve(specifier)
     if scope.state.dialect == 3:
+        refuse_tilt(scope, instance, by_property)
         instance.parent_heading = instance.properties.pop("parentOrientation", 0.0)
     if cls.derives_from(OBJECT):
         limit = scope.mode.budget.limits.objects
@@ -109,6 +120,16 @@ def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], in
             raise ScenicError("budget", f"evaluation budget exceeded: more than {limit} objects")
         scope.state.objects.append(instance)
     return instance
+
+
+def refuse_tilt(scope: Scope, instance: Instance, by_property: dict[str, ResolvedSpecifier]) -> None:
+    """Raise ScenicError where a specifier or a class leads out of the plane; a pitch and a roll of 0 do not."""
+    for name in TILTS:
+        value = instance.properties.get(name, 0)
+        if (name == "orientation" and name in by_property) or not (is_number(value) and value == 0):
+            hint = "write facing H, or with yaw H"
+            message = f"in two dimensions no specifier or class sets the {name}"
+            raise scope.error("specifier", message, by_property[name].node, hint)
 
 
 def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
@@ -196,10 +217,6 @@ def split_heading(
 
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
-    flat = name != "orientation" and is_number(value) and value == 0
-    if scope.state.dialect == 3 and name in ("orientation", "pitch", "roll") and not flat:
-        hint = "write facing H, or with yaw H"
-        raise scope.error("specifier", f"in two dimensions no specifier sets the {name}", node, hint)
     if name == "behavior" and isinstance(value, Behavior):
         scope.warn(f"the behavior {value.name} stands without brackets", node, f"write with behavior {value.name}()")
         value = scope.call(value, [], {}, node)
@@ -234,13 +251,22 @@ def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, va
         scope.warn(f"{cls.name} has no property '{name}'", node, hint or "a behavior is attached by 'with behavior'")
 
 
-def overridden_property(scope: Scope, node: nodes.Specifier) -> tuple[str, Value]:
-    """Return the property that a specifier of `override` sets, and its value."""
-    if node.name != "with":
-        return ("heading" if "facing" in node.name else "position"), None
-    name, expression = node.arguments
-    assert name is not None and expression is not None
-    value = scope.value(expression)
-    if isinstance(value, Behavior):
-        value = BehaviorCall(value, {}, scope.place(expression))
-    return str(name.value), value  # type: ignore[attr-defined]
+def overridden_properties(scope: Scope, node: nodes.Override, target: Value, live: Collection[str]) -> dict[str, Value]:
+    """Return what `override target with p v, ...` sets, by name; `live` are the properties that the simulator sets."""
+    if not is_object(target):
+        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
+    values: dict[str, Value] = {}
+    for specifier in node.specifiers:
+        name, value = "heading" if "facing" in specifier.name else "position", None
+        if specifier.name == "with":
+            first, expression = specifier.arguments
+            assert isinstance(first, ast.Constant) and expression is not None
+            name, value = str(first.value), scope.value(expression)
+        if isinstance(value, Behavior):
+            value = BehaviorCall(value, {}, scope.place(specifier))
+        if name in live:
+            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", specifier)
+        if name not in target.properties:
+            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", specifier)
+        values[name] = value if isinstance(value, RandomChoice) else checked(name, value, scope.state.dialect)
+    return values

@@ -42,9 +42,10 @@ from scenic_lite.scene.naming import (
     title_of,
     title_of_option,
 )
-from scenic_lite.scene.scenes import Area, ScenePlan, Scenes, areas_of, info_of, refuse_huge
+from scenic_lite.scene.scenes import ScenePlan, Scenes, info_of, refuse_huge
 from scenic_lite.scene.theta import theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
+from scenic_lite.values.regions import Region
 
 FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
 DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
@@ -121,9 +122,14 @@ class Program:
         return self.layout.draws
 
     @property
-    def areas(self) -> tuple[Area, ...]:
-        """Return the outlines of the workspace and of the regions from which points are drawn."""
-        return areas_of(self.mode.state.workspace, self.mode.state.points)
+    def workspace(self) -> Region | None:
+        """Return the region in which all objects must stand, if the program names one."""
+        return self.mode.state.workspace
+
+    @property
+    def drawn_regions(self) -> tuple[Region, ...]:
+        """Return the regions from which points are drawn, as named."""
+        return tuple(dict.fromkeys(drawn.whole or drawn.region for drawn in self.mode.state.points))
 
     def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
         """Return an error at a place of the program, to be raised by whoever finds it unfit for its purpose."""

@@ -12,14 +12,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from scenic_lite.core.budget import exceeded
-from scenic_lite.core.state import DrawnPoint
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, parts_of
-from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.errors import SourceSpan
 from scenic_lite.language.classes import rectangle_of
 from scenic_lite.scene.constraints import Outlines
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value, is_number
-from scenic_lite.values.regions import Region
 
 LARGEST_VALUE, DEEPEST_VALUE = 20_000, 20
 Reader = Callable[[list[Any], int], Any]  # registers, N -> a value over the N samples
@@ -221,29 +219,3 @@ def info_of(instance: Instance) -> ObjectInfo:
     attached = (None, None) if behavior is None else (behavior.behavior.name, behavior.place)
     classes = tuple(cls.name for cls in instance.cls.lineage())
     return ObjectInfo(instance.name, instance.cls.name, classes, instance.place, *attached)
-
-
-# ------------------------------------------------------------ for pictures
-
-
-class Area(NamedTuple):
-    """A region as lines: `strips`, each [n, 2] in the program's units; `what` is "workspace" or "drawn"."""
-
-    what: str
-    strips: list[np.ndarray]
-
-
-def areas_of(workspace: Region | None, points: Iterable[DrawnPoint]) -> tuple[Area, ...]:
-    """Return the workspace, and the regions from which points are drawn, as named; not random or endless ones."""
-    areas = [Area("workspace", strips_of(workspace))] if workspace is not None else []
-    regions = {id(region): region for region in (drawn.whole or drawn.region for drawn in points)}
-    areas += [Area("drawn", strips_of(region)) for region in regions.values() if region is not workspace]
-    return tuple(area for area in areas if area.strips)
-
-
-def strips_of(region: Region) -> list[np.ndarray]:
-    """Return the boundary of a region; nothing where it is random or endless."""
-    try:
-        return region.outlines()
-    except ScenicError:
-        return []

@@ -89,9 +89,14 @@ class _Checker:
         self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
         self.names: set[str] = set()  # that are read or set
         self.forms: dict[int, ast.AST] = {}  # by dialect, the first thing that is written as in that one alone
+        self.classes: set[str] = set()  # names that are surely those of classes
         for node in ast.walk(tree):
             if isinstance(node, ast.Name):
                 self.names.add(node.id)
+            elif isinstance(node, ast.ClassDef):
+                self.classes.add(node.name)
+            elif isinstance(node, nodes.New) and has_new(node) and isinstance(node.cls, ast.Name):
+                self.classes.add(node.cls.id)
             elif isinstance(node, nodes.Behavior):
                 if node.kind == "monitor":
                     self.monitors[node.name] = node
@@ -210,9 +215,9 @@ class _Checker:
 
     def instance(self, node: nodes.New, context: Context) -> None:
         """Note in which dialect an instance is written: with `new` before its class, or without."""
-        if (node.lineno, node.col_offset) != (node.cls.lineno, node.cls.col_offset):
+        if has_new(node):
             self.forms.setdefault(3, node)
-        elif node.certain:
+        elif node.certain or (isinstance(node.cls, ast.Name) and node.cls.id in self.classes):
             self.forms.setdefault(2, node)
 
     def whole(self) -> None:
@@ -236,6 +241,11 @@ def _turns(value: ast.expr | None) -> float:
     if isinstance(value, ast.Constant) and isinstance(value.value, int | float) and value.value > 4 * math.pi:
         return value.value / (2 * math.pi)
     return 0.0
+
+
+def has_new(node: nodes.New) -> bool:
+    """Return whether `new` stands before the class."""
+    return (node.lineno, node.col_offset) != (node.cls.lineno, node.cls.col_offset)
 
 
 def suspends(statements: Iterable[ast.AST]) -> bool:

@@ -52,7 +52,6 @@ LEFT_OUT = {
     "functions_of_all_kinds": (6, "a parameter behind `*` is not supported"),
     "py_dict_methods": (10, "`**` before a value or parameter is not supported"),
     "py_star_args": (5, "a parameter behind `*` is not supported"),
-    "py_choice_index": (7, "the index of a list must not be random"),
     "py_decorator": (9, "decorators are not supported"),
     "py_list_methods": (6, "there is no insert() here"),
     "py_float_format": (6, "the {} of an f-string holds a value and a plain format"),

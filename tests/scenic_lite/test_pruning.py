@@ -132,9 +132,8 @@ def test_the_same_scenes_as_by_rejection(name):
     assert max(gap(a, b) for a, b in zip(ours.T, theirs.T, strict=True)) < CLOSE
     back = program.instantiate(program.theta(described(scenes), default=theta))
     np.testing.assert_allclose(back.positions, scenes.positions, atol=1e-9)
-    assert [area.what for area in program.areas] == [area.what for area in plain.areas]
-    for area, other in zip(program.areas, plain.areas, strict=True):
-        np.testing.assert_array_equal(np.concatenate(area.strips), np.concatenate(other.strips))
+    for region, other in zip(program.drawn_regions, plain.drawn_regions, strict=True):
+        np.testing.assert_array_equal(np.concatenate(region.outlines()), np.concatenate(other.outlines()))
 
 
 def test_draws_say_what_is_left():

@@ -198,9 +198,21 @@ def test_a_filter_may_keep_other_elements_in_each_scene():
         things("x = filter(lambda v: v > 0, [Range(-1, 1) for i in range(9)])")
 
 
+def test_a_random_list_takes_random_places():
+    program = things(
+        "n = DiscreteRange(-2, 1)\nm = DiscreteRange(1, 3)\nitems = Uniform([1, 2, 3], [4, 5, 6])\n"
+        "param at = items[n], part = items[:m], one = Uniform(*items[:m])\n"
+    )
+    theta, scenes = program.sample(40, np.random.default_rng(0))
+    for k, row in enumerate(map(program.describe, theta)):
+        items = [[1, 2, 3], [4, 5, 6]]["no. 2" in row["items"]]
+        assert scenes.params["at"][k] == items[row["n"]] and list(scenes.params["part"][k]) == items[: row["m"]]
+    with pytest.raises(ScenicError, match="list index out of range"):
+        things("items = Uniform([1, 2], [3, 4])\nparam at = items[DiscreteRange(0, 2)]")
+
+
 @pytest.mark.parametrize(("index", "message"), [("n", "index of a list"), (":n", "ends of a slice")])
 def test_what_stands_at_random_places_is_refused(index, message):
-    text = "n = DiscreteRange(-3, 2)\nitems = Uniform([1, 2, 3], [4, 5, 6])\nparam first = items[0]\n"
-    assert things(text).dim == 1
+    text = "n = DiscreteRange(-3, 2)\nitems = [1, 2, 3]\n"
     with pytest.raises(ScenicError, match=f"the {message} must not be random"):
         things(text + f"param value = items[{index}]")

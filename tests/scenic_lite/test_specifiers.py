@@ -164,7 +164,7 @@ def test_orientations_of_dialect_3_are_yaws(text, heading, yaw, parent):
 
 @pytest.mark.parametrize("text", ["with orientation 30 deg", "with pitch 1", "with roll Range(0, 1)"])
 def test_orientations_that_the_plane_has_not_are_refused(text):
-    with pytest.raises(ScenicError, match="in two dimensions no specifier sets the"):
+    with pytest.raises(ScenicError, match="in two dimensions no specifier or class sets the"):
         things(f"a = new Thing {text}", 3)
 
 

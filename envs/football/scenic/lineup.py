@@ -174,7 +174,8 @@ class Lineup:
         roles = np.asarray(self.roster.roles)[members]
         drawn = next((index for place, index in self._random_roles if members[place]), None)
         if drawn is not None and mode == "allNonGK":
-            info, hint = self.program.objects[drawn], "control 'allNonGK' leaves out the keeper: write LeftGK, LeftCB, ..."
+            hint = "control 'allNonGK' leaves out the keeper: write LeftGK, LeftCB, ..."
+            info = self.program.objects[drawn]
             raise refusal(self.program, f"{info.class_name} has a random role", info.place, hint)
         try:
             return count_agents(mode, roles, team)

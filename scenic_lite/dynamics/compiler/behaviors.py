@@ -12,10 +12,9 @@ from contextlib import nullcontext
 from functools import partial
 from typing import Any
 
-from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Behavior, BehaviorCall, Instance, RandomChoice, describe_kind
+from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.core.world import packed
-from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, over_options
+from scenic_lite.dynamics.compiler.choices import jump_on, over_options
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.emit import register_of
@@ -29,6 +28,7 @@ from scenic_lite.dynamics.compiler.interrupts import (
     suspend,
     try_interrupt,
 )
+from scenic_lite.dynamics.compiler.lists import by_length, is_list
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.scenarios import require_later, run_scenarios
 from scenic_lite.dynamics.compiler.types import RegisterList
@@ -37,9 +37,10 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.requirements import is_temporal, source_text
+from scenic_lite.evaluation.calls import named_by_do
+from scenic_lite.language.requirements import is_temporal, probability_of, source_text
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import RandomExpr, Value, is_number
+from scenic_lite.values.graph import RandomExpr, Value
 
 Called = tuple[BehaviorCall, Value]  # with its weight
 
@@ -47,45 +48,40 @@ Called = tuple[BehaviorCall, Value]  # with its weight
 def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
     """Compile `take a, b`; a single tuple or list stands for its elements."""
     actions, on = [scope.value(action) for action in node.actions], Label()
-    if len(actions) == 1 and isinstance(actions[0], list | tuple):
-        actions = list(actions[0])
-    elif len(actions) == 1 and undecided_list(actions[0]):
-        message = "`take` of a list that the match decides"
-        raise ScenicError("unsupported", message, hint="take its elements one by one, each list in a branch of its own")
-    assert c.site.agent is not None, "the checker lets only behaviors take actions"
-    actions = [checked(c, action, node) for action in actions]
-    remember(c, tuple(actions))
-    c.code.row(op.TAKE, command(c, actions, node), c.site.slot, on)
+    several = actions[0] if len(actions) == 1 and is_list(actions[0], any) else actions
+    number = register_of(c.code, command(c, several))
+    c.code.row(op.TAKE, number, c.site.slot, on)
     c.code.put(on)
     check_invariants(c, scope)
 
 
-def undecided_list(value: Value) -> bool:
-    options = value.options if isinstance(value, RandomChoice) else ()
-    return isinstance(value, RegisterList) or any(isinstance(option, list | tuple) for option in options)
+def command(c: Compilation, actions: Value) -> Value:
+    """Return the number of a command: its actions as one number, or its place in a list; of none -1."""
+    if isinstance(actions, RegisterList):
+        actions = by_length(actions)
+    if isinstance(actions, RandomChoice):
+        return over_options(c, actions, partial(command, c))
+    actions = tuple(checked(c, each) for each in (actions if isinstance(actions, list | tuple) else [actions]))
+    remember(c, actions)
+    if not actions:
+        return -1
+    if c.world.actions is not None:
+        return packed(actions, c.world.actions)
+    c.output.commands.append(tuple(in_registers(c, store_in_register(c.code, each)) for each in actions))
+    return len(c.output.commands) - 1
 
 
-def checked(c: Compilation, action: Value, node: nodes.Take) -> Value:
+def checked(c: Compilation, action: Value) -> Value:
     """Return an action as the world wants it: a fault if it is none."""
     if isinstance(action, RandomChoice):
-        return over_options(c, action, lambda each: checked(c, each, node))
-    assert c.site.agent is not None
+        return over_options(c, action, partial(checked, c))
+    assert c.site.agent is not None, "the checker lets only behaviors take actions"
     action = c.world.command(action, c.site.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
         c.code.row(op.IS_INDEX, known, register, c.code.constant(c.world.actions))
         c.code.fault_unless(known, c.world.no_action(MESSAGE_SLOT), register)
     return action
-
-
-def command(c: Compilation, actions: list[Value], node: nodes.Take) -> int:
-    """Return the register of a command's number: its actions as one number, or its place in a list."""
-    if not actions:
-        return c.code.constant(-1)
-    if c.world.actions is not None:
-        return register_of(c.code, packed(actions, c.world.actions))
-    c.output.commands.append(tuple(in_registers(c, store_in_register(c.code, each)) for each in actions))
-    return c.code.constant(len(c.output.commands) - 1)
 
 
 def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
@@ -132,9 +128,7 @@ def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
         require_later(c, scope, node)
         return
     fine = Label()
-    probability = 1.0 if node.probability is None else scope.value(node.probability)
-    if not is_number(probability) or not 0 <= probability <= 1:
-        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+    probability = probability_of(scope, node)
     if probability < 1:
         mark = c.code.temporaries.take()
         c.code.row(op.DRAW, mark, c.code.constant(0), c.code.constant(1))
@@ -179,7 +173,8 @@ def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool
 
 
 def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
-    calls = calls_of(c, scope, node)
+    named = named_by_do(scope, node, "scenario" if c.site.composing else "behavior")
+    calls = [(store_in_register(c.code, call), store_in_register(c.code, weight)) for call, weight in named]
     if node.how == "choose":
         chosen = pick(c, calls, node)  # before a condition is looked at
         run = partial(run_one_of, c, [call for call, _ in calls], node, chosen)
@@ -212,36 +207,6 @@ def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: i
             run_called(c, [call], node)
 
     c.code.dispatch(chosen, {i: partial(run, i, call) for i, call in enumerate(calls)})
-
-
-def calls_of(c: Compilation, scope: CompiledScope, node: nodes.Do) -> list[Called]:
-    """Return what is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
-    values = [scope.value(each) for each in node.calls]
-    places: list[ast.expr] = list(node.calls)
-    weights: list[Value] = [1.0] * len(values)
-    if node.weights is not None:
-        weights = [scope.value(each) for each in node.weights]
-    if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
-        values, weights = list(values[0]), list(values[0].values())
-        places *= len(values)
-    for weight in weights:
-        if is_number(needs_number(weight, "a weight")) and weight < 0:
-            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
-    return [
-        (store_in_register(c.code, called(c, scope, value, place)), store_in_register(c.code, weight))
-        for value, place, weight in zip(values, places, weights, strict=True)
-    ]
-
-
-def called(c: Compilation, scope: Scope, value: Value, place: ast.expr) -> Value:
-    """Return a behavior with its arguments, or a choice among such; in a compose block a scenario."""
-    if isinstance(value, RandomChoice):
-        return RandomChoice(value.index, tuple(called(c, scope, option, place) for option in value.options))
-    kind = "scenario" if c.site.composing else "behavior"
-    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
-        return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
-    raise scope.error("type", f"`do` needs a {kind}, not {describe_kind(value)}", place, hint)
 
 
 # ------------------------------------------------------------ one of several

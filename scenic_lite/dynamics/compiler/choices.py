@@ -14,8 +14,8 @@ from contextlib import contextmanager
 from functools import partial
 
 from scenic_lite.core.checks import FAULTS, as_error
-from scenic_lite.core.scope import Scope
-from scenic_lite.core.types import Function, RandomChoice, choose, describe_kind
+from scenic_lite.core.scope import Scope, no_condition
+from scenic_lite.core.types import BehaviorCall, Function, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.code import Label, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import is_live, jump, register_of
@@ -118,7 +118,13 @@ def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: b
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
         jump_on(c, scope, node.operand, target, not when)
     elif c.code.reachable:
-        jump(c.code, truth(scope.value(node)), target, when)
+        value = scope.value(node)
+        if isinstance(value, BehaviorCall):
+            error = no_condition(scope, node)
+            c.output.doubts.append(error)
+            c.stop_with(error)
+        else:
+            jump(c.code, truth(value), target, when)
 
 
 @contextmanager

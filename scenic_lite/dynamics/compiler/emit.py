@@ -172,10 +172,15 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
 def of_scene(code: Assembler, node: RandomExpr, out: int) -> None:
     """Write rows that take what was computed with the scene; a fault if that is no finite number."""
     register_of(code, RegisterValue(code.input(node)), out)
+    fault_unless_finite(code, out, FAULT_MESSAGES[DOMAIN_ERROR])
+
+
+def fault_unless_finite(code: Assembler, register: int, message: str) -> None:
+    """Write rows that stop a match in which a number is endless or none."""
     finite = code.temporaries.take()
-    code.row(op.SUBTRACT, finite, out, out)
+    code.row(op.SUBTRACT, finite, register, register)
     code.row(op.EQUAL, finite, finite, code.constant(0))
-    code.fault_unless(finite, FAULT_MESSAGES[DOMAIN_ERROR])
+    code.fault_unless(finite, message)
 
 
 def _is(operation: Any, kind: Any) -> bool:

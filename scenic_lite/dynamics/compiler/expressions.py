@@ -26,7 +26,7 @@ from scenic_lite.dynamics.compiler.choices import (
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
-from scenic_lite.dynamics.compiler.lists import DECIDED, FUNCTIONS, comprehension, contains, element_at, refused
+from scenic_lite.dynamics.compiler.lists import FUNCTIONS, comprehension, element_at, over_lengths, refused
 from scenic_lite.dynamics.compiler.registers import materialize
 from scenic_lite.dynamics.compiler.types import RegisterList, varies
 from scenic_lite.dynamics.machine import opcodes as op
@@ -34,7 +34,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import item_of
 from scenic_lite.evaluation.builtins import text_of
 from scenic_lite.evaluation.calls import Return, call, check_signature, seen_from
-from scenic_lite.evaluation.expressions import apply_sign, related
+from scenic_lite.evaluation.expressions import apply_sign, membership, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, as_number, kind_of
@@ -42,21 +42,10 @@ from scenic_lite.values.operations import ADD, LESS
 
 
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
-    """Do one of the evaluator's functions to whichever option it is in the match. Raises ScenicError for a list."""
+    """Do one of the evaluator's functions to whichever option, or list of whichever length, it is in the match."""
     before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
-    if isinstance(value, RegisterList):
-        what, hint = REFUSED.get(function.__name__, (f"a list {DECIDED} cannot be used here", LOOP))
-        raise refused(what.format(*arguments), hint)
-    return over_options(c, value, lambda option: function(*before, option, *after, **keywords))
-
-
-LOOP = "write a loop or a comprehension"
-REFUSED: dict[str, tuple[str, str]] = {  # by what is done to a list whose length the match decides
-    "attribute": (f"{{2}}() of a list {DECIDED}", "it can be appended to; else write a loop or a comprehension"),
-    "combine": (f"a list {DECIDED} cannot be added to another or repeated", "append to it, or write one filter"),
-    "related": (f"a list {DECIDED} cannot be compared", LOOP),
-    "text_of": (f"a list {DECIDED} cannot be written as text", "write its elements one by one"),
-}
+    over = over_lengths if isinstance(value, RegisterList) else over_options
+    return over(c, value, lambda option: function(*before, option, *after, **keywords))
 
 
 def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
@@ -80,8 +69,10 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
     ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
     if not isinstance(container, RegisterList) and not any(isinstance(end, RandomExpr) for end in ends):
         return item_of(scope, container, index)
+    if isinstance(index, slice) and any(isinstance(end, RandomExpr) for end in ends):
+        raise refused("a slice up to where the match decides", "write a filter or a loop")
     if isinstance(index, slice):
-        raise refused(f"a slice of a list {DECIDED}, or up to where it decides")
+        return over_lengths(c, container, lambda items: item(c, scope, items, index))
     if isinstance(container, dict):
         raise refused("an element of a dictionary whose key the match decides", "write if and elif")
     if not is_whole(index := as_number(index)):
@@ -153,7 +144,7 @@ def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left:
         same = same_thing(left, right)
         return same if isinstance(sign, ast.Is) else opposite(same)
     if isinstance(sign, ast.In | ast.NotIn):
-        inside = contains(c, scope, node, right, left)
+        inside = membership(scope, node, left, right)
         return inside if isinstance(sign, ast.In) else opposite(inside)
     return related(scope, sign, left, right)
 
@@ -195,15 +186,12 @@ def call_builtin(
         result = own(c, scope, node, *arguments, **keywords)
         if result is not NotImplemented:
             return result
-    if any(isinstance(argument, RegisterList) for argument in arguments):
-        raise refused(f"{function.name}() of a list {DECIDED}")
-    at = next((i for i, argument in enumerate(arguments) if isinstance(argument, RandomChoice)), None)
+    at = next((i for i, argument in enumerate(arguments) if isinstance(argument, RandomChoice | RegisterList)), None)
     if at is None or function.name in ("Uniform", "Discrete", "print"):
         return certain(call(scope, function, arguments, keywords, node))
-    before, after = arguments[:at], arguments[at + 1 :]
-    return over_options(
-        c, arguments[at], lambda option: call_value(c, scope, function, [*before, option, *after], keywords, node)
-    )
+    before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
+    over = over_lengths if isinstance(value, RegisterList) else over_options
+    return over(c, value, lambda option: call_value(c, scope, function, [*before, option, *after], keywords, node))
 
 
 CHANGING = frozenset({"append", "extend", "remove", "pop", "clear", "reverse", "setdefault"})

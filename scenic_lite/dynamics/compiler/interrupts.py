@@ -15,10 +15,10 @@ from functools import partial
 from typing import NamedTuple
 
 from scenic_lite.core.types import BehaviorCall
-from scenic_lite.dynamics.compiler.choices import jump_on, needs_number, truth
+from scenic_lite.dynamics.compiler.choices import jump_on, needs_number
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
-from scenic_lite.dynamics.compiler.emit import jump, register_of
+from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.statements import assigned_names
 from scenic_lite.dynamics.machine import opcodes as op
@@ -131,16 +131,7 @@ def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler],
 def interrupt_on(c: Compilation, scope: CompiledScope, condition: ast.expr, start: Label) -> None:
     """Go to a handler if its condition holds."""
     c.code.place = scope.place(condition)
-    if not isinstance(condition, ast.Call):
-        jump_on(c, scope, condition, start, when=True)
-        return
-    value = scope.value(condition)
-    if isinstance(value, BehaviorCall):  # which somebody forgot to `do`
-        error = scope.error("type", "a behavior cannot be called in a condition", condition)
-        c.output.doubts.append(error)
-        c.stop_with(error)
-    else:
-        jump(c.code, truth(value), start, when=True)
+    jump_on(c, scope, condition, start, when=True)
 
 
 def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: Label) -> None:

@@ -9,30 +9,29 @@ next: `dynamics.compiler.expressions`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial, reduce
 
+from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Instance, RandomChoice, choose, describe_kind
 from scenic_lite.dynamics.compiler.choices import jump_on, over_options, truth
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation
 from scenic_lite.dynamics.compiler.emit import jump, register_of
-from scenic_lite.dynamics.compiler.registers import Place, materialize, moves_to, place_for, store
+from scenic_lite.dynamics.compiler.registers import Place, materialize, moves_to, parts_of_list, place_for, store
 from scenic_lite.dynamics.compiler.types import LONGEST, ListType, RegisterList, common_type, join, loaded, type_of
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import unpack
-from scenic_lite.evaluation.expressions import membership
 from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
 from scenic_lite.values.operations import AND, LESS, NEGATE, OR
 
 MANY = 8  # objects: a loop over so many has the same rows for all of them
 DECIDED = "whose length the match decides"
-BRANCH = "write if and else, with one list in each"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +49,48 @@ def refused(what: str, hint: str = "write a loop or a comprehension") -> ScenicE
 
 def elements(c: Compilation, scope: Scope, value: Value, node: ast.AST) -> list[Value]:
     """Return the elements of what has a fixed number of them."""
-    if isinstance(value, RandomChoice):
-        raise scope.placed(refused("one of several lists, of which the match decides which", BRANCH), node)
+    value = one_list(c, value)
     if isinstance(value, RegisterList | LiveRange):
         raise scope.placed(refused(f"a list {DECIDED} cannot be taken apart here"), node)
     return scope.elements(value, node)
 
 
+def is_list(value: Value, of: Callable[[Iterable], bool] = all) -> bool:
+    """Return whether a value is a list or tuple; of a choice, whether `all` or `any` of its options are."""
+    if isinstance(value, RandomChoice):
+        return of(is_list(option, of) for option in value.options)
+    return isinstance(value, list | tuple | RegisterList)
+
+
+def one_list(c: Compilation, value: Value) -> Value:
+    """Return a choice among lists as one, in registers where their lengths differ; anything else as it is."""
+    if not isinstance(value, RandomChoice) or not is_list(value):
+        return value
+    length, items = parts_of_list(value)
+    return items if isinstance(length, int) else in_registers(c.code, value)
+
+
+def by_length(items: RegisterList) -> Value:
+    """Return a list as a choice among lists of fixed lengths, all that it may have."""
+    return choose(items.length, [[*map(items.at, range(length))] for length in range(items.type.capacity + 1)])
+
+
+def over_lengths(c: Compilation, items: Value, of_one: Callable[[Value], Value]) -> Value:
+    """Return `of_one` of a list of whichever length it has. Raises ScenicError if the longest cannot be handled."""
+    choice = by_length(items)
+    with c.code.captured():
+        try:
+            of_one(choice.options[-1])
+        except FAULTS as fault:
+            error = as_error(fault)
+            raise refused(error.message, error.hint or f"it is a list {DECIDED}") from None
+    return over_options(c, choice, of_one)
+
+
 def in_registers(code: Assembler, items: Value, more: Value = None, capacity: int = 0) -> RegisterList:
     """Return any list in registers, a copy, with room for another element if one is given."""
-    own = items.type if isinstance(items, RegisterList) else ListType(common_type(items), len(items))
+    parts = parts_of_list(items)[1]
+    own = items.type if isinstance(items, RegisterList) else ListType(common_type(parts), len(parts))
     element = own.element if more is None else join(own.element, type_of(more))
     place = Place(code, ListType(element, max(own.capacity, capacity, 1)), code.variables)
     place.store(items)
@@ -123,7 +154,7 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
 def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
     """Return the elements of a comprehension; None if the match decides which they are."""
     first, *rest = generators
-    items = scope.value(first.iter)
+    items = one_list(c, scope.value(first.iter))
     if isinstance(items, RegisterList):
         return None
     result: list[Value] = []
@@ -153,7 +184,7 @@ def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Val
 
 def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element: ast.expr) -> Value:
     """Return the list of a comprehension of which the match decides which elements it has."""
-    code, items = c.code, scope.value(generator.iter)
+    code, items = c.code, one_list(c, scope.value(generator.iter))
     if not isinstance(items, RegisterList):
         items = elements(c, scope, items, generator.iter)
         items = items if are_objects(items) else in_registers(code, items)
@@ -219,23 +250,7 @@ def put_item(code: Assembler, items: RegisterList, item: Value, checked: bool = 
     code.row(op.ADD, length, length, code.constant(1))
 
 
-# ------------------------------------------------------------ asking
-
-
-def contains(c: Compilation, scope: Scope, node: ast.Compare, container: Value, item: Value) -> Value:
-    """Return `item in container`."""
-    if isinstance(container, RandomChoice):
-        return over_options(c, container, lambda option: contains(c, scope, node, option, item))
-    if isinstance(container, RegisterList):
-        raise refused(f"`in` a list {DECIDED}", "write a filter: len([o for o in items if o is x]) > 0")
-    return membership(scope, node, item, container)
-
-
 # ------------------------------------------------------------ functions
-
-
-def length(c: Compilation, scope: Scope, node: ast.AST, value: Value) -> Value:
-    return value.length if isinstance(value, RegisterList) else NotImplemented
 
 
 def to_range(c: Compilation, scope: Scope, node: ast.AST, *ends: Value) -> Value:
@@ -246,14 +261,6 @@ def to_range(c: Compilation, scope: Scope, node: ast.AST, *ends: Value) -> Value
     if not isinstance(step, int) or step == 0:
         raise refused("the step of a range must be a fixed integer in a match", "")
     return LiveRange(materialize(c.code, start), materialize(c.code, stop), step)
-
-
-def truth_of(c: Compilation, scope: Scope, node: ast.AST, value: Value = False) -> Value:
-    return truth(value)
-
-
-def to_list(c: Compilation, scope: Scope, node: ast.AST, values: Value = ()) -> Value:
-    return values if isinstance(values, RegisterList) else NotImplemented
 
 
 def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: Value) -> Value:
@@ -268,7 +275,7 @@ def extreme(
 ) -> Value:
     """Return `min`, `max` with a key, or of a list in registers: the first of those that are equal."""
     code, number = c.code, partial(number_of, c, scope, node, key)
-    items = values[0] if len(values) == 1 else values
+    items = one_list(c, values[0]) if len(values) == 1 else values
     if not isinstance(items, RegisterList):
         if key is None or not (items := [materialize(code, item) for item in elements(c, scope, items, node)]):
             return NotImplemented
@@ -315,6 +322,7 @@ def in_order(
     code = c.code
     if isinstance(reverse, RandomExpr):
         raise refused("whether a list is sorted in reverse must be fixed in a match", "")
+    values = one_list(c, values)
     if not isinstance(values, RegisterList):
         values = [materialize(code, item) for item in elements(c, scope, values, node)]
         with code.captured():
@@ -346,11 +354,10 @@ def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
 
 # With the arguments of the evaluator's functions of these names, which go on where one of these gives NotImplemented.
 FUNCTIONS: dict[str, Callable[..., Value]] = {
-    "len": length,
+    "len": lambda c, scope, node, value: value.length if isinstance(value, RegisterList) else NotImplemented,
     "range": to_range,
-    "bool": truth_of,
-    "list": to_list,
-    "tuple": to_list,
+    "bool": lambda c, scope, node, value=False: truth(value),
+    "list": lambda c, scope, node, values=(): values if isinstance(values, RegisterList) else NotImplemented,
     "any": partial(folded, True),
     "all": partial(folded, False),
     "min": partial(extreme, True),

@@ -80,24 +80,30 @@ def renumbered(index: RandomExpr, numbers: list[int]) -> Value:
 
 
 def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[Move]:
-    length, cells = registers[0], registers[1:]
+    cells = registers[1:]
     if isinstance(value, RegisterList) and value.type == type:
         yield from zip(registers, map(RegisterValue, value.registers), strict=True)
         return
-    if isinstance(value, RegisterList):
-        yield length, value.length
-        elements = [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
-    elif isinstance(value, RandomChoice):
-        hint = "write if and else, with one list in each"
-        raise ScenicError("unsupported", "one of several lists, of which the match decides which", hint=hint)
-    else:
-        elements = list(value)
-        yield length, len(elements)
+    length, elements = parts_of_list(value)
+    yield registers[0], length
     if len(elements) > type.capacity:
         raise ScenicError("budget", f"a list of more than {type.capacity} elements whose length varies")
     if type.element is not None:
         for i, element in enumerate(elements):
             yield from moves_to(type.element, iter(cells[i :: type.capacity]), element)
+
+
+def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
+    """Return the length of a list and all elements that it may have; of a choice among lists whichever it is."""
+    if isinstance(value, RegisterList):
+        return value.length, [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
+    if not isinstance(value, RandomChoice):
+        return len(value), list(value)
+    lengths, lists = zip(*map(parts_of_list, value.options), strict=True)
+    places = range(max(map(len, lists)))
+    there = [next(own[i] for own in lists if i < len(own)) for i in places]  # where a list is shorter nobody looks
+    elements = [choose(value.index, [own[i] if i < len(own) else there[i] for own in lists]) for i in places]
+    return lengths[0] if all(each is lengths[0] for each in lengths) else choose(value.index, lengths), elements
 
 
 # ------------------------------------------------------------ moving

@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, choose, describe_kind
+from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, choose
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import (
     Compilation,
@@ -37,9 +37,10 @@ from scenic_lite.dynamics.machine.bytecode import COMPLETE
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.statements import keep_record, keep_termination
+from scenic_lite.evaluation.statements import require_monitor as keep_monitor
 from scenic_lite.language.classes import checked
 from scenic_lite.language.requirements import formula_of, source_text
-from scenic_lite.language.specifiers import overridden_property
+from scenic_lite.language.specifiers import overridden_properties
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
@@ -256,10 +257,8 @@ def watch(
 
 def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMonitor) -> None:
     """Start a monitor with the scenario, or at once if that is running."""
-    value = scope.value(node.call)
-    if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
-    thread = add_monitor(c, own_part(c, scope), with_own_arguments(c, value))
+    keep_monitor(scope, node)
+    thread = add_monitor(c, own_part(c, scope), with_own_arguments(c, c.state.monitors.pop()))
     if not c.site.setting_up:
         launch(c, thread)
 
@@ -300,16 +299,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
     target = scope.value(node.target)
     if isinstance(target, RandomChoice):
         raise ScenicError("unsupported", "`override` of whichever object a match finds")
-    if not isinstance(target, Instance) or not target.label:
-        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
-    values: dict[str, Value] = {}
-    for each in node.specifiers:
-        name, value = overridden_property(scope, each)
-        if name in c.shown.names:
-            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", each)
-        if name not in target.properties:
-            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", each)
-        values[name] = value if isinstance(value, RandomChoice) else checked(name, value, c.program.dialect)
+    values = overridden_properties(scope, node, target, c.shown.names)
     for name, value in values.items():
         if name != "behavior":
             c.refuse_live(target, name)

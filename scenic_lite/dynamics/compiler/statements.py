@@ -14,11 +14,12 @@ from functools import lru_cache
 from typing import Any
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
+from scenic_lite.core.world import NOT_FINITE, checked_reward
 from scenic_lite.dynamics.compiler.choices import jump_on
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
-from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.lists import LiveRange, appended, elements, loop, many
+from scenic_lite.dynamics.compiler.emit import fault_unless_finite, register_of
+from scenic_lite.dynamics.compiler.lists import LiveRange, appended, elements, loop, many, one_list
 from scenic_lite.dynamics.compiler.registers import Variable, materialize, store_in_register
 from scenic_lite.dynamics.compiler.types import RegisterList
 from scenic_lite.dynamics.machine import opcodes as op
@@ -30,7 +31,7 @@ from scenic_lite.evaluation.expressions import combine
 from scenic_lite.language.classes import checked
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import walk_own
-from scenic_lite.values.graph import Value, kind_of
+from scenic_lite.values.graph import RandomExpr, Value
 
 
 def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
@@ -115,9 +116,9 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
         if name != "scenic_reward":
             message, hint = f"a match sets no attribute '{name}' of simulation()", near(name, ["scenic_reward"])
             raise ScenicError("unsupported", message, hint=hint or SHARED)
-        if kind_of(value) not in ("number", "truth"):
-            raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
-        register_of(c.code, value, REWARD)
+        register_of(c.code, checked_reward(value), REWARD)
+        if isinstance(value, RandomExpr):
+            fault_unless_finite(c.code, REWARD, NOT_FINITE)
         c.output.sets_reward = True
     elif isinstance(owner, Instance) and owner.label:
         c.refuse_live(owner, name)
@@ -183,7 +184,7 @@ def in_loop(scope: CompiledScope, around: Loop, body: list[ast.stmt]) -> None:
 
 def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
     """Compile a loop: one body for numbers, for a list of the match and for many objects, else one for each element."""
-    items = scope.value(node.iter)
+    items = one_list(c, scope.value(node.iter))
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
     if isinstance(items, RegisterList):
@@ -270,16 +271,8 @@ def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> No
     c.code.put(fine)
 
 
-REFUSED = {
-    ast.ClassDef: ("a class cannot be compiled for a match", "write it outside of behaviors"),
-    nodes.Param: ("`param` has no meaning in a match", "write it in the main scenario"),
-    nodes.Mutate: ("`mutate` has no meaning in a match", "write it in the main scenario"),
-}
-
-
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
-    message, hint = REFUSED[type(node)]
-    raise ScenicError("unsupported", message, hint=hint)
+    raise ScenicError("unsupported", "this has no meaning in a match", hint="write it outside of behaviors")
 
 
 # ------------------------------------------------------------ what statements change
@@ -331,5 +324,5 @@ STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     ast.Continue: leave_round,
     ast.Return: compile_return,
     ast.Assert: compile_assert,
-    **dict.fromkeys(REFUSED, refuse),
+    **dict.fromkeys((ast.ClassDef, nodes.Param, nodes.Mutate), refuse),
 }

@@ -112,9 +112,8 @@ class Episode:
     def take_reward(self) -> float:
         """Return what `simulation().scenic_reward` says, and clear it."""
         assert self.simulation is not None
-        value = self.simulation.names.get("scenic_reward")
-        self.simulation.names["scenic_reward"] = 0.0
-        return float(value) if isinstance(value, int | float) else 0.0
+        value, self.simulation.names["scenic_reward"] = self.simulation.names["scenic_reward"], 0.0
+        return float(value)
 
     @contextmanager
     def playing(self) -> Iterator[None]:

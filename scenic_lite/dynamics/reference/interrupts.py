@@ -25,18 +25,17 @@ that always waits. In a compose block the same is done with scenarios, which may
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Generator, Iterator
 from functools import partial
 from itertools import repeat
 from typing import NamedTuple
 
-from scenic_lite.core.types import Behavior, BehaviorCall, describe_kind
+from scenic_lite.core.types import BehaviorCall
 from scenic_lite.dynamics.reference.episode import Rejected
 from scenic_lite.dynamics.reference.threads import Step, Thread
 from scenic_lite.errors import UnsetVariable
+from scenic_lite.evaluation.calls import named_by_do
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, is_number
 
 Steps = Iterator[Step]
 Weighted = list[tuple[BehaviorCall, float]]
@@ -69,8 +68,6 @@ def condition_holds(thread: Thread, node: nodes.Interrupt) -> bool:
         if thread.call.behavior.kind == "scenario":
             return False
         raise
-    if isinstance(value, BehaviorCall):
-        raise thread.scope.error("type", "a behavior cannot be called in a condition", node.condition)
     return thread.scope.certain_truth(value, node.condition)
 
 
@@ -116,7 +113,8 @@ def wait(thread: Thread, node: nodes.Wait) -> Steps:
 
 
 def do(thread: Thread, node: nodes.Do) -> Steps:
-    calls = calls_of(thread, node)
+    kind = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
+    calls = named_by_do(thread.scope, node, kind)
     if node.how == "choose":
         run = thread.invoked([pick(thread, calls)])
     elif node.how == "shuffle":
@@ -124,33 +122,6 @@ def do(thread: Thread, node: nodes.Do) -> Steps:
     else:
         run = thread.invoked([call for call, _ in calls])
     return run if node.duration is None and node.until is None else limited(thread, node, run)
-
-
-def calls_of(thread: Thread, node: nodes.Do) -> Weighted:
-    """Return what is to be done, each with its weight; `choose` and `shuffle` also take a dictionary of weights."""
-    scope = thread.scope
-    values = [scope.value(expression) for expression in node.calls]
-    places: list[ast.expr] = list(node.calls)
-    weights = [1.0] * len(values) if node.weights is None else [scope.value(expression) for expression in node.weights]
-    if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
-        values, weights = list(values[0]), list(values[0].values())
-        places *= len(values)
-    for weight in weights:
-        if not is_number(weight) or weight < 0:
-            raise scope.error("value", f"a weight is a number, and not negative: {weight!r}", node)
-    calls = [called(thread, value, place) for value, place in zip(values, places, strict=True)]
-    return list(zip(calls, weights, strict=True))
-
-
-def called(thread: Thread, value: Value, place: ast.expr) -> BehaviorCall:
-    kind = "scenario" if thread.call.behavior.kind == "scenario" else "behavior"
-    if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
-        return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
-    what = describe_kind(value)
-    if isinstance(value, BehaviorCall):
-        what = f"the {value.behavior.kind} {value.behavior.name}"
-    raise thread.scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
 
 
 def pick(thread: Thread, calls: Weighted) -> BehaviorCall:

@@ -17,17 +17,16 @@ from typing import Any
 from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
-from scenic_lite.core.types import describe_kind
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, wait
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
-from scenic_lite.language.classes import checked, is_object
-from scenic_lite.language.requirements import is_temporal, source_text
-from scenic_lite.language.specifiers import overridden_property
+from scenic_lite.language.classes import is_object
+from scenic_lite.language.requirements import is_temporal, probability_of, source_text
+from scenic_lite.language.specifiers import overridden_properties
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, is_number
+from scenic_lite.values.graph import Value
 
 # ------------------------------------------------------------ in which time may pass
 
@@ -91,9 +90,7 @@ def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
         else:
             scope.state.temporal.append(watched)
         return
-    probability = 1.0 if node.probability is None else scope.value(node.probability)
-    if not is_number(probability) or not 0 <= probability <= 1:
-        raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
+    probability = probability_of(scope, node)
     if probability < 1 and episode.uniform() > probability:
         return
     if not scope.truth(node.condition):
@@ -110,18 +107,8 @@ def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) 
 def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
     """`override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
-    if not is_object(target):
-        raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
-    values: dict[str, Value] = {}
-    live = episode.world.properties(target, dict.fromkeys(episode.world.fields, 0.0))
-    for specifier in node.specifiers:
-        name, value = overridden_property(scope, specifier)
-        if name in live:
-            raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", specifier)
-        if name not in target.properties:
-            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", specifier)
-        values[name] = checked(name, value, scope.state.dialect)
-    episode.scenario.override(target, values)
+    live = episode.world.properties(target, dict.fromkeys(episode.world.fields, 0.0)) if is_object(target) else ()
+    episode.scenario.override(target, overridden_properties(scope, node, target, live))
 
 
 def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -> Callable[[Scope, nodes.New], Value]:

@@ -52,7 +52,7 @@ ego = new Object with behavior Brag()
     assert rewards(text) == (0, 0, 3, 0)
 
 
-def test_reward_of_none_counts_as_none():
+def test_reward_of_none_is_refused():
     text = """
 monitor Score():
     simulation().scenic_reward = None
@@ -60,7 +60,8 @@ monitor Score():
 ego = new Object
 require monitor Score()
 """
-    assert rewards(text, 1) == (0, 0)
+    with pytest.raises(ScenicError, match="a reward is a number, not None"):
+        rewards(text, 1)
 
 
 def test_monitor_of_scenic_2_starts_by_being_defined():
